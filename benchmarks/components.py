@@ -182,7 +182,7 @@ def _by_turns(scale: Scale, trips: dict[str, Trips]) -> dict[str, Any]:
         random.shuffle(order)
         for name, trip in order:
             _, *found = trip(count + 1)
-            for each in found:
-                blocks.add(name, each)
+            for duration in found:
+                blocks.add(name, duration)
     gc.enable()
     return blocks.summary(against=DATAGRAMS)

@@ -63,12 +63,19 @@ def page(data: Mapping[str, Any]) -> str:
     Args:
         data: What was found: `machine`, `stale` in seconds, and `faults` by name.
     """
-    head = ("fault", *(f"{each}, back" for each in CONNECTIONS), "stop", "oldest command")
+    head = (
+        "fault",
+        *(f"{connection}, back" for connection in CONNECTIONS),
+        "stop",
+        "oldest command",
+    )
     rows = [
         (
             name,
-            *(found["recovered"].get(each) for each in CONNECTIONS),
-            ", ".join(f"{each} {time:g}" for each, time in sorted(found["stopped"].items())),
+            *(found["recovered"].get(connection) for connection in CONNECTIONS),
+            ", ".join(
+                f"{connection} {time:g}" for connection, time in sorted(found["stopped"].items())
+            ),
             max(found["oldest"].values()),
         )
         for name, found in sorted(data["faults"].items())
@@ -105,7 +112,7 @@ def _guardian(guardian: Mapping[str, Any], halts: Mapping[str, Any]) -> Iterator
 
 
 def _rounded(row: tuple[Any, ...]) -> tuple[Any, ...]:
-    return tuple(round(each, 2) if isinstance(each, float) else each for each in row)
+    return tuple(round(cell, 2) if isinstance(cell, float) else cell for cell in row)
 
 
 def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
@@ -124,13 +131,13 @@ def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
     rows = [
         (
             name,
-            each["sent"],
-            each["processor"],
-            each["rate"],
-            each["alone"]["p99"],
-            each["flooded"]["p99"],
+            flood["sent"],
+            flood["processor"],
+            flood["rate"],
+            flood["alone"]["p99"],
+            flood["flooded"]["p99"],
         )
-        for name, each in sorted(floods.items())
+        for name, flood in sorted(floods.items())
     ]
     head = (
         *("what", "datagrams a second", "processors for the bridge"),
@@ -150,9 +157,9 @@ def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _wild(floods: Mapping[str, Any]) -> Iterator[str]:
-    passed = {name: each["passed"] for name, each in floods.items() if "passed" in each}
+    passed = {name: flood["passed"] for name, flood in floods.items() if "passed" in flood}
     if passed:
-        told = ", ".join(f"{each} a second with `{name}`" for name, each in sorted(passed.items()))
+        told = ", ".join(f"{rate} a second with `{name}`" for name, rate in sorted(passed.items()))
         yield (
             "`commands of the operator` are permitted commands, sent 200 times as often as usual; "
             f"the share is that of all other messages. Of these commands, {told} arrived. Without "
@@ -173,8 +180,8 @@ def exceeded(data: Mapping[str, Any], bounds: Mapping[str, Any]) -> list[str]:
         for what in ("stopped", "recovered"):
             limit = bounds[what].get(fault, bounds[what][""])
             told += [
-                f"{fault}: {each} {what} after {seconds:g} s, the bound is {limit:g} s"
-                for each, seconds in sorted(found[what].items())
+                f"{fault}: {connection} {what} after {seconds:g} s, the bound is {limit:g} s"
+                for connection, seconds in sorted(found[what].items())
                 if seconds > limit
             ]
     return told

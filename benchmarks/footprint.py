@@ -89,17 +89,21 @@ def _of(
     scale: Scale, folder: Path, system: System, name: str, message: Sample, ros: RosEnd
 ) -> dict[str, Any]:
     variants = list(VARIANTS)
-    samples: dict[str, list[dict[str, float]]] = {each: [] for each in variants}
+    samples: dict[str, list[dict[str, float]]] = {variant_name: [] for variant_name in variants}
     for number in range(scale.count(_RUNS, 1)):
         random.shuffle(variants)
-        for variant in variants if number == 0 else [each for each in VARIANTS if each != FLOOR]:
+        for variant in (
+            variants
+            if number == 0
+            else [variant_name for variant_name in VARIANTS if variant_name != FLOOR]
+        ):
             loop = Loop(variant, ros, system, name, message)
             with Children(system.environment(), folder / "processes.log") as children:
                 loop.start(children, folder)
                 into = partial(_add_start, samples[variant], system.address(name))
-                for each in reached([loop], into):
-                    each.close()
-    return {variant: _summary(each) for variant, each in samples.items() if each}
+                for route in reached([loop], into):
+                    route.close()
+    return {variant: _summary(series) for variant, series in samples.items() if series}
 
 
 def _add_start(samples: list[dict[str, float]], address: Numbers, loop: Loop) -> None:
@@ -136,9 +140,10 @@ def _at_rest(child: Child) -> dict[str, float]:
 
 def _summary(samples: list[dict[str, float]]) -> dict[str, Any]:
     found: dict[str, Any] = {
-        name: rounded(statistics.median(each[name] for each in samples)) for name in samples[0]
+        name: rounded(statistics.median(measurement[name] for measurement in samples))
+        for name in samples[0]
     }
     if "ready_s" in found:
-        times = [each["ready_s"] for each in samples]
+        times = [measurement["ready_s"] for measurement in samples]
         found["span_s"] = [rounded(min(times)), rounded(max(times))]
     return found

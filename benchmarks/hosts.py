@@ -43,10 +43,10 @@ def host(port: int, count: int) -> None:
     transport.open()
     hosted = []
     for number in range(1, count + 1):
-        each = component(transport, JausAddress(1, 2, number))
-        each.on_message(ReportStatus, each.send)
-        each.start()
-        hosted.append(each)
+        jaus_component = component(transport, JausAddress(1, 2, number))
+        jaus_component.on_message(ReportStatus, jaus_component.send)
+        jaus_component.start()
+        hosted.append(jaus_component)
     loop.start()
     signal.pause()
 

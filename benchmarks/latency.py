@@ -58,7 +58,11 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     """
     kinds = scale.cases(tuple(KINDS), len(KINDS))
     names = {kind: f"one_{KINDS[kind][0]}" for kind in kinds}
-    bridges = {f"one_{each}": Measured((each,)) for each in MAPS if f"one_{each}" in names.values()}
+    bridges = {
+        f"one_{map_name}": Measured((map_name,))
+        for map_name in MAPS
+        if f"one_{map_name}" in names.values()
+    }
     system = generate(folder, bridges)
     system.compile()
     found = {}
@@ -79,7 +83,7 @@ def side_by_side(
 ) -> dict[str, Any]:
     """Measures the variants of one bridge; returns figures by rate, way and variant."""
     with Children(system.environment(), folder / "processes.log") as children:
-        routes = [Loop(each, ros, system, bridge, message) for each in VARIANTS]
+        routes = [Loop(variant, ros, system, bridge, message) for variant in VARIANTS]
         for route in routes:
             route.start(children, folder)
         routes = reached(routes, Loop.reach)
@@ -93,7 +97,7 @@ def side_by_side(
             blocks = {way: Blocks() for way in WAYS}
             count = scale.count(messages, 10)
             (_bursts if rate >= _BURSTS else _rounds)(paths, slow, blocks, rate, count)
-            found[str(rate)] = {way: each.summary() for way, each in blocks.items()}
+            found[str(rate)] = {way: block.summary() for way, block in blocks.items()}
             for route, way in slow:
                 found[str(rate)][way].setdefault(route.variant, {})["too_slow"] = True
             gc.collect()
@@ -113,9 +117,9 @@ def _too_slow(usual: dict[_Path, float], rate: int) -> list[_Path]:
     """Returns the paths that cannot keep a rate, or whose turn would leave no time for others."""
     paths = sorted(usual, key=usual.__getitem__)
     if rate >= _BURSTS:
-        return [each for each in paths if usual[each] >= 1 / rate]
+        return [path for path in paths if usual[path] >= 1 / rate]
     slow: list[_Path] = []
-    while sum(usual[each] for each in paths) > _SHARE / rate:
+    while sum(usual[path] for path in paths) > _SHARE / rate:
         slow.append(paths.pop())
     return slow
 
@@ -124,13 +128,13 @@ def _rounds(
     paths: list[_Path], slow: list[_Path], blocks: dict[str, Blocks], rate: int, count: int
 ) -> None:
     """Exchanges a message of each path in each period, of slow ones some in each block."""
-    order = [each for each in paths if each not in slow]
+    order = [candidate for candidate in paths if candidate not in slow]
     due = time.perf_counter()
     for number in range(count):
         if number % max(count // _BLOCKS, 1) == 0:
             random.shuffle(order)
-            for each in blocks.values():
-                each.begin()
+            for block in blocks.values():
+                block.begin()
             for path in slow:
                 _burst(path, blocks, _SLOW_RATE, _SLOW_BURST)
             due = time.perf_counter()
@@ -148,8 +152,8 @@ def _bursts(
     each_time = max(count // _BLOCKS, 2)
     for _ in range(min(_BLOCKS, count // each_time)):
         random.shuffle(order)
-        for each in blocks.values():
-            each.begin()
+        for block in blocks.values():
+            block.begin()
         for path in order:
             path[0].exchange(path[1])  # what comes after a longer pause does not count
             _burst(path, blocks, rate, each_time)
@@ -178,6 +182,8 @@ def _told(found: dict[str, Any]) -> str:
     told = []
     for rate, ways in found.items():
         for way, variants in ways.items():
-            ratios = [str(variants.get(each, {}).get("ratio")) for each in (COMPILED, GENERATED)]
+            ratios = [
+                str(variants.get(variant, {}).get("ratio")) for variant in (COMPILED, GENERATED)
+            ]
             told.append(f"{rate}/s {way} {' '.join(ratios)}")
     return ", ".join(told)

@@ -84,7 +84,7 @@ def _latency(sections: Mapping[str, Any]) -> Iterator[str]:
             figures = ways.get(way, {})
             if figures:
                 floor = figures.get(FLOOR, {}).get("median")
-                ratios = (times(figures.get(each, {})) for each in (COMPILED, GENERATED))
+                ratios = (times(figures.get(variant, {})) for variant in (COMPILED, GENERATED))
                 rows.append((words, WAY_NAMES[way], floor, *ratios))
     yield table(("message", "", "floor, us", COMPILED, GENERATED), rows)
 
@@ -96,8 +96,8 @@ def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
     yield "## Start and memory\n"
     yield "Until a bridge answers on JAUS, imports included:\n"
     rows = [
-        (count, name, *(figures.get(each) for each in ("ready_s", "memory_mib")))
-        for count, variants in sorted(found.items(), key=lambda each: int(each[0]))
+        (count, name, *(figures.get(quantity) for quantity in ("ready_s", "memory_mib")))
+        for count, variants in sorted(found.items(), key=lambda item: int(item[0]))
         for name, figures in variants.items()
         if name != "code"
     ]
@@ -114,8 +114,8 @@ def _soak(found: Mapping[str, Any] | None) -> Iterator[str]:
         f"a line fitted to the memory rises by {found['grown_mib']:g} MiB.\n"
     )
     rows = [
-        (WAY_NAMES[way], each["sent"], each["received"], each["lost"])
-        for way, each in sorted(found["ways"].items())
+        (WAY_NAMES[way], tally["sent"], tally["received"], tally["lost"])
+        for way, tally in sorted(found["ways"].items())
     ]
     yield table(("", "sent", "received", "counted as lost"), rows)
 

@@ -68,7 +68,9 @@ class Child:
     def memory(self) -> float:
         """Returns its resident memory in MiB."""
         status = (self._proc / "status").read_text()
-        (line,) = (each for each in status.splitlines() if each.startswith("VmRSS"))
+        (line,) = (
+            status_line for status_line in status.splitlines() if status_line.startswith("VmRSS")
+        )
         return int(line.split()[1]) / 1024
 
     def end(self) -> None:
@@ -118,9 +120,9 @@ class Children:
 
     def end(self) -> None:
         """Ends all, together."""
-        for each in self._all:
-            if each.is_alive:
-                each.process.send_signal(signal.SIGTERM)
-        for each in self._all:
-            each.end()
+        for child in self._all:
+            if child.is_alive:
+                child.process.send_signal(signal.SIGTERM)
+        for child in self._all:
+            child.end()
         self._all.clear()

@@ -70,7 +70,7 @@ SECTIONS = (
     Section("toolchain", "toolchain", limit=1200),
     Section("studio", "studio"),
 )
-NAMES = tuple(each.name for each in SECTIONS)
+NAMES = tuple(section.name for section in SECTIONS)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -115,7 +115,7 @@ def _measured(names: Sequence[str], scale: Scale, data_file: Path) -> dict[str, 
         data = stored if stored.get("format") == FORMAT else data
     data["machine"] = machine()
     data_file.parent.mkdir(parents=True, exist_ok=True)
-    for section in (each for each in SECTIONS if each.name in names):
+    for section in (candidate for candidate in SECTIONS if candidate.name in names):
         print(f"== {section.name}", flush=True)
         started = time.monotonic()
         run = {"scale": scale.name, "load": machine()["load"]}
@@ -171,7 +171,7 @@ def _in_a_process(section: Section, scale: Scale) -> tuple[Any, str]:
 
 def _one(name: str, scale: Scale, out: Path) -> int:
     """Runs one section here."""
-    section = next(each for each in SECTIONS if each.name == name)
+    section = next(candidate for candidate in SECTIONS if candidate.name == name)
     with tempfile.TemporaryDirectory() as folder:
         try:
             found = getattr(importlib.import_module(section.module), section.function)(

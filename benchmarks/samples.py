@@ -92,10 +92,10 @@ def ros_message(kind: str, ros_class: Any) -> Any:
         case "path":
             pose_class = message_class("geometry_msgs/PoseStamped")
             made.poses = [pose_class(header=made.header) for _ in range(100)]
-            for n, each in enumerate(made.poses):
-                each.pose.position.x = 0.5 * n
-                each.pose.orientation.z = math.sin(0.015 * n)
-                each.pose.orientation.w = math.cos(0.015 * n)
+            for n, pose in enumerate(made.poses):
+                pose.pose.position.x = 0.5 * n
+                pose.pose.orientation.z = math.sin(0.015 * n)
+                pose.pose.orientation.w = math.cos(0.015 * n)
         case _:
             made.info.width, made.info.height = _GRIDS[kind]
             made.info.resolution = 0.05
@@ -113,7 +113,9 @@ def sample(model: Model, kind: str) -> Sample:
     """
     map_name = KINDS[kind][0]
     attribute_map = next(
-        each for each in model.instances(bridge.AttributeMap) if each.name == map_name
+        candidate
+        for candidate in model.instances(bridge.AttributeMap)
+        if candidate.name == map_name
     )
     entry = Catalogue(model).message(str(attribute_map.message.name))
     jaus = entry.encode({str(attribute_map.message.body.name): jaus_fields(kind)})

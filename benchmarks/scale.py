@@ -47,4 +47,4 @@ class Scale:
 FULL = Scale("full", 1.0, shortened=False)
 QUICK = Scale("quick", 0.15, shortened=True)
 TINY = Scale("tiny", 0.0, shortened=True)
-SCALES = {each.name: each for each in (FULL, QUICK, TINY)}
+SCALES = {scale.name: scale for scale in (FULL, QUICK, TINY)}

@@ -158,7 +158,7 @@ class _Losses:
         self._read()
         names = {"came": "came", "lost": "lost on the way, at most"}
         return {
-            each: self._account[name] - self._account_before[name] for each, name in names.items()
+            key: self._account[name] - self._account_before[name] for key, name in names.items()
         }
 
     def _read(self) -> dict[str, int]:
@@ -170,7 +170,7 @@ class _Losses:
                     continue
                 way = "down" if status.name.endswith("_down") else "up"
                 lost[way] = lost.get(way, 0) + sum(
-                    int(each.value) for each in status.values if _is_loss(each.key)
+                    int(value.value) for value in status.values if _is_loss(value.key)
                 )
             self._latest = lost
         return {
@@ -180,7 +180,7 @@ class _Losses:
 
 
 def _counts(status: DiagnosticStatus) -> dict[str, int]:
-    return {each.key: int(each.value) for each in status.values if each.value.isdecimal()}
+    return {value.key: int(value.value) for value in status.values if value.value.isdecimal()}
 
 
 def _is_loss(key: str) -> bool:
@@ -189,7 +189,7 @@ def _is_loss(key: str) -> bool:
 
 def _dropped_by_the_kernel(inode: int) -> int:
     """Returns how many datagrams a socket had no room for."""
-    lines = (each.split() for each in Path("/proc/net/udp").read_text().splitlines()[1:])
+    lines = (line.split() for line in Path("/proc/net/udp").read_text().splitlines()[1:])
     return sum(int(line[_DROPS_COLUMN]) for line in lines if line[9] == str(inode))
 
 
@@ -216,10 +216,10 @@ def grown(looks: Sequence[Mapping[str, float]]) -> float:
         looks: At least two that are judged.
     """
     judged = looks[int(WARM * len(looks)) :]
-    times = [each["seconds"] for each in judged]
-    values = [each["memory_mib"] for each in judged]
+    times = [observation["seconds"] for observation in judged]
+    values = [observation["memory_mib"] for observation in judged]
     middle, mean = sum(times) / len(times), sum(values) / len(values)
-    spread = sum((each - middle) ** 2 for each in times)
+    spread = sum((moment - middle) ** 2 for moment in times)
     both = sum((time - middle) * (value - mean) for time, value in zip(times, values, strict=True))
     return both / spread * (times[-1] - times[0]) if spread else 0.0
 
@@ -235,13 +235,13 @@ def faults(found: Mapping[str, Any]) -> list[str]:
         told.append(f"the memory has grown by {found['grown_mib']:g} MiB")
     judged = found["looks"][int(WARM * len(found["looks"])) :]
     for name in ("descriptors", "threads"):
-        counts = [each[name] for each in judged]
+        counts = [observation[name] for observation in judged]
         if counts[-1] > counts[0]:
             told.append(f"{name} have grown from {counts[0]} to {counts[-1]}")
-    for way, each in found["ways"].items():
-        unseen = each["sent"] - each["received"] - each["lost"]
+    for way, tally in found["ways"].items():
+        unseen = tally["sent"] - tally["received"] - tally["lost"]
         if unseen:
-            told.append(f"{way}: {unseen} of {each['sent']} messages are missing unseen")
+            told.append(f"{way}: {unseen} of {tally['sent']} messages are missing unseen")
     account = found["account"]
     known = account["came"] + account["lost"]
     if account["sent"] != known:

@@ -139,7 +139,7 @@ class _Page:
         self.ask("problems", file=self._file)
         self.picture()
         form = self.ask("form", element=f"{self._file}#/")
-        owned = next(each for each in form["children"] if each["feature"] == "bridges")
+        owned = next(child for child in form["children"] if child["feature"] == "bridges")
         self._element = owned["elements"][0]["element"]
 
     def ask(self, method: str, **params: Any) -> Any:

@@ -70,7 +70,7 @@ class Measured:
 
 def system_text(bridges: Mapping[str, Measured]) -> str:
     """Returns the model of a system of bridges by name."""
-    idle = range(max(each.idle for each in bridges.values()))
+    idle = range(max(measured.idle for measured in bridges.values()))
     parts = [(HERE / "measured.ros2jaus").read_text(encoding="utf-8")]
     parts += [_IDLE_MAP.format(n=n, code=_FIRST_IDLE_CODE + n) for n in idle]
     parts.append("system all_measured {")
@@ -86,7 +86,11 @@ def system_text(bridges: Mapping[str, Measured]) -> str:
 
 def _connections(bridge: Measured) -> list[str]:
     ways = ("up", "down")
-    found = [_connection(f"{each}_{way}", each, way) for each in bridge.maps for way in bridge.ways]
+    found = [
+        _connection(f"{map_name}_{way}", map_name, way)
+        for map_name in bridge.maps
+        for way in bridge.ways
+    ]
     found += [
         _connection(f"idle_{n}_{ways[n % 2]}", f"idle_{n}", ways[n % 2]) for n in range(bridge.idle)
     ]
@@ -125,7 +129,7 @@ class System:
 
     def environment(self) -> dict[str, str]:
         """Returns the environment of processes that import the packages and these modules."""
-        kept = {name: each for name, each in os.environ.items() if name != _NO_BYTECODE}
+        kept = {name: value for name, value in os.environ.items() if name != _NO_BYTECODE}
         return {**kept, "PYTHONPATH": os.pathsep.join([*self.path, str(HERE)])}
 
     def compile(self) -> float:
@@ -136,16 +140,18 @@ class System:
         """
         started = time.perf_counter()
         folder = self.model_file.parent / "src"
-        for each in native.build(native.cores(folder), needed_compiler()):
-            if each.reason:
-                raise RuntimeError(f"{each.library}: {each.reason}")
+        for core in native.build(native.cores(folder), needed_compiler()):
+            if core.reason:
+                raise RuntimeError(f"{core.library}: {core.reason}")
         return time.perf_counter() - started
 
     def lines(self, bridge: str) -> tuple[int, int]:
         """Returns how many lines and bytes of Python the package of a bridge has."""
-        folder = next(Path(each) for each in self.path if Path(each).name == bridge) / bridge
-        texts = [each.read_bytes() for each in sorted(folder.glob("*.py"))]
-        return sum(each.count(b"\n") for each in texts), sum(map(len, texts))
+        folder = (
+            next(Path(package) for package in self.path if Path(package).name == bridge) / bridge
+        )
+        texts = [path.read_bytes() for path in sorted(folder.glob("*.py"))]
+        return sum(text.count(b"\n") for text in texts), sum(map(len, texts))
 
 
 def needed_compiler() -> str:
@@ -189,5 +195,5 @@ def generate(folder: Path, bridges: Mapping[str, Measured]) -> System:
         path = folder / "src" / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")
-    path = tuple(str(each) for each in sorted((folder / "src").iterdir()))
+    path = tuple(str(package) for package in sorted((folder / "src").iterdir()))
     return System(model_file, model, path, bridges)

@@ -67,12 +67,12 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     for name, (text, verb) in works.items():
         found[name] = _work(text, verb, runs)
         print(f"  {name}: {found[name]}", flush=True)
-    for each in ELEMENTS:
-        text = _connections(each * share // LARGE // _ELEMENTS_EACH)
+    for element in ELEMENTS:
+        text = _connections(element * share // LARGE // _ELEMENTS_EACH)
         seconds = min(_rules(text, folder) for _ in range(runs))
-        found[f"rules {each}"] = {"seconds": rounded(seconds)}
+        found[f"rules {element}"] = {"seconds": rounded(seconds)}
     found["growth"] = {}
-    sizes = [max(each * share // LARGE, number) for number, each in enumerate(GROWTH, 1)]
+    sizes = [max(size * share // LARGE, number) for number, size in enumerate(GROWTH, 1)]
     for verb in (_GENERATE, _VALIDATE):
         found["growth"][verb[0]] = _exponent(verb, sizes, runs)
     print(f"  growth: {found['growth']}", flush=True)
@@ -82,8 +82,8 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
 def _rules(text: str, folder: Path) -> float:
     """Returns what reading a model and all rules take in a process that has read the library."""
     models = folder / "small.xmi", folder / "judged.xmi"
-    for path, each in zip(models, (_connections(1), text), strict=True):
-        path.write_text(each, encoding="utf-8")
+    for path, model_text in zip(models, (_connections(1), text), strict=True):
+        path.write_text(model_text, encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-c", _RULES, *models], check=True, capture_output=True, text=True
     )

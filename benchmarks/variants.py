@@ -99,7 +99,7 @@ class Loop:
 
     def processor_time(self) -> float:
         """Returns the seconds of processor time that the bridge has taken."""
-        return sum(each.processor_time() for each in self.processes)
+        return sum(process.processor_time() for process in self.processes)
 
     def until(self, came: Callable[[], bool]) -> None:
         """Waits until something has come through.
@@ -109,7 +109,7 @@ class Loop:
         """
 
         def done() -> bool:
-            if not all(each.is_alive for each in self.processes):
+            if not all(process.is_alive for process in self.processes):
                 raise UnreachableError(f"{self.variant} of {self._bridge} has ended")
             return came()
 
@@ -159,7 +159,7 @@ class Loop:
 
 def settle(loops: Sequence[Loop]) -> None:
     """Waits until nothing comes any more of what was sent to find out whether it comes through."""
-    drained(lambda: sum(each.discard() for each in loops), 0, quiet=_QUIET)
+    drained(lambda: sum(loop.discard() for loop in loops), 0, quiet=_QUIET)
 
 
 def reached(routes: Sequence[Loop], reach: Callable[[Loop], object]) -> list[Loop]:
@@ -170,12 +170,12 @@ def reached(routes: Sequence[Loop], reach: Callable[[Loop], object]) -> list[Loo
         reach: Waits until messages come through one.
     """
     found = []
-    for each in routes:
+    for route in routes:
         try:
-            reach(each)
+            reach(route)
         except UnreachableError as error:
             print(f"  left out: {error}", flush=True)
-            each.close()
+            route.close()
         else:
-            found.append(each)
+            found.append(route)
     return found

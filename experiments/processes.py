@@ -169,10 +169,10 @@ class Processes:
         _error: BaseException | None,
         _trace: TracebackType | None,
     ) -> None:
-        for each in self._all:
-            each.ask_to_end()
-        for each in self._all:
-            each.end()
+        for process in self._all:
+            process.ask_to_end()
+        for process in self._all:
+            process.end()
 
     def start(self, name: str, *arguments: str | Path) -> Process:
         """Starts `python ARGUMENTS`."""

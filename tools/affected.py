@@ -90,8 +90,10 @@ class Checkout:
             ranks = [distance - likeness for distance in reached if distance <= FAR]
             ranks += [0] if any(end <= _words(place) for end in ends if end) else []
             # The closer the place that a guard names, the more it says.
-            touched = [each for each in guards(test) if any(_within(name, each) for name in names)]
-            ranks += [GUARD - each.count("/") for each in touched]
+            touched = [
+                guard for guard in guards(test) if any(_within(name, guard) for name in names)
+            ]
+            ranks += [GUARD - guard.count("/") for guard in touched]
             # What changed itself comes first, and what all tests share last.
             ranks += [CHANGED] if test in files else []
             shared = tests.support(test) & files
@@ -121,8 +123,15 @@ def _modules(root: Path, changed: list[str], known: set[str]) -> set[str]:
     for name in changed:
         parts = name.removesuffix(".py").removesuffix("/__init__").split("/")
         if parts[0] == "metamodels":
-            found |= {each for each in known if each.startswith("jausml.language.metamodel.")}
-        home = next((each for each, at in PACKAGES.items() if name.startswith(f"{at}/")), None)
+            found |= {
+                module_name
+                for module_name in known
+                if module_name.startswith("jausml.language.metamodel.")
+            }
+        home = next(
+            (package_name for package_name, at in PACKAGES.items() if name.startswith(f"{at}/")),
+            None,
+        )
         if home is None:
             continue
         above = len(PACKAGES[home].split("/"))
@@ -134,7 +143,11 @@ def _modules(root: Path, changed: list[str], known: set[str]) -> set[str]:
         while not (folder / "__init__.py").exists() and folder != root:
             folder = folder.parent
         package = ".".join([home, *folder.relative_to(root).parts[above:]])
-        found |= {each for each in known if each == package or each.startswith(f"{package}.")}
+        found |= {
+            module_name
+            for module_name in known
+            if module_name == package or module_name.startswith(f"{package}.")
+        }
     return found
 
 
@@ -171,7 +184,10 @@ class _TestFiles:
         if file in self._support:
             return self._support[file]
         found = self._support[file] = set()
-        pending = [file, *(each for each in self._named["conftest"] if each.parent in file.parents)]
+        pending = [
+            file,
+            *(conftest for conftest in self._named["conftest"] if conftest.parent in file.parents),
+        ]
         while pending:
             path = pending.pop()
             if path not in found:
@@ -189,7 +205,7 @@ class _TestFiles:
         if path not in self._names:
             names = set()
             for module, several, one in _IMPORTS.findall(path.read_text(encoding="utf-8")):
-                given = [each.split()[0] for each in (several or one).split(",") if each.strip()]
-                names |= {module, *(f"{module}.{each}" for each in given)} if module else {*given}
+                given = [word.split()[0] for word in (several or one).split(",") if word.strip()]
+                names |= {module, *(f"{module}.{name}" for name in given)} if module else {*given}
             self._names[path] = names
         return self._names[path]

@@ -28,7 +28,9 @@ def grammar(text: str) -> str:
     content = json.loads(text)
     names = "|".join(sorted(CONVERSIONS))
     content["repository"]["conversions"]["match"] = rf"(?<=[:,]\s)(?:{names})\b(?!\s*[:.])"
-    keywords = sorted(each for each in classes_by_keyword(load_metamodels()) if "." not in each)
+    keywords = sorted(
+        keyword for keyword in classes_by_keyword(load_metamodels()) if "." not in keyword
+    )
     elements = content["repository"]["elements"]
     elements["match"] = _FIRST_GROUP.sub(f"({'|'.join(keywords)})", elements["match"], count=1)
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"

@@ -458,13 +458,13 @@ def behaviour_elements(facts: Facts, owners: Mapping[str, str]) -> Iterator[Elem
         body = [field_element("body", event_bodies()[name])] if name in event_bodies() else []
         yield Element("events", {"name": name}, body)
     paths = section.get("states", "").split()
-    rows = [each.strip().split(" | ") for each in section.get("transitions", "").splitlines()]
-    rows = [each for each in rows if len(each) > 1]
+    rows = [line.strip().split(" | ") for line in section.get("transitions", "").splitlines()]
+    rows = [transition for transition in rows if len(transition) > 1]
     around = dict.fromkeys(_path_of(state) for state, *_ in rows)
     states = {path: Element("states", {"name": path}) for path in around if path not in paths}
     for path in paths:
         outer = path.rpartition(".")[0]
-        first = next(each for each in paths if each.rpartition(".")[0] == outer)
+        first = next(sibling for sibling in paths if sibling.rpartition(".")[0] == outer)
         states[path] = Element("states", {"name": path})
         if path == first:
             states[path].attributes["initial"] = "true"
@@ -495,8 +495,8 @@ def _transition(tag: str, row: Sequence[str], owners: Mapping[str, str]) -> Elem
         element.attributes["kind"] = kind
     if target not in ("-", "before"):
         element.attributes["target"] = f"{_READY}.{target}"
-    for each in sent.split(", ") if sent != "-" else ():
-        name, _, other = each.partition(" (")
+    for word in sent.split(", ") if sent != "-" else ():
+        name, _, other = word.partition(" (")
         is_answer = trigger in owners and not other
         element.children.append(_sending(name, owners, is_answer=is_answer))
     return element
@@ -505,13 +505,13 @@ def _transition(tag: str, row: Sequence[str], owners: Mapping[str, str]) -> Elem
 def _sending(sent: str, owners: Mapping[str, str], *, is_answer: bool) -> Element:
     """Returns the action that sends a message, with the code that it carries."""
     message, *codes = words = sent.split()
-    name = "".join(["send", message, *(each.title().replace("_", "") for each in codes)])
+    name = "".join(["send", message, *(code.title().replace("_", "") for code in codes)])
     action = Element("actions", {"name": name})
-    arguments = [f"'{each}'" for each in words]
+    arguments = [f"'{word}'" for word in words]
     if is_answer:
         action.attributes["sends"] = owners[message]
         arguments.append("transportData")
-    action.children = [Element("arguments", text=each) for each in arguments]
+    action.children = [Element("arguments", text=argument) for argument in arguments]
     return action
 
 

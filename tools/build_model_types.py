@@ -115,30 +115,43 @@ class ClassView:
     @property
     def supers(self) -> list[ClassTable]:
         """The classes that it specialises directly."""
-        named = {(each.name, each.ePackage.nsURI) for each in self.table.eclass.eSuperTypes}
+        named = {
+            (e_super_type.name, e_super_type.ePackage.nsURI)
+            for e_super_type in self.table.eclass.eSuperTypes
+        }
         found = self.metamodels.classes.values()
-        return [each for each in found if (each.name, each.package.ns_uri) in named]
+        return [
+            class_table
+            for class_table in found
+            if (class_table.name, class_table.package.ns_uri) in named
+        ]
 
     @property
     def bases(self) -> list[str]:
         """The same as Python names."""
-        return [_reference(each, self.table.package) for each in self.supers] or ["EObject"]
+        return [_reference(class_table, self.table.package) for class_table in self.supers] or [
+            "EObject"
+        ]
 
     @property
     def features(self) -> list[FeatureView]:
         """The features that the class itself declares."""
         own = self.table.eclass.eStructuralFeatures
-        return [FeatureView(self.table.features[each.name], self.table.package) for each in own]
+        return [
+            FeatureView(self.table.features[feature.name], self.table.package) for feature in own
+        ]
 
     @property
     def owners(self) -> list[str]:
         """What owns its elements, as Python names."""
-        return [_reference(each, self.table.package) for each in self.owner_tables]
+        return [_reference(owner_table, self.table.package) for owner_table in self.owner_tables]
 
     @property
     def owner_tables(self) -> list[ClassTable]:
         """The classes that own elements of this class, none when a superclass says so already."""
-        inherited = [ClassView(each, self.metamodels).all_owners for each in self.supers]
+        inherited = [
+            ClassView(class_table, self.metamodels).all_owners for class_table in self.supers
+        ]
         return [] if self.all_owners in inherited else self.all_owners
 
     @cached_property
@@ -180,7 +193,7 @@ class EnumerationView:
     @property
     def literals(self) -> list[str]:
         """Names of the literals."""
-        return [each.name for each in self.element.eLiterals]
+        return [e_literal.name for e_literal in self.element.eLiterals]
 
 
 @dataclass(frozen=True)
@@ -214,7 +227,9 @@ class PackageView:
     @property
     def classes(self) -> list[ClassView]:
         """The classes in the order of the file."""
-        return [ClassView(each, self.metamodels) for each in self.table.classes.values()]
+        return [
+            ClassView(class_table, self.metamodels) for class_table in self.table.classes.values()
+        ]
 
     @property
     def imports(self) -> list[str]:
@@ -229,7 +244,7 @@ class PackageView:
             )
             if table is not None
         ]
-        return sorted({each.package.name for each in named} - {self.table.name})
+        return sorted({class_table.package.name for class_table in named} - {self.table.name})
 
 
 class StubTask(EcorePackageModuleTask):  # type: ignore[misc]  # pyecoregen has no types

@@ -40,11 +40,11 @@ thing at a time, as `jausml mutate` does with any model, and has written this pa
 def operators() -> Iterator[str]:
     """Yields the table of the operators."""
     rows = []
-    for each in OPERATORS:
+    for operator in OPERATORS:
         features = "; ".join(
-            f"`{name}`: {', '.join(f'`{one}`' for one in of)}" for name, of in each.of_classes()
+            f"`{name}`: {', '.join(f'`{one}`' for one in of)}" for name, of in operator.of_classes()
         )
-        rows.append((each.name, each.does, features))
+        rows.append((operator.name, operator.does, features))
     yield from ("## Operators", "")
     yield from markdown_table(("operator", "what it does", "of which features"), rows)
 
@@ -77,20 +77,20 @@ def _campaign(model: str, limit: int, jobs: int) -> dict[str, Any]:
 def page(campaigns: Iterable[Mapping[str, Any]]) -> str:
     """Returns the page of some campaigns."""
     lines = [HEAD, *markdown_table(("column", "meaning"), NOTICED_BY.items()), ""]
-    for each in campaigns:
-        lines += [*_of_model(each), ""]
+    for campaign in campaigns:
+        lines += [*_of_model(campaign), ""]
     return "\n".join([*lines, *operators()]) + "\n"
 
 
 def _of_model(campaign: Mapping[str, Any]) -> Iterator[str]:
     tried, possible = campaign["tried"], campaign["possible"]
-    survivors = [each for each in campaign["outcomes"] if each["noticed_by"] == NOTHING]
+    survivors = [outcome for outcome in campaign["outcomes"] if outcome["noticed_by"] == NOTHING]
     yield f"## {campaign['model']}"
     yield ""
     yield f"{tried} of {possible} possible mutations were tried; {len(survivors)} survive."
     yield ""
     rows = (
-        (name, *(str(row.get(each, "")) for each in NOTICED_BY))
+        (name, *(str(row.get(column, "")) for column in NOTICED_BY))
         for name, row in campaign["matrix"].items()
     )
     yield from markdown_table(("operator", *NOTICED_BY), rows)
@@ -99,7 +99,7 @@ def _of_model(campaign: Mapping[str, Any]) -> Iterator[str]:
     if survivors:
         yield from ("", "These survive:", "")
     # What differs only in where it stands is one thing that nothing notices.
-    found = Counter(_kind(each) for each in survivors)
+    found = Counter(_kind(survivor) for survivor in survivors)
     for (operator, words, file), count in found.items():
         times = f", {count} times" if count > 1 else ""
         yield f"- {operator}: `{words}`, in `{file}`{times}"

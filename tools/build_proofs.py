@@ -70,7 +70,7 @@ def main(arguments: Sequence[str]) -> None:
     settings = Settings(program(), asked.budget, asked.jobs)
     found = dict(prove_all(report.model, trips, settings))
     results = [found[number] for number in range(len(trips))]
-    modules = {each.name: _module(report.model.location(each.to_ros).path) for each in trips}
+    modules = {trip.name: _module(report.model.location(trip.to_ros).path) for trip in trips}
     faults = by_map(with_proofs(report, trips, results))
     asked.page.parent.mkdir(parents=True, exist_ok=True)
     asked.page.write_text(page(results, modules, faults), encoding="utf-8")
@@ -90,10 +90,10 @@ def page(
         faults: What falls short, by name of the map.
     """
     lines = [HEAD]
-    for module, group in groupby(results, lambda each: modules[each.name]):
+    for module, group in groupby(results, lambda result: modules[result.name]):
         lines += [f"## {module}", ""]
-        for each in group:
-            lines += [*_of_map(each, faults.get(each.name, ())), ""]
+        for result in group:
+            lines += [*_of_map(result, faults.get(result.name, ())), ""]
     return "\n".join(lines)
 
 
@@ -102,32 +102,32 @@ def _of_map(result: MapResult, faults: Sequence[str]) -> Iterator[str]:
     yield ""
     yield f"{result.message} and {result.type}: {_summary(result.fields, faults)}"
     yield ""
-    own = [each for each in result.fields if each.side == JAUS]
-    back = [each for each in own if each.has_way_back]
-    whole = [each for each in back if each.unchanged == each.tried]
-    yield from (f"- **{each}**" for each in faults)
+    own = [field for field in result.fields if field.side == JAUS]
+    back = [field for field in own if field.has_way_back]
+    whole = [field for field in back if field.unchanged == field.tried]
+    yield from (f"- **{fault}**" for fault in faults)
     if whole:
         yield f"- unchanged: {_names(whole)}"
-    yield from (f"- `{each.path}`: {told(each)}" for each in back if each not in whole)
-    one_way = [each for each in result.fields if not each.has_way_back]
+    yield from (f"- `{field.path}`: {told(field)}" for field in back if field not in whole)
+    one_way = [field for field in result.fields if not field.has_way_back]
     if one_way:
         yield f"- one way: {_names(one_way)}"
     if not result.fields and not result.remarks:
         yield "- carries no numbers"
-    yield from (f"- {each}" for each in result.remarks)
+    yield from (f"- {remark}" for remark in result.remarks)
 
 
 def _summary(fields: Sequence[FieldResult], faults: Sequence[str]) -> str:
     if not fields:
         return "no numbers were tried."
-    tried = sum(each.tried for each in fields)
-    complete = sum(each.is_complete for each in fields)
+    tried = sum(field.tried for field in fields)
+    complete = sum(field.is_complete for field in fields)
     what = f"{len(faults)} findings" if faults else "no findings"
     return f"{len(fields)} numbers, {complete} with all values, {tried:,} values, {what}."
 
 
 def _names(fields: Iterable[FieldResult]) -> str:
-    return ", ".join(f"`{each.path}`" for each in fields)
+    return ", ".join(f"`{field.path}`" for field in fields)
 
 
 if __name__ == "__main__":

@@ -177,7 +177,10 @@ def _data_types(package: PackageTable) -> list[str]:
     for classifier in package.epackage.eClassifiers:
         if classifier.eClass.name == "EEnum":
             lines += [f"## {classifier.name}", "", documentation(classifier), ""]
-            literals = [(f"`{each.name}`", documentation(each)) for each in classifier.eLiterals]
+            literals = [
+                (f"`{e_literal.name}`", documentation(e_literal))
+                for e_literal in classifier.eLiterals
+            ]
             lines += [*markdown_table(("literal", "meaning"), literals), ""]
         elif classifier.eClass.name == "EDataType":
             lines += [f"## {classifier.name}", "", documentation(classifier), ""]
@@ -187,8 +190,13 @@ def _data_types(package: PackageTable) -> list[str]:
 def conversions_page() -> str:
     """Returns the page of the conversions: how each is written, what it takes and yields."""
     rows = [
-        (f"`{each.call}`", ", ".join(each.inputs), ", ".join(each.outputs), each.documentation)
-        for each in CONVERSIONS.values()
+        (
+            f"`{conversion.call}`",
+            ", ".join(conversion.inputs),
+            ", ".join(conversion.outputs),
+            conversion.documentation,
+        )
+        for conversion in CONVERSIONS.values()
     ]
     head = ("conversion", "takes", "yields", "meaning")
     lines = [_CONVERSIONS, *markdown_table(head, rows), "", _ARITHMETIC]
@@ -210,7 +218,7 @@ def markers_page() -> str:
     """Returns the page of the markers of the library, by package."""
     lines = [_MARKERS]
     packages = read_models(ROS_TYPES).model.instances(ros.InterfacePackage)
-    for package in sorted(packages, key=lambda each: str(each.name)):
+    for package in sorted(packages, key=lambda interface_package: str(interface_package.name)):
         fields = [f for m in _messages(package) for f in m.fields if f.markers]
         if fields:
             head = ("field", "says", "if", "written", "stated in")
@@ -244,10 +252,10 @@ def unknown_page() -> str:
     """Returns the page of what becomes of unknown values in the ready maps, by file."""
     model = read_models(READY_MAPS, notations=NOTATIONS).model
     by_file: dict[str, list[tuple[str, ...]]] = {path.stem: [] for path in READY_MAPS}
-    for each in model.instances(bridge.AttributeMap):
-        stem = Path(model.location(each).path).stem
+    for attribute_map in model.instances(bridge.AttributeMap):
+        stem = Path(model.location(attribute_map).path).stem
         for to_ros in (True, False):
-            by_file[stem] += _unknown(each, to_ros=to_ros)
+            by_file[stem] += _unknown(attribute_map, to_ros=to_ros)
     lines = [_UNKNOWN]
     for stem, rows in by_file.items():
         if rows:
@@ -269,7 +277,7 @@ def _unknown(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, 
                 key = _reason(placed, path), _outcome(assignment, placed.targets[0][1])
                 rows.setdefault(key, []).append(path)
     for (reason, outcome), paths in rows.items():
-        names = ", ".join(f"`{each}`" for each in dict.fromkeys(paths))
+        names = ", ".join(f"`{field_path}`" for field_path in dict.fromkeys(paths))
         yield f"`{used.name}`", "ROS" if to_ros else "JAUS", names, reason, outcome
 
 
@@ -278,9 +286,9 @@ def _reason(placed: Placed[bridge.Assignment], path: str) -> str:
     steps = path.split(".")
     ways = (".".join(steps[: length + 1]) for length in range(len(steps)))
     places = (placed.scope.find_source(way) for way in ways)
-    fields = (each.field for each in places if isinstance(each, RosPlace))
-    marks = [mark for each in fields if each is not None for mark in each.markers]
-    told = dict.fromkeys(f"`{each.condition}`" for each in marks)
+    fields = (place.field for place in places if isinstance(place, RosPlace))
+    marks = [mark for field in fields if field is not None for mark in field.markers]
+    told = dict.fromkeys(f"`{mark.condition}`" for mark in marks)
     return " or ".join(told) or "is not there"
 
 

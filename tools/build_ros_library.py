@@ -147,7 +147,10 @@ def _marker(field: str, line: str, stated: str) -> dict[str, str]:
         "value": match["value"],
         "stated": match["stated"] or stated,
     }
-    return {"meaning": match["meaning"], **{name: each for name, each in features.items() if each}}
+    return {
+        "meaning": match["meaning"],
+        **{name: value for name, value in features.items() if value},
+    }
 
 
 def _spelt_out(condition: str) -> str:
@@ -199,9 +202,9 @@ def _fill(element: EObject, features: dict[str, Any], classes: Metamodels) -> No
     tables = classes.class_of(element).features
     for name, value in features.items():
         if isinstance(value, list):
-            for each in value:
+            for entry in value:
                 marker = new_object(classes.classes["ros.Marker"])
-                _fill(marker, each, classes)
+                _fill(marker, entry, classes)
                 assign(element, tables[name], marker)
         else:
             assign(element, tables[name], value)
@@ -209,8 +212,10 @@ def _fill(element: EObject, features: dict[str, Any], classes: Metamodels) -> No
 
 def messages_of(package: ros.InterfacePackage) -> list[ros.MessageType]:
     """Returns the message types of a package, with those of its services and actions."""
-    parts = [each for s in package.services for each in (s.request, s.response)]
-    parts += [each for a in package.actions for each in (a.goal, a.result, a.feedback)]
+    parts = [message_type for s in package.services for message_type in (s.request, s.response)]
+    parts += [
+        message_type for a in package.actions for message_type in (a.goal, a.result, a.feedback)
+    ]
     return [*package.messages, *parts]
 
 
@@ -228,7 +233,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"build_ros_library: {fault}", file=sys.stderr)
         return 1
     options.output.mkdir(parents=True, exist_ok=True)
-    places = {options.output / f"{each.name}.xmi": [each] for each in result.packages}
+    places = {options.output / f"{package.name}.xmi": [package] for package in result.packages}
     model = placed(result, places)
     for path, roots in places.items():
         write_model(roots, model, path)

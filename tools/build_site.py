@@ -101,7 +101,9 @@ def navigation(index: PurePosixPath = DOCS / "index.md") -> list[dict[str, Any]]
             depth = len(heading[1])
             entries: list[dict[str, Any]] = []
             open_lists[depth - 1].append({heading[2]: entries})
-            open_lists = {each: open_lists[each] for each in open_lists if each < depth}
+            open_lists = {
+                open_list: open_lists[open_list] for open_list in open_lists if open_list < depth
+            }
             open_lists[depth] = entries
         elif listed := _LISTED.match(line):
             page = _target(index, listed[2])
@@ -156,7 +158,7 @@ def _toml(value: str | list[Any] | dict[str, Any]) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_toml, value))}]"
     if isinstance(value, dict):
-        pairs = (f"{json.dumps(key)} = {_toml(each)}" for key, each in value.items())
+        pairs = (f"{json.dumps(key)} = {_toml(member)}" for key, member in value.items())
         return f"{{ {', '.join(pairs)} }}"
     return json.dumps(value)
 
@@ -194,8 +196,12 @@ def tell_versions(site: Path) -> None:
     found = (path.name for path in site.iterdir() if (path / "index.html").is_file())
     versions = sorted(found, key=_order, reverse=True)
     shown = [
-        {"version": each, "title": each, "aliases": ["latest"] if each == versions[0] else []}
-        for each in versions
+        {
+            "version": version,
+            "title": version,
+            "aliases": ["latest"] if version == versions[0] else [],
+        }
+        for version in versions
     ]
     (site / "versions.json").write_text(json.dumps(shown, indent=2) + "\n", encoding="utf-8")
     goal = f"{versions[0]}/"

@@ -68,7 +68,7 @@ def build(checks: Sequence[str] = ()) -> int:
     program = npm()
     if program is None:
         raise SystemExit("build_studio: node has no npm beside it")
-    for words in (["ci"], *(["run", each] for each in (*checks, "build"))):
+    for words in (["ci"], *(["run", check] for check in (*checks, "build"))):
         command = [program, "--loglevel=error", *words]
         done = subprocess.run(command, cwd=SOURCES, env=environment(), check=False)
         if done.returncode:
@@ -81,13 +81,13 @@ def is_stale() -> bool:
     if not PAGE.is_file():
         return True
     built = PAGE.stat().st_mtime
-    return any(each.stat().st_mtime > built for each in _sources())
+    return any(source.stat().st_mtime > built for source in _sources())
 
 
 def _sources() -> Iterator[Path]:
     for folder, folders, files in os.walk(SOURCES):
-        folders[:] = [each for each in folders if each not in _NO_SOURCES]
-        yield from (Path(folder) / each for each in files)
+        folders[:] = [subfolder for subfolder in folders if subfolder not in _NO_SOURCES]
+        yield from (Path(folder) / file for file in files)
 
 
 def npm() -> str | None:

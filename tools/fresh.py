@@ -110,7 +110,7 @@ def judged(log: str, reason: str) -> Outcome:
         return Outcome(int(not reason), (), int(bool(reason)), reason)
     skipped = tuple(f"{n}: {why}" for n, why in re.findall(r"^(\d+) skipped: (.*)$", log, re.M))
     failed = sum(counts[-1].get(word, 0) for word in ("failed", "error", "errors"))
-    passed = sum(each.get("passed", 0) for each in counts)
+    passed = sum(count.get("passed", 0) for count in counts)
     return Outcome(passed, skipped, max(failed, int(bool(reason))), reason)
 
 
@@ -140,7 +140,7 @@ def mounted_in(folder: Path, mounts: str) -> list[str]:
     """Returns the places in a folder where something is mounted, by the text of a mountinfo."""
     places = [line.split()[4] for line in mounts.splitlines()]
     plain = [re.sub(r"\\(\d{3})", lambda m: chr(int(m[1], 8)), place) for place in places]
-    return [each for each in plain if Path(each).is_relative_to(folder)]
+    return [mount for mount in plain if Path(mount).is_relative_to(folder)]
 
 
 def remove(folder: Path) -> None:
@@ -279,8 +279,8 @@ def main(arguments: Sequence[str]) -> int:
         print(reason, file=sys.stderr)
         return 2
     folder = given.folder.resolve()
-    systems = [System(each, folder) for each in given.systems]
-    if there := [each.root for each in systems if each.root.exists()]:
+    systems = [System(system_name, folder) for system_name in given.systems]
+    if there := [candidate.root for candidate in systems if candidate.root.exists()]:
         print(f"{there[0]} is there already: remove it, or name another --folder", file=sys.stderr)
         return 2
     folder.mkdir(parents=True, exist_ok=True)
@@ -294,10 +294,10 @@ def main(arguments: Sequence[str]) -> int:
         finally:
             if not given.keep:
                 remove(system.root)
-    print("", *markdown_table(HEAD, [each.row() for each in runs]), sep="\n")
-    failed = [each for each in runs if each.outcome.reason]
-    for each in failed:
-        print(f"\n{each.system}, {each.command}: {each.outcome.reason}")
+    print("", *markdown_table(HEAD, [run.row() for run in runs]), sep="\n")
+    failed = [run for run in runs if run.outcome.reason]
+    for run in failed:
+        print(f"\n{run.system}, {run.command}: {run.outcome.reason}")
     return 1 if failed else 0
 
 

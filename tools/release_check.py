@@ -90,7 +90,11 @@ def lowest(requirements: Iterable[str], extras: Iterable[str] = ()) -> list[str]
         marker = requirement.marker
         if marker and not any(marker.evaluate({"extra": extra}) for extra in ("", *extras)):
             continue
-        bounds = [each.version for each in requirement.specifier if each.operator in (">=", "==")]
+        bounds = [
+            specifier.version
+            for specifier in requirement.specifier
+            if specifier.operator in (">=", "==")
+        ]
         if not bounds:
             raise NotReleasableError(f"{requirement} has no lower bound")
         constraints.append(f"{requirement.name}=={bounds[0]}")
@@ -103,8 +107,8 @@ def check_page(names: Iterable[str]) -> None:
     Raises:
         NotReleasableError: it has not.
     """
-    files = {each.removeprefix(PAGE) for each in names if each.startswith(PAGE)}
-    if "index.html" not in files or not any(each.endswith(".js") for each in files):
+    files = {name.removeprefix(PAGE) for name in names if name.startswith(PAGE)}
+    if "index.html" not in files or not any(file.endswith(".js") for file in files):
         raise NotReleasableError(f"the wheel has no page of the studio: {sorted(files)}")
 
 

@@ -98,7 +98,7 @@ def lacking() -> str:
 
 
 def _folder(package: str, types: tuple[str, ...]) -> Path:
-    texts = [(DEFINITIONS / package / each).read_text("utf-8") for each in types]
+    texts = [(DEFINITIONS / package / file_name).read_text("utf-8") for file_name in types]
     how = Path(__file__).read_text("utf-8")
     facts = json.dumps([sys.prefix, sys.version, types, texts, how])
     digest = hashlib.sha256(facts.encode()).hexdigest()[:16]
@@ -120,21 +120,23 @@ def _build(package: str, types: tuple[str, ...], work: Path) -> None:
     headers.mkdir(exist_ok=True)
     for part in (_GENERATOR, _FASTRTPS, _INTROSPECTION):
         lines = ["#pragma once"]
-        lines += [f"#define {part.upper()}_{each}_{package}" for each in _MARKS]
+        lines += [f"#define {part.upper()}_{mark}_{package}" for mark in _MARKS]
         (headers / f"{part}__visibility_control.h").write_text("\n".join(lines) + "\n")
-    sources = sorted(each for each in work.rglob("*.c*") if each.suffix in {".c", ".cpp"})
+    sources = sorted(path for path in work.rglob("*.c*") if path.suffix in {".c", ".cpp"})
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        made = pool.map(lambda each: _compiled(each, work), sources)
+        made = pool.map(lambda source: _compiled(source, work), sources)
         objects = dict(zip(sources, made, strict=True))
     home = work / "py" / package
-    main, inner = (f"lib{package}__{each}.so" for each in (_FASTRTPS, _INTROSPECTION))
+    main, inner = (f"lib{package}__{suffix}.so" for suffix in (_FASTRTPS, _INTROSPECTION))
     own = [f"-L{home}", f"-l:{main}"]
     extension = f"{package}_s__{_DISPATCH}{sysconfig.get_config_var('EXT_SUFFIX')}"
-    _link(home / main, [objects[each] for each in sources if work / "c" in each.parents], [])
+    _link(home / main, [objects[source] for source in sources if work / "c" in source.parents], [])
     is_inner = work / _INTROSPECTION
-    _link(home / inner, [objects[each] for each in sources if is_inner in each.parents], own)
+    _link(home / inner, [objects[source] for source in sources if is_inner in source.parents], own)
     others = (work / "dispatch", work / "py")
-    rest = [objects[each] for each in sources if any(other in each.parents for other in others)]
+    rest = [
+        objects[source] for source in sources if any(other in source.parents for other in others)
+    ]
     _link(home / extension, rest, own)
     # Who looks for the libraries finds those that are loaded, wherever they are.
     (home / "__init__.py").write_text(
@@ -152,12 +154,12 @@ def _compiled(source: Path, work: Path) -> str:
         work / "c",
         work / _INTROSPECTION,
         prefix,
-        *(each for each in prefix.iterdir() if each.is_dir()),
+        *(path for path in prefix.iterdir() if path.is_dir()),
     ]
     folders += [Path(sysconfig.get_paths()["include"]), Path(numpy.get_include())]
     compiler = ["g++", "-std=c++17"] if source.suffix == ".cpp" else ["gcc", "-std=gnu11"]
     target = str(source.with_suffix(f"{source.suffix}.o"))
-    options = ["-O0", "-w", "-fPIC", *(f"-I{each}" for each in folders)]
+    options = ["-O0", "-w", "-fPIC", *(f"-I{folder}" for folder in folders)]
     _run([*compiler, *options, "-c", str(source), "-o", target])
     return target
 
@@ -165,8 +167,8 @@ def _compiled(source: Path, work: Path) -> str:
 def _link(target: Path, objects: list[str], own: list[str]) -> None:
     folder = Path(sys.prefix) / "lib"
     names = [f"{package}__{part}" for package in NEEDED for part in _PARTS]
-    names = [each for each in names if (folder / f"lib{each}.so").is_file()]
-    libraries = [f"-l{each}" for each in (*names, *_LIBRARIES)]
+    names = [name for name in names if (folder / f"lib{name}.so").is_file()]
+    libraries = [f"-l{name}" for name in (*names, *_LIBRARIES)]
     options = ["-shared", f"-Wl,-soname,{target.name}", "-o", str(target)]
     _run(["g++", *options, *objects, *own, f"-L{folder}", *libraries])
 

@@ -82,7 +82,7 @@ def latencies(hops: Mapping[str, Mapping[str, Sequence[float]]]) -> Figure:
 
 
 def _distribution(axes: Axes, system: str, times: Sequence[float]) -> None:
-    ordered = sorted(1000.0 * each for each in times)
+    ordered = sorted(1000.0 * time for time in times)
     ranks = range(len(ordered))
     points = style.thinned([(ordered[rank], (rank + 1) / len(ordered)) for rank in ranks], 250)
     xs, ys = [x for x, _ in points], [y for _, y in points]

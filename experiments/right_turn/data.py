@@ -119,7 +119,9 @@ class Run:
         write_log(folder / "samples.csv", self.samples)
         _write_rows(folder / "steps.csv", Step._fields, self.steps)
         _write_rows(folder / "vehicle_events.csv", Event._fields, self.events)
-        times = ((hop, each) for hop, all_of_it in self.latencies.items() for each in all_of_it)
+        times = (
+            (hop, duration) for hop, all_of_it in self.latencies.items() for duration in all_of_it
+        )
         _write_rows(folder / "latencies.csv", ("hop", "seconds"), times)
         about = {
             "system": self.system,

@@ -68,9 +68,13 @@ def drive(drives: Sequence[Drive], logs: Path) -> list[Run]:
     with ExitStack() as stack:
         systems = [
             stack.enter_context(
-                Running(each.workspace, each.setting, logs / each.workspace.system.name / each.name)
+                Running(
+                    planned_drive.workspace,
+                    planned_drive.setting,
+                    logs / planned_drive.workspace.system.name / planned_drive.name,
+                )
             )
-            for each in drives
+            for planned_drive in drives
         ]
         for system in systems:
             system.start()
@@ -82,7 +86,10 @@ def drive(drives: Sequence[Drive], logs: Path) -> list[Run]:
         wait_for(lambda: all(system.arrived for system in systems), DRIVE_LIMIT, systems)
         for system in systems:
             system.stop()
-        runs = [collect(each, system) for each, system in zip(drives, systems, strict=True)]
+        runs = [
+            collect(planned_drive, system)
+            for planned_drive, system in zip(drives, systems, strict=True)
+        ]
     for run, system in zip(runs, systems, strict=True):
         if run.arrived:
             shutil.rmtree(system.logs)
@@ -137,7 +144,7 @@ def from_first_motion(samples: Sequence[Sample]) -> list[Sample]:
             before = samples[first]
             share = (MOVING - before.v) / (sample.v - before.v) if sample.v > before.v else 0.0
             begin = before.t + share * (sample.t - before.t)
-            return [_shifted(each, begin) for each in samples[first:]]
+            return [_shifted(later_sample, begin) for later_sample in samples[first:]]
     return []
 
 

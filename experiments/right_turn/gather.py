@@ -79,14 +79,14 @@ def _baselines(folder: Path) -> dict[str, list[Run]]:
 def _controls(controls: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the drives in real time that must be told from J, as `of_system` returns others."""
     return {
-        each["about"]: {
-            "drives": each["drives"],
-            "arrived": each.get("arrived"),
+        control["about"]: {
+            "drives": control["drives"],
+            "arrived": control.get("arrived"),
             "clock": "wall",
-            "measures": measures(each["metrics"]),
+            "measures": measures(control["metrics"]),
             "latency": {},
         }
-        for each in controls.values()
+        for control in controls.values()
     }
 
 
@@ -141,9 +141,9 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return float(f"{value:.4g}") if math.isfinite(value) else None
     if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
+        return [_plain(item) for item in value]
     if isinstance(value, dict):
-        return {name: _plain(each) for name, each in value.items()}
+        return {name: _plain(member) for name, member in value.items()}
     return value
 
 

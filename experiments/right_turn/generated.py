@@ -55,7 +55,7 @@ class Workspace:
         names = {path.name for path in self.folder.iterdir() if (path / path.name).is_dir()}
         former, former_path = dict(sys.modules), list(sys.path)
         own = names - SHARED
-        for name in [each for each in sys.modules if each.partition(".")[0] in own]:
+        for name in [module for module in sys.modules if module.partition(".")[0] in own]:
             del sys.modules[name]
         sys.modules.update(self.modules)
         # Of a link, what it leads to: what all share is still imported when this folder is gone.
@@ -64,8 +64,12 @@ class Workspace:
             yield
         finally:
             sys.path[:] = former_path
-            for name in [each for each in sys.modules if each.partition(".")[0] in own]:
+            for name in [module for module in sys.modules if module.partition(".")[0] in own]:
                 self.modules[name] = sys.modules.pop(name)
             sys.modules.update(
-                {name: each for name, each in former.items() if name.partition(".")[0] in own}
+                {
+                    name: module_type
+                    for name, module_type in former.items()
+                    if name.partition(".")[0] in own
+                }
             )

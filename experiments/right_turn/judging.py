@@ -194,7 +194,9 @@ def judge(
     if driven:
         bounds = thresholds(parameters)
         found = differences(driven)
-        rows += [_tested(each, found[each.key], bounds[each.key]) for each in MEASURES]
+        rows += [
+            _tested(quantity, found[quantity.key], bounds[quantity.key]) for quantity in MEASURES
+        ]
     for share, measure in DELAYS.items():
         delays = [_added_delay(pair, share) for pair in pairs]
         found_delays = [added for added in delays if added is not None]
@@ -237,7 +239,7 @@ def thresholds(parameters: VehicleParameters) -> Mapping[str, float]:
         for part in (0.0, 0.25, 0.5, 0.75)
     ]
     found = [differences([pair]) for pair in pairs]
-    bounds = {key: max(abs(each[key][0]) for each in found) for key in found[0]}
+    bounds = {key: max(abs(difference[key][0]) for difference in found) for key in found[0]}
     alone = judged(reference, parameters)
     for part in (0.25, 0.5, 0.75):
         straight = parameters.straight_length + part * period * parameters.reference_speed

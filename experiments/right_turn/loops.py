@@ -205,7 +205,7 @@ class Drive:
             RuntimeError: Code of a process has failed: what was seen would mean nothing.
         """
         counted = self.world.counters.snapshot()
-        failed = {each: counted[each] for each in FAILURES if each in counted}
+        failed = {failure: counted[failure] for failure in FAILURES if failure in counted}
         if failed:
             raise RuntimeError(f"{name}: code has failed in virtual time: {failed}")
         self.world.close()

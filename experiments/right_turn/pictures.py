@@ -60,7 +60,7 @@ def _figures(folder: Path) -> Iterator[tuple[str, Figure]]:
         yield "gaps", comparisons.gaps(drives["J"], drives["R"], {})
     hops = {
         hop: {
-            system: [each for run in runs for each in run.latencies.get(hop, ())]
+            system: [duration for run in runs for duration in run.latencies.get(hop, ())]
             for system, runs in wall.items()
         }
         for hop in HOPS

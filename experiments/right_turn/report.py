@@ -68,9 +68,9 @@ def table_of_drives(data: Mapping[str, Any]) -> list[list[str]]:
     counts = (f"{found['arrived']} of {found['drives']}" for found in systems.values())
     rows.append(["arrived", *counts])
     rows.append(["time", *(found["clock"] for found in systems.values())])
-    for each in MEASURES:
-        cells = (_cell(found["measures"].get(each.name)) for found in systems.values())
-        rows.append([f"{each.words}, {each.unit}", *cells])
+    for measure in MEASURES:
+        cells = (_cell(found["measures"].get(measure.name)) for found in systems.values())
+        rows.append([f"{measure.words}, {measure.unit}", *cells])
     return rows
 
 
@@ -80,9 +80,9 @@ def table(data: Mapping[str, Any]) -> str:
     drives = Table(*head)
     for row in rows:
         drives.add(*row)
-    others = Table("system", *(f"{each.words}, {each.unit}" for each in MEASURES))
+    others = Table("system", *(f"{measure.words}, {measure.unit}" for measure in MEASURES))
     for name, found in data["baselines"].items():
-        spreads = (found["measures"].get(each.name, {}) for each in MEASURES)
+        spreads = (found["measures"].get(measure.name, {}) for measure in MEASURES)
         others.add(name, *(number(spread.get("mean")) for spread in spreads))
     texts = [drives.render(), others.render()]
     for verdict in data["verdicts"]:
@@ -129,11 +129,16 @@ def _claims(data: Mapping[str, Any]) -> Iterator[str]:
 
 def _all_systems(data: Mapping[str, Any]) -> Iterator[str]:
     yield "## All systems in numbers\n"
-    head = ("system", "clock", "arrived", *(f"{each.words}, {each.unit}" for each in MEASURES))
+    head = (
+        "system",
+        "clock",
+        "arrived",
+        *(f"{measure.words}, {measure.unit}" for measure in MEASURES),
+    )
     rows = []
     for name, found in {**data["systems"], **data["baselines"]}.items():
         arrived = "" if found["arrived"] is None else f"{found['arrived']} of {found['drives']}"
-        cells = (found["measures"].get(each.name, {}).get("mean") for each in MEASURES)
+        cells = (found["measures"].get(measure.name, {}).get("mean") for measure in MEASURES)
         rows.append((name, found["clock"], arrived, *map(number, cells)))
     yield markdown_table(head, rows)
     yield (
@@ -255,12 +260,12 @@ def _controls(data: Mapping[str, Any]) -> Iterator[str]:
     yield "### What the test must distinguish from J\n"
     rows = [
         (
-            each["about"],
-            each["drives"],
-            answer({"holds": each["differs"]}),
-            "; ".join(each["by"]),
+            control["about"],
+            control["drives"],
+            answer({"holds": control["differs"]}),
+            "; ".join(control["by"]),
         )
-        for each in found.values()
+        for control in found.values()
     ]
     yield markdown_table(("drives in real time", "", "shown to be different", "by"), rows)
 

@@ -59,7 +59,7 @@ def of_system(runs: Sequence[Run]) -> dict[str, Any]:
     """
     latency = {}
     for hop in HOPS:
-        times = [each for run in runs for each in run.latencies.get(hop, ())]
+        times = [duration for run in runs for duration in run.latencies.get(hop, ())]
         if times:
             summary = latency_summary(times)
             latency[hop] = {
@@ -85,10 +85,12 @@ def measures(metrics: Sequence[Mapping[str, float]]) -> dict[str, dict[str, floa
         metrics: Those of each drive.
     """
     found = {}
-    for each in MEASURES:
-        values = [each.factor * values[each.name] for values in metrics if each.name in values]
+    for measure in MEASURES:
+        values = [
+            measure.factor * values[measure.name] for values in metrics if measure.name in values
+        ]
         if values:
-            found[each.name] = _spread(values)
+            found[measure.name] = _spread(values)
     return found
 
 

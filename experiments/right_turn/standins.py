@@ -49,8 +49,8 @@ class StandIn:
 
     def stop(self) -> None:
         """End the node, as a crash does: at once and without a word."""
-        for each in self._subscriptions:
-            each.close()
+        for subscription in self._subscriptions:
+            subscription.close()
         self._subscriptions.clear()
 
     def _listen(
@@ -128,16 +128,20 @@ class SpeedNode(StandIn):
         self._logic = logic = SpeedLogic(parameters)
         types = ros.types
         self._listen(
-            "/cruise_speed", types.TwistStamped, lambda each: logic.take_cruise_speed(_speed(each))
+            "/cruise_speed",
+            types.TwistStamped,
+            lambda message: logic.take_cruise_speed(_speed(message)),
         )
         self._listen(
             "/steering_angle",
             types.Float64,
-            lambda each: logic.take_measured_angle(each.data),
+            lambda message: logic.take_measured_angle(message.data),
             ros.sensing,
         )
         self._listen(
-            "/steering_command", types.Float64, lambda each: logic.take_commanded_angle(each.data)
+            "/steering_command",
+            types.Float64,
+            lambda message: logic.take_commanded_angle(message.data),
         )
         self._listen("/dead_reckoning", types.Odometry, self._pose)
 

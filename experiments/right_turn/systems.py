@@ -188,7 +188,9 @@ class Running:
 
     def start(self, *names: str) -> None:
         """Start processes, by default all but the operator, each with its output in a file."""
-        for name in names or [each for each in self.workspace.processes if each != OPERATOR]:
+        for name in names or [
+            process for process in self.workspace.processes if process != OPERATOR
+        ]:
             line = [word.format(port=self.setting.port) for word in self.workspace.processes[name]]
             self._processes[name] = self._spawn(line, name)
 
@@ -239,7 +241,7 @@ class Running:
     def stop(self) -> None:
         """End all processes in good order, or else firmly."""
         for number, seconds in GRACE:
-            left = [each for each in self._processes.values() if each.poll() is None]
+            left = [child for child in self._processes.values() if child.poll() is None]
             for process in left:
                 process.send_signal(number)
             deadline = time.monotonic() + seconds

@@ -68,14 +68,14 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
     }
     if not plan.quick:
         tell("positive controls")
-        good = [each for each in runs if each.system == JAUS_ALONE.name]
+        good = [finished_run for finished_run in runs if finished_run.system == JAUS_ALONE.name]
         summary["controls"] = found = _controls(alone, good, folder / "logs")
         summary["claims"] = [
             {
-                "text": f"positive control: {each['about']} is distinguished from J",
-                "holds": each["differs"],
+                "text": f"positive control: {control['about']} is distinguished from J",
+                "holds": control["differs"],
             }
-            for each in found.values()
+            for control in found.values()
         ]
     (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
     return runs

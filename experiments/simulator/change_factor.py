@@ -30,8 +30,8 @@ def main(arguments: list[str]) -> int:
         return 1
     with Path(arguments[0]).open("w", encoding="utf-8", buffering=1) as file:
         file.write("real_s,factor\n")
-        for each in arguments[1:]:
-            factor, seconds = map(float, each.split(":"))
+        for argument in arguments[1:]:
+            factor, seconds = map(float, argument.split(":"))
             value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=factor)
             request = SetParameters.Request(
                 parameters=[ParameterMessage(name="real_time_factor", value=value)]

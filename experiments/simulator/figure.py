@@ -62,9 +62,9 @@ def _counts(axes: Axes, folder: Path, names: list[str]) -> None:
     for name in names:
         result = Result.read(folder / name)
         segment = result.segments[0]
-        times = [each.received for each in arrivals(folder / name)]
-        times = [each - segment.begin for each in times if each >= segment.begin]
-        times = [each for each in times if each <= SHOWN]
+        times = [arrival.received for arrival in arrivals(folder / name)]
+        times = [time - segment.begin for time in times if time >= segment.begin]
+        times = [time for time in times if time <= SHOWN]
         colour, line, words = _LOOKS[name]
         label = f"{words}: {segment.real_rate:.1f}/s"
         axes.plot(times, range(1, len(times) + 1), color=colour, linestyle=line, label=label)
@@ -78,16 +78,17 @@ def _counts(axes: Axes, folder: Path, names: list[str]) -> None:
 
 def _rates(axes: Axes, folder: Path) -> None:
     style.name_panel(axes, "b", "rate while the pace changes")
-    times = [each.received for each in arrivals(folder)]
+    times = [arrival.received for arrival in arrivals(folder)]
     segments = Result.read(folder).segments
     begin, end = segments[0].begin, segments[-1].end
     looked = [begin + WINDOW + at * 0.05 for at in range(int((end - begin - WINDOW) / 0.05))]
     rates = [
-        (bisect_left(times, each) - bisect_left(times, each - WINDOW)) / WINDOW for each in looked
+        (bisect_left(times, moment) - bisect_left(times, moment - WINDOW)) / WINDOW
+        for moment in looked
     ]
-    factors = [each.factor for each in segments]
-    edges = [each.begin - begin for each in segments] + [end - begin]
-    asked = [RATE * each for each in factors]
+    factors = [segment.factor for segment in segments]
+    edges = [segment.begin - begin for segment in segments] + [end - begin]
+    asked = [RATE * factor for factor in factors]
     axes.stairs(
         asked,
         edges,
@@ -98,15 +99,15 @@ def _rates(axes: Axes, folder: Path) -> None:
         label=f"{RATE:g}/s × pace that was set",
     )
     axes.plot(
-        [each - begin - WINDOW / 2 for each in looked],
+        [moment - begin - WINDOW / 2 for moment in looked],
         rates,
         color=style.BLUE,
         linewidth=1.0,
         label=f"received in {WINDOW:g} s",
     )
-    for each in segments:
-        middle = (each.begin + each.end) / 2 - begin
-        axes.text(middle, RATE * each.factor + 2.2, f"{each.factor:g}×", ha="center")
+    for segment in segments:
+        middle = (segment.begin + segment.end) / 2 - begin
+        axes.text(middle, RATE * segment.factor + 2.2, f"{segment.factor:g}×", ha="center")
     axes.set_xlabel("real time (s)")
     axes.set_ylabel("events in a real second (1/s)")
     axes.set_ylim(0, 3 * RATE)
@@ -118,11 +119,11 @@ def _errors(axes: Axes, folder: Path, names: list[str]) -> None:
     path = StraightArcStraight.right_turn(VehicleParameters())
     lines = {"double": (0, (1, 1.2)), "half": (0, (4, 1.5))}
     for name in names:
-        nearest = [path.nearest(each.x, each.y) for each in states(folder / name)[::5]]
+        nearest = [path.nearest(state.x, state.y) for state in states(folder / name)[::5]]
         colour, _, words = _LOOKS[name]
         axes.plot(
-            [each.station for each in nearest],
-            [each.cross_track_error for each in nearest],
+            [point.station for point in nearest],
+            [point.cross_track_error for point in nearest],
             color=colour,
             linestyle=lines.get(name, "-"),
             label=words,

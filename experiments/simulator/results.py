@@ -114,7 +114,9 @@ class Result:
     @property
     def held_pace(self) -> bool:
         """Whether the machine was fast enough for the pace that was set."""
-        return all(abs(each.pace - each.factor) <= HELD * each.factor for each in self.segments)
+        return all(
+            abs(segment.pace - segment.factor) <= HELD * segment.factor for segment in self.segments
+        )
 
     def write(self, folder: Path) -> None:
         """Writes the numbers to `result.json`."""
@@ -125,7 +127,7 @@ class Result:
     def read(cls, folder: Path) -> Result:
         """Reads what `write` has written."""
         about = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-        segments = [Segment(**each) for each in about.pop("segments")]
+        segments = [Segment(**segment) for segment in about.pop("segments")]
         return cls(**about, segments=segments)
 
 
@@ -166,8 +168,8 @@ def judge(folder: Path, name: str, *, follows_clock: bool, arrived: bool) -> Res
     error = duration = None
     if arrived:
         path = StraightArcStraight.right_turn(VehicleParameters())
-        error = max(abs(path.nearest(each.x, each.y).cross_track_error) for each in steps)
-        moving = [each.time for each in steps if each.v > 0.01]
+        error = max(abs(path.nearest(step.x, step.y).cross_track_error) for step in steps)
+        moving = [step.time for step in steps if step.v > 0.01]
         duration = moving[-1] - moving[0]
     return Result(
         name, follows_clock, segments, arrived, error, duration, all(map(_follows, segments))
@@ -176,9 +178,9 @@ def judge(folder: Path, name: str, *, follows_clock: bool, arrived: bool) -> Res
 
 def _segments(events: list[Arrival], steps: list[State], changed: list[Change]) -> list[Segment]:
     begin, end = events[0].received + SETTLING, events[-1].received
-    inside = [each for each in changed if begin < each.real < end]
-    bounds = [begin, *(each.real for each in inside), end]
-    factors = [steps[0].factor, *(each.factor for each in inside)]
+    inside = [change for change in changed if begin < change.real < end]
+    bounds = [begin, *(change.real for change in inside), end]
+    factors = [steps[0].factor, *(change.factor for change in inside)]
     return [
         _segment(events, steps, bounds[at], bounds[at + 1], factor)
         for at, factor in enumerate(factors)
@@ -188,9 +190,9 @@ def _segments(events: list[Arrival], steps: list[State], changed: list[Change]) 
 def _segment(
     events: list[Arrival], steps: list[State], begin: float, end: float, factor: float
 ) -> Segment:
-    times = [each.time for each in steps if begin <= each.real < end]
+    times = [step.time for step in steps if begin <= step.real < end]
     pace = (times[-1] - times[0]) / (end - begin) if times else 0.0
-    within = [each for each in events if begin <= each.received < end]
+    within = [event for event in events if begin <= event.received < end]
     if len(within) < 3:
         return Segment(begin, end, factor, pace, len(within) / (end - begin), None)
     count = len(within) - 1
@@ -212,7 +214,7 @@ def _follows(segment: Segment) -> bool:
 
 def spread(results: list[Result]) -> float | None:
     """Returns by how much the path errors of the runs differ, m; None for less than two."""
-    errors = [each.path_error for each in results if each.path_error is not None]
+    errors = [result.path_error for result in results if result.path_error is not None]
     return max(errors) - min(errors) if len(errors) > 1 else None
 
 

@@ -83,8 +83,8 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Result]:
     Raises:
         ExperimentError: A run could not be made.
     """
-    for each in CONDITIONS:  # what a longer run has left would be drawn beside this one
-        shutil.rmtree(folder / each.name, ignore_errors=True)
+    for condition in CONDITIONS:  # what a longer run has left would be drawn beside this one
+        shutil.rmtree(folder / condition.name, ignore_errors=True)
     return run_conditions(folder, QUICK if plan.quick else CONDITIONS, tell)
 
 
@@ -99,12 +99,12 @@ def run_conditions(
     tell(f"driving beside the simulator, {len(conditions)} runs at once")
     with ThreadPoolExecutor(len(conditions)) as pool:
         running = [
-            pool.submit(_drive, folder / each.name, workspace, each, FIRST_DOMAIN + at)
-            for at, each in enumerate(conditions)
+            pool.submit(_drive, folder / condition.name, workspace, condition, FIRST_DOMAIN + at)
+            for at, condition in enumerate(conditions)
         ]
         results = []
-        for each in running:
-            results.append(each.result())
+        for future in running:
+            results.append(future.result())
             tell(_told(results[-1]))
     _summarize(folder, results)
     return results
@@ -151,7 +151,9 @@ def _start(processes: Processes, folder: Path, workspace: Path, condition: Condi
 
 def _told(result: Result) -> str:
     """Returns a line on a run."""
-    rates = ", ".join(f"{each.real_rate:.2f}/s at {each.pace:.2f}x" for each in result.segments)
+    rates = ", ".join(
+        f"{segment.real_rate:.2f}/s at {segment.pace:.2f}x" for segment in result.segments
+    )
     return f"{result.name}: {rates}"
 
 
@@ -162,7 +164,7 @@ def _summarize(folder: Path, results: list[Result]) -> None:
         "path_tolerance_m": PATH_TOLERANCE,
         "path_difference_m": spread(results),
         "claims": [{"text": text, "holds": holds} for text, holds in _claims(results)],
-        "runs": {each.name: asdict(each) for each in results},
+        "runs": {result.name: asdict(result) for result in results},
     }
     text = json.dumps(summary, indent=2, sort_keys=True, allow_nan=False)
     (folder / "summary.json").write_text(text + "\n", encoding="utf-8")
@@ -170,14 +172,17 @@ def _summarize(folder: Path, results: list[Result]) -> None:
 
 def _claims(results: list[Result]) -> Iterator[tuple[str, bool | None]]:
     """Yields what must hold, and whether it does; None where the machine was too slow to tell."""
-    for each in results:
-        if each.follows_clock:
-            yield f"simulator, {each.name}: events keep the pace of the simulation", each.follows
+    for result in results:
+        if result.follows_clock:
+            yield (
+                f"simulator, {result.name}: events keep the pace of the simulation",
+                result.follows,
+            )
         else:
-            text = f"simulator, {each.name}: a bridge in real time does not keep the pace"
-            yield text, not each.follows
+            text = f"simulator, {result.name}: a bridge in real time does not keep the pace"
+            yield text, not result.follows
     difference = spread(results)
     if difference is not None:
         text = f"the path is the same at each pace, within {PATH_TOLERANCE:g} m"
-        was_held = all(each.held_pace for each in results if each.path_error is not None)
+        was_held = all(result.held_pace for result in results if result.path_error is not None)
         yield text, difference <= PATH_TOLERANCE if was_held else None

@@ -111,7 +111,7 @@ def _base(interface: Interface, file: File, class_name: str, base_name: str) -> 
     module = interface.modules.find(name) if name else None
     user = interface.modules.member(module, class_name) if isinstance(module, Module) else None
     if isinstance(user, Class):
-        for each in interface.modules.ancestors(user):
-            if isinstance(each, Class) and each.name == base_name:
-                return f"{each.module.name}.{each.name}"
+        for ancestor in interface.modules.ancestors(user):
+            if isinstance(ancestor, Class) and ancestor.name == base_name:
+                return f"{ancestor.module.name}.{ancestor.name}"
     return ""

@@ -79,14 +79,14 @@ class Manifest:
         """Returns the model files of which the schema knew no model's name, but for one."""
         stem = PurePath(source).stem
         unknown = {e.source for e in self.files.values() if not e.models and not e.is_of_runtime}
-        return sorted(each for each in unknown if PurePath(each).stem != stem)
+        return sorted(path for path in unknown if PurePath(path).stem != stem)
 
     def adopted(self, model: str, former: str = "") -> Manifest:
         """Returns the manifest with files given to a model."""
         files = {path: _adopted(entry, model, former) for path, entry in self.files.items()}
         models = dict(self.models)
         known = [models.pop(name, {}) for name in ("", former, model)]
-        merged = {key: value for each in known for key, value in each.items()}
+        merged = {key: value for record in known for key, value in record.items()}
         return replace(self, files=files, models={**models, model: merged})
 
     def dump(self) -> str:

@@ -81,7 +81,7 @@ def is_current(source: Path) -> bool:
 def build(sources: Sequence[Path], program: str) -> list[Built]:
     """Builds cores, as many at once as there are processors; those that are current stay."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(lambda each: _build(each, program), sources))
+        return list(pool.map(lambda source: _build(source, program), sources))
 
 
 def _build(source: Path, program: str) -> Built:
@@ -99,7 +99,7 @@ def _build(source: Path, program: str) -> Built:
     except subprocess.CalledProcessError as error:
         lines = error.stderr.decode(errors="replace").strip().splitlines()
         # Compilers say first in which function an error is.
-        said = [*(each for each in lines if "error: " in each), *lines, str(error)]
+        said = [*(line for line in lines if "error: " in line), *lines, str(error)]
         return Built(library, State.FAILED, said[0])
     except (OSError, subprocess.TimeoutExpired) as error:
         return Built(library, State.FAILED, str(error))

@@ -129,7 +129,7 @@ def make_plan(
     actions += _strays(out, manifest, unique)
     actions += _remains(out, manifest)
     actions.sort(key=lambda action: action.path)
-    deleted = frozenset(each.path for each in actions if each.kind is ActionKind.DELETE)
+    deleted = frozenset(deletion.path for deletion in actions if deletion.kind is ActionKind.DELETE)
     told = known(deleted) if known else {}
     models = {**manifest.models, model: {**manifest.models.get(model, {}), **told}}
     new = Manifest(files=files, models=models)

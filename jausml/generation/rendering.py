@@ -64,10 +64,10 @@ def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
     size, modules = _Size(), Modules()
     with without_collector(), remembering():
         renderers = [_Renderer(target, model, size, modules) for target in targets]
-        size.check_files(sum(len(each.task.views) for one in renderers for each in one.tasks))
+        size.check_files(sum(len(task.task.views) for one in renderers for task in one.tasks))
         for renderer in renderers:
             renderer.generate(model, outfolder="")
-    artifacts = [each for one in renderers for task in one.tasks for each in task.artifacts]
+    artifacts = [artifact for one in renderers for task in one.tasks for artifact in task.artifacts]
     return sorted(artifacts, key=lambda artifact: (artifact.path, artifact.target))
 
 

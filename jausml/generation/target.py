@@ -181,8 +181,11 @@ def system_of(model: Model) -> system.System:
     document = model.documents[0]
     systems = [root for root in document.roots if isinstance(root, system.System)]
     if len(systems) != 1:
-        maps = [str(each.name) for each in model.instances(bridge.AttributeMap, library=False)]
-        raise NoSystemError(document.display, [str(each.name) for each in systems], maps)
+        maps = [
+            str(attribute_map.name)
+            for attribute_map in model.instances(bridge.AttributeMap, library=False)
+        ]
+        raise NoSystemError(document.display, [str(candidate.name) for candidate in systems], maps)
     return systems[0]
 
 

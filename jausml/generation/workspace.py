@@ -114,19 +114,19 @@ def broken_code(old: Model, new: Model, targets: Sequence[Target[Any]], out: Pat
     """Returns what a change of a model breaks in users' files; writes nothing."""
     before, after = render(old, targets), render(new, targets)
     manifest = read_manifest(out)
-    paths = [{each.path for each in state} for state in (before, after)]
+    paths = [{artifact.path for artifact in state} for state in (before, after)]
     come, gone = frozenset(paths[1] - paths[0]), frozenset(paths[0] - paths[1])
     interfaces = Interface(before, out, manifest, come), Interface(after, out, manifest, gone)
     former = former_names(*interfaces)
     known = {
-        (each.kind, each.path, each.line, each.column)
-        for each in drift(before, out, manifest, deleted=come)
+        (finding.kind, finding.path, finding.line, finding.column)
+        for finding in drift(before, out, manifest, deleted=come)
     }
     return [
-        each
-        for each in drift(after, out, manifest, deleted=gone, former=former)
-        if each.severity is not Severity.INFO
-        and (each.kind, each.path, each.line, each.column) not in known
+        finding
+        for finding in drift(after, out, manifest, deleted=gone, former=former)
+        if finding.severity is not Severity.INFO
+        and (finding.kind, finding.path, finding.line, finding.column) not in known
     ]
 
 
@@ -167,7 +167,7 @@ def _generate(
     others = frozenset() if kept is None else written - frozenset(kept)
     covered = {target.name for target in targets} | others
     launching = [target.processes for target in targets if target.processes is not None]
-    processes = [dict(each) for list_processes in launching for each in list_processes(model)]
+    processes = [dict(process) for list_processes in launching for process in list_processes(model)]
     former: dict[str, str] = {}
 
     def known(deleted: frozenset[str]) -> dict[str, Any]:
@@ -213,12 +213,12 @@ def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:
 def with_code(report: Report, result: Result, out: Path) -> Report:
     """Returns the report of a model with what does not fit it in the workspace."""
     plan = result.plan
-    found = [each.diagnostic(out) for each in result.drift]
-    for each in (*plan.changes, *plan.refused):
-        place = Location(str(out / each.path))
-        message = f"{each.kind.value}: {each.reason}"
+    found = [finding.diagnostic(out) for finding in result.drift]
+    for change in (*plan.changes, *plan.refused):
+        place = Location(str(out / change.path))
+        message = f"{change.kind.value}: {change.reason}"
         found.append(Diagnostic(STALE, Severity.ERROR, place, message))
-    paths = (each.location.path for each in found)
+    paths = (diagnostic.location.path for diagnostic in found)
     return replace(
         report,
         files=tuple(dict.fromkeys((*report.files, *paths))),

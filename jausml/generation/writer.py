@@ -38,7 +38,7 @@ def apply(plan: Plan) -> None:
     if plan.refused:
         reasons = "; ".join(f"{action.path}: {action.reason}" for action in plan.refused)
         raise RefusedError(f"nothing was written: {reasons}")
-    changes = [each for each in plan.changes if each.path != PENDING_PATH]
+    changes = [change for change in plan.changes if change.path != PENDING_PATH]
     with _faults_named(PENDING_PATH):
         if changes:
             plan.out.mkdir(parents=True, exist_ok=True)
@@ -128,11 +128,11 @@ def _opened(out: Path, path: str, *, make: bool = False) -> Iterator[_File]:
         return
     descriptor = os.open(out, os.O_RDONLY | getattr(os, "O_DIRECTORY", 0))
     try:
-        for each in folders:
+        for segment in folders:
             if make:
                 with suppress(FileExistsError):
-                    os.mkdir(each, dir_fd=descriptor)
-            inner = os.open(each, os.O_RDONLY | _FOLDER, dir_fd=descriptor)
+                    os.mkdir(segment, dir_fd=descriptor)
+            inner = os.open(segment, os.O_RDONLY | _FOLDER, dir_fd=descriptor)
             os.close(descriptor)
             descriptor = inner
         yield _File(name, descriptor)
@@ -189,7 +189,9 @@ def _keep(file: _File, action: Action) -> None:
     name = PurePosixPath(action.path).name
     numbered = (f"{name}.orig{number if number > 1 else ''}" for number in count(1))
     names = (PurePosixPath(action.backup).name,) if action.backup else numbered
-    next(copy for each in names if not (copy := file.beside(each)).is_there()).create(data)
+    next(copy for backup_name in names if not (copy := file.beside(backup_name)).is_there()).create(
+        data
+    )
 
 
 def _text(data: bytes) -> str | None:

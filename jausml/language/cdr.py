@@ -106,7 +106,7 @@ def full_name(message_type: ros.MessageType) -> str:
 
 def fields_of(message: ros.MessageType) -> tuple[FieldLayout, ...]:
     """Returns the fields of a message in order."""
-    return tuple(_field(each) for each in message.fields)
+    return tuple(_field(field) for field in message.fields)
 
 
 def _field(field: ros.Field) -> FieldLayout:
@@ -165,7 +165,7 @@ def _collect(
 
 def nested(message: ros.MessageType) -> Iterator[ros.MessageType]:
     """Yields the types of the messages inside a message, each once, in order."""
-    inner = (each.messageType for each in message.fields if isinstance(each, ros.MessageField))
+    inner = (field.messageType for field in message.fields if isinstance(field, ros.MessageField))
     yield from dict.fromkeys(inner)
 
 
@@ -179,7 +179,7 @@ class Sizes:
     def fewest_bytes(self, message: ros.MessageType) -> int:
         """Returns the fewest bytes that a message takes, without padding."""
         if message not in self._fewest:
-            least = sum(self._fewest_of(each) for each in fields_of(message))
+            least = sum(self._fewest_of(field) for field in fields_of(message))
             self._fewest[message] = max(least, 1)
         return self._fewest[message]
 
@@ -196,8 +196,8 @@ class Sizes:
         """Returns the number of the fields of a message, those of messages inside it included."""
         if message not in self._counts:
             inner = (
-                self.count(each.message) if each.is_single and each.message is not None else 1
-                for each in fields_of(message)
+                self.count(field.message) if field.is_single and field.message is not None else 1
+                for field in fields_of(message)
             )
             self._counts[message] = sum(inner) or 1
         return self._counts[message]

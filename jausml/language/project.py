@@ -93,22 +93,24 @@ class Models:
         """Returns the model of files and of all that they refer to."""
         # Of models of several files few are kept, whichever these are.
         kept = self._kept.setdefault(files[0] if len(files) == 1 else "", [])
-        for each in kept:
-            if each.is_of(files, contents):
-                return each.result
+        for entry in kept:
+            if entry.is_of(files, contents):
+                return entry.result
         result = self._read(files, contents)
-        held = {file_of(each, self._root) for each in result.model.documents} & contents.keys()
-        said = {each: contents[each] for each in held}
+        held = {
+            file_of(document, self._root) for document in result.model.documents
+        } & contents.keys()
+        said = {path: contents[path] for path in held}
         kept.insert(0, _Kept(result, files, said, frozenset(contents)))
         del kept[_KEPT:]
         return result
 
     def _read(self, files: tuple[str, ...], contents: Mapping[str, bytes]) -> ReadResult:
         return read_models(
-            [self._root / each for each in files],
+            [self._root / file for file in files],
             project_root=self._root,
             notations=self._notations,
-            contents={self._root / each: data for each, data in contents.items()},
+            contents={self._root / path: data for path, data in contents.items()},
             cache=self._cache,
         )
 
@@ -151,8 +153,8 @@ class Index:
         Args:
             model: That of the file, from whoever has read it.
         """
-        used = {file_of(each, self.root) for each in (model or self.model(file)).documents}
-        others = tuple(each for each in sorted(self.contents) if each not in used)
+        used = {file_of(document, self.root) for document in (model or self.model(file)).documents}
+        others = tuple(content for content in sorted(self.contents) if content not in used)
         return self._models.read(others, self.contents).model
 
     @cached_property
@@ -178,7 +180,7 @@ class Index:
                 f"no model in {self.root} has a system: {choice}, or make a project by jausml init"
             )
         if len(found) > 1:
-            names = ", ".join(str(each.relative_to(self.root)) for each in found[:_FEW])
+            names = ", ".join(str(path.relative_to(self.root)) for path in found[:_FEW])
             raise InputError(f"several models have a system: {choice} ({names})")
         return found[0]
 
@@ -201,11 +203,14 @@ def own_instances(models: Iterable[Model], kind: type[ElementT]) -> list[Element
     found: list[ElementT] = []
     seen: set[Path] = set()
     for model in models:
-        new = {each.path for each in model.documents if not each.is_library} - seen
+        new = {document.path for document in model.documents if not document.is_library} - seen
         of_model = (
-            (each, model.document_of(each)) for each in model.instances(kind, library=False)
+            (instance, model.document_of(instance))
+            for instance in model.instances(kind, library=False)
         )
-        found += [each for each, place in of_model if place is not None and place.path in new]
+        found += [
+            instance for instance, place in of_model if place is not None and place.path in new
+        ]
         seen |= new
     return found
 
@@ -236,8 +241,8 @@ def read_project(
         InputError: A path cannot be read, a folder holds no model, or there can be no such bridge.
     """
     reading = reading or Reading()
-    named = [os.fspath(each) for each in paths]
-    files = [_one_model(each) for each in named] if is_one else find_models(named)
+    named = [os.fspath(path) for path in paths]
+    files = [_one_model(path) for path in named] if is_one else find_models(named)
     return read_models(
         files,
         project_root=reading.project_root,
@@ -261,7 +266,7 @@ def _own_models(files: Sequence[str]) -> Sequence[str]:
     """Returns the files that are no copies of the shipped library; all where all are copies."""
     if len(files) == 1:
         return files
-    own = [each for each in files if shipped_as(Path(os.path.realpath(each))) is None]
+    own = [file for file in files if shipped_as(Path(os.path.realpath(file))) is None]
     return own or files
 
 
@@ -307,7 +312,7 @@ class OneDocument:
         """Reads it, with what it needs of the library that is installed."""
         own = {self.path: self.text.encode("utf-8")} if self.text else {}
         return read_models(
-            [*own, *(library_root() / each for each in self.library)],
+            [*own, *(library_root() / path for path in self.library)],
             project_root=self.path.parent,
             notations=NOTATIONS,
             contents=own,
@@ -322,8 +327,10 @@ def one_document(model: Model) -> OneDocument:
         UnwritableError: XMI has no form for a value of it.
     """
     path = model.documents[0].path.with_suffix(".xmi")
-    roots = [each for one in model.documents if not one.is_library for each in one.roots]
-    named = [each.path for each in model.documents if each.is_library and each.given]
+    roots = [root for one in model.documents if not one.is_library for root in one.roots]
+    named = [
+        document.path for document in model.documents if document.is_library and document.given
+    ]
     text = to_xmi(roots, model, path) if roots else ""
     return OneDocument(path, text, tuple(map(place_in_library, named)))
 

@@ -277,7 +277,7 @@ def distribution() -> str:
     sourced = os.environ.get("ROS_DISTRO")
     if sourced in _DISTRIBUTIONS:
         return sourced
-    installed = (each for each in _DISTRIBUTIONS if _is_installed(f"ros-{each}-rclpy"))
+    installed = (codename for codename in _DISTRIBUTIONS if _is_installed(f"ros-{codename}-rclpy"))
     return next(installed, _DISTRIBUTIONS[0])
 
 

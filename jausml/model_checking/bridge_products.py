@@ -367,7 +367,7 @@ class CommandingProduct:
     def is_over(self, state: Commanding) -> bool:
         """Tells whether one of both has come to an end that no message leads out of."""
         ends = (state.peer, state.own)
-        return any(each.status in FINAL or each.interrupted[0] in FINAL for each in ends)
+        return any(end.status in FINAL or end.interrupted[0] in FINAL for end in ends)
 
     def place(self, _state: Commanding) -> str:
         """Returns nothing: there is no machine."""

@@ -59,7 +59,7 @@ class Outcome:
     @property
     def is_complete(self) -> bool:
         """Whether all states were searched."""
-        return all(each.rule != BOUND_MET for each in self.found)
+        return all(counter_example.rule != BOUND_MET for counter_example in self.found)
 
 
 def check_system(
@@ -70,25 +70,26 @@ def check_system(
 ) -> list[Outcome]:
     """Checks all that there is to check of a system."""
     bounds = Bounds(states, is_over)
-    return [check_subject(each, bounds) for each in subjects_of(system_, demanded)]
+    return [check_subject(subject, bounds) for subject in subjects_of(system_, demanded)]
 
 
 def without_allowed(outcomes: Iterable[Outcome], model: Model) -> list[Outcome]:
     """Returns outcomes in which what an `@allow` of the model is about does not count."""
     settled_outcomes = []
-    for each in outcomes:
-        told = {diagnostic_of(each.subject, found, model): found for found in each.found}
+    for outcome in outcomes:
+        told = {diagnostic_of(outcome.subject, found, model): found for found in outcome.found}
         _, aside = settled(model, list(told), PRODUCT_RULES)
         allowed = {one.diagnostic for one in aside}
         found = tuple(example for one, example in told.items() if one not in allowed)
-        settled_outcomes.append(replace(each, found=found, allowed=tuple(aside)))
+        settled_outcomes.append(replace(outcome, found=found, allowed=tuple(aside)))
     return settled_outcomes
 
 
 def diagnostic_of(subject: Subject, example: CounterExample, model: Model) -> Diagnostic:
     """Returns what was found as a finding at the element that it is about."""
     steps = "; ".join(
-        f"{each.seconds:g} s {each.step.actor}: {each.step.what}" for each in example.moments
+        f"{moment.seconds:g} s {moment.step.actor}: {moment.step.what}"
+        for moment in example.moments
     )
     return Diagnostic(
         rule=example.rule,
@@ -103,7 +104,7 @@ def diagnostic_of(subject: Subject, example: CounterExample, model: Model) -> Di
 def check_subject(subject: Subject, bounds: Bounds) -> Outcome:
     """Searches one product and judges it."""
     graph = explore(subject.product, bounds)
-    found = [_told(subject, graph, each) for each in violations(subject.product, graph)]
+    found = [_told(subject, graph, violation) for violation in violations(subject.product, graph)]
     if not graph.is_complete:
         told = f"only {len(graph.states)} states were searched"
         found.append(CounterExample(BOUND_MET, told))
@@ -125,7 +126,7 @@ def _told(subject: Subject, graph: Graph, violation: Violation) -> CounterExampl
 
 def _json(outcomes: Sequence[Outcome], model: Model) -> str:
     """Returns an object with all products and their counter-examples."""
-    products = [_product(each, model) for each in outcomes]
+    products = [_product(outcome, model) for outcome in outcomes]
     return json.dumps({"digests": digests(model), "products": products}, indent=2) + "\n"
 
 
@@ -141,7 +142,7 @@ def _product(outcome: Outcome, model: Model) -> dict[str, Any]:
         "stop_within": round(subject.product.bound * subject.tick, 3) or None,
         "held": subject.held or None,
         "stop": subject.stop or None,
-        "found": [_found(each) for each in outcome.found],
+        "found": [_found(counter_example) for counter_example in outcome.found],
         "allowed": [{"rule": e.diagnostic.rule, "reason": e.reason} for e in outcome.allowed],
     }
 
@@ -153,12 +154,12 @@ def _found(example: CounterExample) -> dict[str, Any]:
         "repeats": example.repeats,
         "steps": [
             {
-                "seconds": each.seconds,
-                "actor": each.step.actor,
-                "what": each.step.what,
-                "receiver": each.step.receiver or None,
+                "seconds": moment.seconds,
+                "actor": moment.step.actor,
+                "what": moment.step.what,
+                "receiver": moment.step.receiver or None,
             }
-            for each in example.moments
+            for moment in example.moments
         ],
     }
 
@@ -184,13 +185,13 @@ def course_of(subject: Subject, example: CounterExample) -> Course:
 
 def _text(outcomes: Sequence[Outcome], model: Model) -> str:
     """Returns a line for each subject, and the steps of each counter-example."""
-    return "\n".join(line for each in outcomes for line in _lines(each, model)) + "\n"
+    return "\n".join(line for outcome in outcomes for line in _lines(outcome, model)) + "\n"
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:
     """Returns what was searched and found, in one line."""
-    found = sum(len(each.found) for each in outcomes)
-    states = sum(each.states for each in outcomes)
+    found = sum(len(outcome.found) for outcome in outcomes)
+    states = sum(outcome.states for outcome in outcomes)
     products = f"{len(outcomes)} product{'' if len(outcomes) == 1 else 's'}"
     findings = f"{found or 'no'} finding{'' if found == 1 else 's'}"
     return f"{products}, {states} states: {findings}"
@@ -201,11 +202,11 @@ def _lines(outcome: Outcome, model: Model) -> Iterator[str]:
     size = f"{outcome.states} states, {outcome.transitions} transitions"
     verdict = "holds" if not outcome.found else f"{len(outcome.found)} found"
     yield f"{subject.name}: {verdict} ({size}; {_promise(outcome)})"
-    for each in outcome.found:
+    for counter_example in outcome.found:
         location = model.location(subject.element, None, 0)
-        severity = PRODUCT_RULES[each.rule].severity.value
-        yield f"{location}: {severity} {each.rule} {each.message}"
-        yield from _way(each)
+        severity = PRODUCT_RULES[counter_example.rule].severity.value
+        yield f"{location}: {severity} {counter_example.rule} {counter_example.message}"
+        yield from _way(counter_example)
     for aside in outcome.allowed:
         yield f"{aside.location}: {aside.diagnostic.rule} is allowed: {aside.reason}"
 
@@ -238,8 +239,10 @@ def _told_in_line(moment: Moment) -> str:
 def _sarif(outcomes: Sequence[Outcome], model: Model) -> str:
     """Returns a SARIF log of one run."""
     files = tuple(document.display for document in model.documents if document.given)
-    found = [diagnostic_of(each.subject, one, model) for each in outcomes for one in each.found]
-    aside = tuple(one for each in outcomes for one in each.allowed)
+    found = [
+        diagnostic_of(outcome.subject, one, model) for outcome in outcomes for one in outcome.found
+    ]
+    aside = tuple(one for outcome in outcomes for one in outcome.allowed)
     return sarif.render(Report(model, files, tuple(found), aside, PRODUCT_RULES))
 
 

@@ -173,7 +173,7 @@ def violations(product: CheckedProduct, graph: Graph) -> list[Violation]:
     found = [_unsafe(product, graph), _late_stop(product, graph)]
     if graph.is_complete:
         found += [_deadlock(product, graph) or _trap(product, graph), _livelock(product, graph)]
-    return [each for each in found if each is not None]
+    return [violation for violation in found if violation is not None]
 
 
 def _unsafe(product: CheckedProduct, graph: Graph) -> Violation | None:
@@ -206,9 +206,9 @@ def _lasting(product: CheckedProduct, graph: Graph) -> _Lasting:
     found: _Lasting = [[] if source else None for source in sources]
     for state, step, after in graph.transitions():
         source, edges = sources[state], found[state]
-        each = graph.steps[step]
-        if edges is not None and each.actor != source and sources[after] == source:
-            edges.append((step, after, each.is_tick))
+        edge = graph.steps[step]
+        if edges is not None and edge.actor != source and sources[after] == source:
+            edges.append((step, after, edge.is_tick))
     return found
 
 
@@ -334,7 +334,7 @@ def _cycle(graph: Graph, state: int) -> list[tuple[int, int]]:
     way: list[tuple[int, int]] = []
     seen = {state: 0}
     while True:
-        ticks = (each for each in graph.edges[state] if graph.steps[each[0]].is_tick)
+        ticks = (edge for edge in graph.edges[state] if graph.steps[edge[0]].is_tick)
         step, state = next(ticks)
         way.append((step, state))
         if state in seen:

@@ -131,19 +131,27 @@ class MachineProduct:
 
     def messages(self) -> list[str]:
         """Returns the names of the messages that the machine takes."""
-        found = {_trigger(each): None for each in self._transitions() if each.message is not None}
-        return [each for each in found if each]
+        found = {
+            _trigger(transition): None
+            for transition in self._transitions()
+            if transition.message is not None
+        }
+        return [name for name in found if name]
 
     def events(self) -> list[str]:
         """Returns the names of the internal events that it takes."""
-        found = {_trigger(each): None for each in self._transitions() if each.message is None}
-        return [each for each in found if each]
+        found = {
+            _trigger(transition): None
+            for transition in self._transitions()
+            if transition.message is None
+        }
+        return [name for name in found if name]
 
     def own_conditions(self) -> list[str]:
         """Returns the names of the conditions that the user of the machine writes."""
-        guards = (parse_guard(each.guard) for each in self._transitions())
+        guards = (parse_guard(transition.guard) for transition in self._transitions())
         found = {name: None for guard in guards for name in conditions(guard)}
-        return [each for each in found if each not in _OF_THE_CORE]
+        return [name for name in found if name not in _OF_THE_CORE]
 
     def _candidates(self, path: str, trigger: str) -> list[_Guarded]:
         """Returns the transitions to try: innermost first, those for any trigger last."""
@@ -154,19 +162,23 @@ class MachineProduct:
             while outer:
                 node = self.machine.nodes.get(outer)
                 elements = [] if node is None else node.elements
-                own = [each for element in elements for each in element.transitions]
-                defaults = [each for element in elements for each in element.defaults]
+                own = [transition for element in elements for transition in element.transitions]
+                defaults = [default for element in elements for default in element.defaults]
                 listed += [*own, *defaults] if outer == path else [*defaults, *own]
                 outer = outer.rpartition(".")[0]
-            listed = [each for each in listed if not is_core_trigger(each)]
-            named = [each for each in listed if _trigger(each) == trigger]
-            ordered = [*named, *(each for each in listed if not _trigger(each))]
-            self._found[key] = [(each, parse_guard(each.guard)) for each in ordered]
+            listed = [transition for transition in listed if not is_core_trigger(transition)]
+            named = [transition for transition in listed if _trigger(transition) == trigger]
+            ordered = [*named, *(transition for transition in listed if not _trigger(transition))]
+            self._found[key] = [
+                (transition, parse_guard(transition.guard)) for transition in ordered
+            ]
         return self._found[key]
 
     def _taken(self, state: Behaving, trigger: str, sender: str) -> Iterator[tuple[Step, Behaving]]:
         """Yields the transitions that a trigger may take, whatever conditions of the user say."""
-        taken = {each: None for _, each in self.outcomes(state, trigger, sender) if each}
+        taken = {
+            candidate: None for _, candidate in self.outcomes(state, trigger, sender) if candidate
+        }
         for transition in taken:
             yield self.step(state, transition, trigger, sender)
 
@@ -178,7 +190,7 @@ class MachineProduct:
             return
         guards = (guard for _, guard in self._candidates(state.path, trigger))
         names = {name: True for guard in guards for name in conditions(guard)}
-        free = [each for each in names if each not in _OF_THE_CORE][:MOST_CONDITIONS]
+        free = [name for name in names if name not in _OF_THE_CORE][:MOST_CONDITIONS]
         for values in combinations((True, False), repeat=len(free)):
             said = {**names, **dict(zip(free, values, strict=True))}
             own = {name: value for name, value in said.items() if name not in _OF_THE_CORE}
@@ -202,7 +214,7 @@ class MachineProduct:
         }
         told = {**said, **known}
         candidates = self._candidates(state.path, trigger)
-        holding = (each for each, guard in candidates if _holds(guard, told))
+        holding = (transition for transition, guard in candidates if _holds(guard, told))
         return next(holding, None)
 
     def step(
@@ -328,9 +340,9 @@ def _holds(guard: Guard | None, said: Mapping[str, bool]) -> bool:
         case Negation():
             return not _holds(guard.operand, said)
         case AllOf():
-            return all(_holds(each, said) for each in guard.operands)
+            return all(_holds(operand, said) for operand in guard.operands)
         case AnyOf():
-            return any(_holds(each, said) for each in guard.operands)
+            return any(_holds(operand, said) for operand in guard.operands)
 
 
 def _lies_in(path: str, outer: str) -> bool:

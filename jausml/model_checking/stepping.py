@@ -91,17 +91,17 @@ def stepped_machine(model: Model, element: jaus.StateMachine) -> SteppedMachine 
 
 def _components(model: Model, service: jaus.Service | None) -> Iterator[list[SteppedMachine]]:
     """Yields the machines of each component, and last of a service by itself."""
-    for each in model.instances(jaus.Component, library=False):
-        if not each.external and not isinstance(each, bridge.Bridge):
-            yield list(_stepped(machine_subjects(each)))
+    for component in model.instances(jaus.Component, library=False):
+        if not component.external and not isinstance(component, bridge.Bridge):
+            yield list(_stepped(machine_subjects(component)))
     if service is not None:
         yield list(_stepped(service_subjects(service)))
 
 
 def _stepped(subjects: Iterator[Subject]) -> Iterator[SteppedMachine]:
-    for each in subjects:
-        if isinstance(each.product, MachineProduct):
-            yield SteppedMachine(each.product, each.tick)
+    for subject in subjects:
+        if isinstance(subject.product, MachineProduct):
+            yield SteppedMachine(subject.product, subject.tick)
 
 
 def walked(product: MachineProduct, path: Sequence[Chosen]) -> list[Choice]:
@@ -215,8 +215,8 @@ def stepped_test(model: Model, subject: SteppedMachine, path: Sequence[Chosen]) 
             CLIENTS,
             _CLASS.format(**names),
             *(
-                _CONDITION.format(method=methods[each], name=python_string(each))
-                for each in product.own_conditions()
+                _CONDITION.format(method=methods[condition], name=python_string(condition))
+                for condition in product.own_conditions()
             ),
             f"\n\ndef test_a_path_through_{snake_case(machine)}():\n",
             '    """It leads from state to state as it was stepped."""\n',
@@ -232,9 +232,9 @@ def _view(model: Model, product: MachineProduct) -> ComponentView:
         system = system_of(model)
     except NoSystemError as error:
         raise SteppingError(_NO_COMPONENT) from error
-    for each in plain_components(system):
-        if each.name == product.component:
-            return ComponentView(each, system, source_of(model))
+    for plain_component in plain_components(system):
+        if plain_component.name == product.component:
+            return ComponentView(plain_component, system, source_of(model))
     raise SteppingError(_NO_COMPONENT)
 
 
@@ -249,7 +249,7 @@ def _body(subject: SteppedMachine, view: ComponentView, path: Sequence[_Taken]) 
             address = f"JausAddress(64000, 1, {number})"
             yield f"{variable} = client(world.transport(), {address}, {python_string(name)})"
     yield f"world.run_for({subject.tick!r})"
-    for kind, group in groupby(path, key=lambda each: each[1].kind):
+    for kind, group in groupby(path, key=lambda pair: pair[1].kind):
         taken = list(group)
         if kind == "time":
             yield f"world.run_for({round(len(taken) * subject.tick, 3)!r})"
@@ -266,7 +266,7 @@ def _body(subject: SteppedMachine, view: ComponentView, path: Sequence[_Taken]) 
 
 def _done(view: ComponentView, product: MachineProduct, choice: Choice, client: str) -> str:
     if choice.kind == "event":
-        raised = next(each for each in view.events if each.name == choice.what)
+        raised = next(event for event in view.events if event.name == choice.what)
         return f"component.{raised.method}()"
     if not client:
         return 'component.fail("it is told to")'
@@ -274,7 +274,7 @@ def _done(view: ComponentView, product: MachineProduct, choice: Choice, client: 
     if choice.kind == "message":
         owns = view.message_map.items()
         sent = next(
-            f"messages.{own.class_name}()" for each, own in owns if each.name == choice.what
+            f"messages.{own.class_name}()" for message, own in owns if message.name == choice.what
         )
     return f"{client}.send({sent}, component.address)"
 

@@ -114,7 +114,9 @@ def _behaving(
     demanded: float = 0.0,
 ) -> Iterator[Subject]:
     core, clock = timed
-    services = [each for each in with_inherited(provides) if each.urn not in SERVED_BY_RUNTIME]
+    services = [
+        service for service in with_inherited(provides) if service.urn not in SERVED_BY_RUNTIME
+    ]
     for machine in machines_of(services[::-1]):
         product = MachineProduct(
             name,
@@ -139,7 +141,9 @@ def _obeyed(
     access = f"{CORE}AccessControl"
     found: dict[str, Guard] = {}
     for service in services:
-        extends = machine.extends_core and any(each.urn == access for each in lineage(service))
+        extends = machine.extends_core and any(
+            ancestor.urn == access for ancestor in lineage(service)
+        )
         for message in service.inputs:
             guard = "ANY" if extends else guard_of(message, service, provided)
             found.setdefault(str(message.name), guard)
@@ -191,13 +195,13 @@ def _watch_of(peer: jaus.Component | None, connection: bridge.Connection) -> flo
     if not isinstance(peer, bridge.Bridge):
         return 0.0
     taken = (
-        stops.silence_timeout(each)
-        for each in peer.bridgeConnections
-        if each.direction.name == "jausToRos"
-        and stops.has_stop(each)
-        and find_same(each.map.message, [connection.map.message]) is not None
+        stops.silence_timeout(bridge_connection)
+        for bridge_connection in peer.bridgeConnections
+        if bridge_connection.direction.name == "jausToRos"
+        and stops.has_stop(bridge_connection)
+        and find_same(bridge_connection.map.message, [connection.map.message]) is not None
     )
-    return next((each for each in taken if each), 0.0)
+    return next((timeout for timeout in taken if timeout), 0.0)
 
 
 def _obeying_messages(
@@ -218,7 +222,7 @@ def _obeying(
 ) -> Subject:
     """Returns the product of what takes a command; `held` is why it has no stop, None if it has."""
     clock = _Clock([silence, float(owner.controlTimeout), demanded])
-    peers = [str(each.name) for each in connection.peers]
+    peers = [str(peer.name) for peer in connection.peers]
     client = peers[0] if peers else _ANYBODY
     services = core_services_of(owner, clock, _authorities(owner, connection, client))
     guard = guard_of_receivers(message, [owner], None)
@@ -242,7 +246,7 @@ def _obeying(
 def _authorities(
     owner: bridge.Bridge, connection: bridge.Connection | bridge.RosActionConnection, client: str
 ) -> dict[str, int]:
-    stated = [int(each.authority) for each in connection.peers if owner in each.controls]
+    stated = [int(peer.authority) for peer in connection.peers if owner in peer.controls]
     own = stated[0] if stated else int(owner.defaultAuthority)
     return {client: own, _TAKES_OVER: own + 1}
 
@@ -264,7 +268,7 @@ class _Clock:
     """Steps of time in which the time-outs of a product are whole numbers."""
 
     def __init__(self, seconds: list[float]) -> None:
-        times = [round(each * 1000) for each in seconds if each > 0] or [1000]
+        times = [round(duration * 1000) for duration in seconds if duration > 0] or [1000]
         step = gcd(*times)
         if max(times) > step * MOST_TICKS:
             step = -(-max(times) // MOST_TICKS)

@@ -45,7 +45,7 @@ CLIENTS = '''
 def services(minor):
     """Return the core services of a component."""
     names = ("Transport", "Events", "AccessControl", "Management")
-    return tuple(ServiceIdentity(f"urn:jaus:jss:core:{each}", 1, minor) for each in names)
+    return tuple(ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, minor) for name in names)
 
 
 def client(transport, address, name):
@@ -102,8 +102,16 @@ def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str
         return None
     if not isinstance(connection, bridge.Connection):
         return None
-    view = next(each for each in bridge_views(model) if each.bridge is connection.eContainer())
-    own = next(each for each in view.connections if each.connection is connection)
+    view = next(
+        bridge_view
+        for bridge_view in bridge_views(model)
+        if bridge_view.bridge is connection.eContainer()
+    )
+    own = next(
+        connection_view
+        for connection_view in view.connections
+        if connection_view.connection is connection
+    )
     message = " ".join(example.message.split())
     names = {"package": view.package, "class_name": view.class_name}
     lines = [_HEAD.format(name=subject.name, message=message, **names), CLIENTS]
@@ -130,7 +138,7 @@ def _obeying(
     yield f'bridge.open(world.ros_node("{view.name}"), world.transport())'
     yield "address = bridge.settings.address"
     actors = {name: f"client_{n}" for n, name in enumerate((*product.clients, EMERGENCY_CLIENT))}
-    peers = {str(each.name): each for each in own.connection.peers}
+    peers = {str(peer.name): peer for peer in own.connection.peers}
     for number, (name, variable) in enumerate(actors.items(), 1):
         at = address_call(peers[name]) if name in peers else f"JausAddress(64000, 1, {number})"
         yield f'{variable} = client(world.transport(), {at}, "{name}")'
@@ -162,7 +170,7 @@ def _commanding(
     own: ConnectionView,
 ) -> Iterator[str]:
     connection = own.connection
-    owner, peers = view.bridge, {str(each.name): each for each in connection.peers}
+    owner, peers = view.bridge, {str(component.name): component for component in connection.peers}
     peer = peers.get(product.peer)
     at = "JausAddress(64000, 1, 9)" if peer is None else address_call(peer)
     lapse = round(product.services.timeout * subject.tick)
@@ -179,7 +187,11 @@ def _commanding(
         emergency=EMERGENCY_CLIENT,
         tick=subject.tick,
     ).splitlines()
-    topics = (each.name for each in connection.topics if each.join is None)
+    topics = (
+        connection_topic.name
+        for connection_topic in connection.topics
+        if connection_topic.join is None
+    )
     topic = resolve_topic(str(next(topics)), owner.namespace or "", str(owner.name))
 
     def done(moment: Moment) -> str:
@@ -224,7 +236,9 @@ def core_message(name: str, authority: int) -> str:
 
 def _steps(example: CounterExample, done: Callable[[Moment], str]) -> Iterator[str]:
     before = 0.0
-    for is_tick, group in groupby(example.moments, key=lambda each: each.step.is_tick):
+    for is_tick, group in groupby(
+        example.moments, key=lambda example_moment: example_moment.step.is_tick
+    ):
         moments = list(group)
         if is_tick:
             after = moments[-1].seconds

@@ -41,8 +41,8 @@ class BrokenWorkspace:
         for path, text in files.items():
             self._write(path, text, _BEFORE)
         tops = sorted({path.partition("/")[0] for path in files if "/" in path})
-        self.packages = [each for each in tops if (folder / each / "test").is_dir()]
-        self._paths = [str(folder / each) for each in tops]
+        self.packages = [package for package in tops if (folder / package / "test").is_dir()]
+        self._paths = [str(folder / package) for package in tops]
 
     def preload(self) -> None:
         """Imports what the tests need of others, which every run then has already."""
@@ -54,7 +54,7 @@ class BrokenWorkspace:
 
     def differing(self, files: Mapping[str, str]) -> list[str]:
         """Returns the paths of files but tests that say something else, or that one side lacks."""
-        paths = sorted(each for each in {*files, *self._files} if "/test/" not in each)
+        paths = sorted(file for file in {*files, *self._files} if "/test/" not in file)
         return [
             path for path in paths if not _is_same(path, files.get(path), self._files.get(path))
         ]
@@ -138,13 +138,13 @@ class BrokenWorkspace:
 
         Those tests say nothing, and do not run again.
         """
-        found = {each: self._tested(each) for each in self.packages}
-        self.packages = [each for each in self.packages if not found[each]]
-        return {each: problem for each, problem in found.items() if problem}
+        found = {package: self._tested(package) for package in self.packages}
+        self.packages = [package for package in self.packages if not found[package]]
+        return {package: problem for package, problem in found.items() if problem}
 
     def why_unseen(self, changed: Iterable[str]) -> str:
         """Returns why no test can see a change; empty where none is known."""
-        if not any(each.endswith(".py") for each in changed):
+        if not any(path.endswith(".py") for path in changed):
             return "no Python code changes, and generated tests run nothing else"
         if not self._concerned(changed):
             return "no package that has tests uses it"
@@ -152,8 +152,10 @@ class BrokenWorkspace:
 
     def _concerned(self, changed: Iterable[str]) -> list[str]:
         """Returns the packages whose tests may see a change: all for what others import."""
-        tops = {each.partition("/")[0] for each in changed if each.endswith((".py", ".so"))}
-        return [each for each in self.packages if each in tops or tops - set(self.packages)]
+        tops = {path.partition("/")[0] for path in changed if path.endswith((".py", ".so"))}
+        return [
+            package for package in self.packages if package in tops or tops - set(self.packages)
+        ]
 
     def _write(self, path: str, text: str | None, at: float) -> None:
         file = self._folder / path
@@ -174,7 +176,7 @@ class BrokenWorkspace:
         if status == 0:
             return ""
         told = [line for line in read_input(log).decode("utf-8", "replace").splitlines() if line]
-        failed = [each for each in told if each.startswith(("FAILED", "ERROR"))]
+        failed = [line for line in told if line.startswith(("FAILED", "ERROR"))]
         return (failed or told or [f"ended with {status}"])[-1].removeprefix("FAILED ")
 
 
@@ -213,7 +215,7 @@ def _code(text: str) -> str:
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):
-            kept = [each for each in body if not _is_text(each)]
+            kept = [statement for statement in body if not _is_text(statement)]
             node.body = kept  # type: ignore[attr-defined]
     return ast.dump(tree)
 

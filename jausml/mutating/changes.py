@@ -90,7 +90,7 @@ def _differing(before: list[Any], after: list[Any]) -> tuple[list[Any], list[Any
 
 def _shown(value: Any) -> str:
     if isinstance(value, list):
-        text = ", ".join(_shown(each) for each in value)
+        text = ", ".join(_shown(item) for item in value)
     elif hasattr(value, "eClass"):
         text = _named(value)
     else:
@@ -134,10 +134,10 @@ def other_unit(site: Site) -> Iterator[Any]:
         unit = parse_unit(site.value or "")
     except UnitError:
         return
-    for each in _UNITS:
+    for candidate in _UNITS:
         try:
-            if conversion_between(unit, parse_unit(each)) != (1.0, 0.0):
-                yield each
+            if conversion_between(unit, parse_unit(candidate)) != (1.0, 0.0):
+                yield candidate
                 return
         except ValueError:  # another dimension
             continue
@@ -152,14 +152,14 @@ def other_member(site: Site) -> Iterator[Any]:
     before, dot, name = site.value.rpartition(".")
     owner = find(before or ".")
     own = attribute_at(find(site.value))
-    names = [str(each.name) for each in _members(owner)]
+    names = [str(member.name) for member in _members(owner)]
     if name not in names:
         return
     at = names.index(name)
-    for each in names[at + 1 :] + names[:at]:
-        other = attribute_at(find(f"{before}{dot}{each}"))
+    for sibling in names[at + 1 :] + names[:at]:
+        other = attribute_at(find(f"{before}{dot}{sibling}"))
         if _is_alike(own, other):
-            yield f"{before}{dot}{each}"
+            yield f"{before}{dot}{sibling}"
             return
 
 
@@ -174,7 +174,7 @@ def _is_alike(one: Any, other: Any) -> bool:
     """Whether one attribute can stand where the other does."""
     same = ("kind", "integral", "named", "units")
     return bool(getattr(one, "kind", "")) and all(
-        getattr(one, each, None) == getattr(other, each, None) for each in same
+        getattr(one, field, None) == getattr(other, field, None) for field in same
     )
 
 
@@ -240,7 +240,8 @@ def other_state(site: Site) -> Iterator[Any]:
     while machine.eClass.name != "StateMachine":
         machine = machine.eContainer()
     targets = sorted(
-        {each.target for each in machine.eAllContents() if getattr(each, "event", 0) != 0} - {None}
+        {element.target for element in machine.eAllContents() if getattr(element, "event", 0) != 0}
+        - {None}
     )
     at = targets.index(site.value)
     yield targets[(at + 1) % len(targets)]

@@ -42,8 +42,8 @@ class Operator:
 
     def of_classes(self) -> Iterator[tuple[str, list[str]]]:
         """Yields each class with the names of its features."""
-        for each in self.features.split(", "):
-            name, *features = each.split()
+        for word in self.features.split(", "):
+            name, *features = word.split()
             yield name, features
 
     def changes(self, site: Site) -> Iterator[Change | Together]:
@@ -61,11 +61,11 @@ def _ends(site: Site) -> list[Attribute]:
     if placed is None:
         return []
     ends = [*placed.source_attributes, *placed.target_attributes]
-    return ends if len(ends) == 2 and all(each.kind == NUMBER for each in ends) else []
+    return ends if len(ends) == 2 and all(end.kind == NUMBER for end in ends) else []
 
 
 def _negated(site: Site) -> Iterator[Any]:
-    kinds = [str(each.kind) for each in site.value]
+    kinds = [str(conversion.kind) for conversion in site.value]
     if NEGATION.name in kinds:
         at = kinds.index(NEGATION.name)
         yield site.value[:at] + site.value[at + 1 :]
@@ -103,7 +103,7 @@ def _followed_by(kind: str, *arguments: float) -> Callable[[Site], Iterator[Any]
     """Returns what gives an assignment of a number one more conversion."""
 
     def values(site: Site) -> Iterator[Any]:
-        if _ends(site) and not any(each.named for each in _ends(site)):
+        if _ends(site) and not any(end.named for end in _ends(site)):
             yield [*site.value, _conversion(site, kind, *arguments)]
 
     return values
@@ -126,8 +126,8 @@ def _times(factor: float) -> Callable[[Site], Iterator[Any]]:
 
     def values(site: Site) -> Iterator[Any]:
         if site.feature.many:
-            for at, each in enumerate(site.value):
-                yield [*site.value[:at], each * factor, *site.value[at + 1 :]]
+            for at, number in enumerate(site.value):
+                yield [*site.value[:at], number * factor, *site.value[at + 1 :]]
         elif site.value:
             whole = isinstance(site.value, int)
             yield max(round(site.value * factor), 1) if whole else site.value * factor

@@ -53,9 +53,12 @@ def _violated(model: Model) -> dict[tuple[str, str], str]:
     end = time.monotonic() + _BUDGET
     checked = check_system(system, _STATES, lambda: time.monotonic() > end)
     return {
-        (example.rule, each.subject.name): f"{example.rule} {each.subject.name}: {example.message}"
-        for each in without_allowed(checked, model)
-        for example in each.found
+        (
+            example.rule,
+            outcome.subject.name,
+        ): f"{example.rule} {outcome.subject.name}: {example.message}"
+        for outcome in without_allowed(checked, model)
+        for example in outcome.found
         if example.rule != BOUND_MET
     }
 
@@ -91,19 +94,19 @@ def _demanding_map(element: Any) -> str:
         element = element.eContainer()
     if element is None:
         return ""
-    precise = any(getattr(each, "precision", 0) for each in element.toJaus)
+    precise = any(getattr(assignment, "precision", 0) for assignment in element.toJaus)
     return str(element.name) if precise or (element.toRos and element.toJaus) else ""
 
 
 def _found(report: Report, name: str) -> dict[tuple[str, str], str]:
     """Returns what proofs find of a map, by rule and place."""
-    trips = [each for each in round_trips(report.model) if each.name == name]
+    trips = [round_trip for round_trip in round_trips(report.model) if round_trip.name == name]
     settings = Settings(str(compiler()), _PROOF_BUDGET, jobs=1)
     judged = with_proofs(report, trips, list(prove(report.model, trips, settings)))
     return {
-        (each.rule, each.fragment): f"{each.rule} {each.message}"
-        for each in judged.diagnostics
-        if each.rule in PROOF_RULES
+        (diagnostic.rule, diagnostic.fragment): f"{diagnostic.rule} {diagnostic.message}"
+        for diagnostic in judged.diagnostics
+        if diagnostic.rule in PROOF_RULES
     }
 
 
@@ -149,15 +152,15 @@ class Campaign:
 
     def matrix(self) -> dict[str, Counter[str]]:
         """Returns how many mutations of each operator were noticed by what."""
-        names = dict.fromkeys(each.name for each in OPERATORS)
+        names = dict.fromkeys(operator.name for operator in OPERATORS)
         rows = {name: Counter[str]() for name in names}
-        for each in self.outcomes:
-            rows[each.operator][each.noticed_by] += 1
+        for outcome in self.outcomes:
+            rows[outcome.operator][outcome.noticed_by] += 1
         return {name: row for name, row in rows.items() if row}
 
     def survivors(self) -> Sequence[Outcome]:
         """Returns what nothing noticed."""
-        return [each for each in self.outcomes if each.noticed_by == NOTHING]
+        return [outcome for outcome in self.outcomes if outcome.noticed_by == NOTHING]
 
     def to_json(self) -> dict[str, Any]:
         """Returns all that is known, for programs."""
@@ -168,7 +171,7 @@ class Campaign:
             "chosen": self.chosen,
             "tried": len(self.outcomes),
             "matrix": {name: dict(row) for name, row in self.matrix().items()},
-            "outcomes": [asdict(each) for each in self.outcomes],
+            "outcomes": [asdict(outcome) for outcome in self.outcomes],
             "remarks": self.remarks,
         }
 
@@ -184,7 +187,7 @@ def render(campaign: Campaign) -> str:
     survivors = campaign.survivors()
     if survivors:
         lines += ["", "nothing notices:"]
-        lines += [f"  {told(each)}" for each in survivors]
+        lines += [f"  {told(survivor)}" for survivor in survivors]
     return "\n".join(lines)
 
 
@@ -211,16 +214,16 @@ def rows(campaign: Campaign) -> Iterator[tuple[str, list[int]]]:
     """Yields how many mutations of each operator were noticed by what, and of all of them."""
     matrix = campaign.matrix()
     for name, row in matrix.items():
-        yield name, [row[each] for each in NOTICED_BY]
-    yield "all", [sum(row[each] for row in matrix.values()) for each in NOTICED_BY]
+        yield name, [row[column] for column in NOTICED_BY]
+    yield "all", [sum(row[column] for row in matrix.values()) for column in NOTICED_BY]
 
 
 def _table(campaign: Campaign) -> Iterator[str]:
     found = list(rows(campaign))
     wide = max(len(name) for name, _ in found)
-    yield " ".join([" " * wide, *(f"{each:>8}" for each in NOTICED_BY)]).rstrip()
+    yield " ".join([" " * wide, *(f"{column:>8}" for column in NOTICED_BY)]).rstrip()
     for name, counts in found:
-        yield " ".join([f"{name:{wide}}", *(f"{each or '.':>8}" for each in counts)])
+        yield " ".join([f"{name:{wide}}", *(f"{count or '.':>8}" for count in counts)])
 
 
 def page(campaign: Campaign) -> str:
@@ -229,7 +232,9 @@ def page(campaign: Campaign) -> str:
         "campaign": campaign,
         "summary": summary(campaign),
         "ways": list(NOTICED_BY),
-        "rows": [[name, *(str(each or "") for each in counts)] for name, counts in rows(campaign)],
+        "rows": [
+            [name, *(str(count or "") for count in counts)] for name, counts in rows(campaign)
+        ],
         "survivors": list(map(told, campaign.survivors())),
     }
     return pages.page("jausml.mutating", "campaign", f"Mutations of {campaign.model}", known)

@@ -58,12 +58,12 @@ def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
     """Returns what operators can do to the elements of a model, without those of the library."""
     subject = Subject(model, [])
     placed: dict[Any, Placed[Any]] = {
-        each.assignment: each
+        assignment.assignment: assignment
         for owner in directed(subject)
         for one in directions_of(subject, owner)
-        for each in one.assignments
+        for assignment in one.assignments
     }
-    operators = [each for each in OPERATORS if not names or each.name in names]
+    operators = [mutator for mutator in OPERATORS if not names or mutator.name in names]
     found = []
     for element in model.elements(library=False):
         for operator in operators:
@@ -79,7 +79,7 @@ def _features(model: Model, element: Any, operator: Operator) -> Iterator[Featur
     table = model.metamodels.class_of(element)
     for name, features in operator.of_classes():
         if table in model.metamodels.classes[name].subtypes:
-            yield from (table.features[each] for each in features)
+            yield from (table.features[feature] for feature in features)
 
 
 def sample(found: Sequence[Mutation], limit: int) -> list[int]:
@@ -88,8 +88,8 @@ def sample(found: Sequence[Mutation], limit: int) -> list[int]:
         return list(range(len(found)))
     chance = random.Random(_SEED)
     by_operator: dict[str, list[int]] = {}
-    for number, each in enumerate(found):
-        by_operator.setdefault(each.operator.name, []).append(number)
+    for number, mutation in enumerate(found):
+        by_operator.setdefault(mutation.operator.name, []).append(number)
     for numbers in by_operator.values():
         chance.shuffle(numbers)
     chosen: list[int] = []
@@ -198,14 +198,14 @@ class _Original:
         # Its elements are changed: none may be shared with what is read again.
         self.model = document.read().model
         self._roots = [
-            each for one in self.model.documents if not one.is_library for each in one.roots
+            root for one in self.model.documents if not one.is_library for root in one.roots
         ]
         targets = select(load_targets()).targets
-        self._targets = [each for each in targets if not each.is_shared]
+        self._targets = [target for target in targets if not target.is_shared]
         report = self._report(document.text)
         self._proofs = Proofs(report)
         self._products = Products(report.model)
-        self._known = {_key(each) for each in report.diagnostics}
+        self._known = {_key(diagnostic) for diagnostic in report.diagnostics}
         if report.has_errors:
             raise CampaignError(f"the model as one XMI document: {report.diagnostics[0].message}")
         try:
@@ -224,8 +224,10 @@ class _Original:
         finally:
             undoing.made()
         report = self._report(text)
-        new = [each for each in report.diagnostics if _key(each) not in self._known]
-        errors = [each for each in new if each.severity is Severity.ERROR]
+        new = [
+            diagnostic for diagnostic in report.diagnostics if _key(diagnostic) not in self._known
+        ]
+        errors = [diagnostic for diagnostic in new if diagnostic.severity is Severity.ERROR]
         if errors:
             return _outcome(mutation, VALIDATE, _told(errors[0]))
         try:
@@ -245,7 +247,7 @@ class _Original:
         refused = workspace.refusing(files, changed) if changed else ""
         if refused:
             return _outcome(mutation, RUN, refused, changed)
-        warnings = [each for each in new if each.severity is Severity.WARNING]
+        warnings = [diagnostic for diagnostic in new if diagnostic.severity is Severity.WARNING]
         if warnings:
             return _outcome(mutation, WARNING, _told(warnings[0]), changed)
         if not changed:
@@ -259,7 +261,7 @@ class _Original:
         return check(replace(self._document, text=text).read(self._cache))
 
     def _rendered(self, model: Model, targets: Sequence[Target[Any]]) -> dict[str, str]:
-        return {each.path: each.text for each in render(model, targets)}
+        return {artifact.path: artifact.text for artifact in render(model, targets)}
 
 
 def _outcome(mutation: Mutation, noticed_by: str, by: str, files: Sequence[str] = ()) -> Outcome:

@@ -51,20 +51,20 @@ class ProofCode:
 def proof_code(model: Model, trip: RoundTrip) -> ProofCode:
     """Returns the code of a map, with the policies and quantities of the bridge that has it."""
     made = _model(model, trip)
-    files = {each.path: each.text for each in render(made, (BRIDGE, MESSAGES))}
+    files = {artifact.path: artifact.text for artifact in render(made, (BRIDGE, MESSAGES))}
     beside = {
         path.removeprefix(_CORE): text for path, text in files.items() if path.startswith(_CORE)
     }
     (view,) = made.made(bridge_views)
     translations, core = view.translations, view.core
     functions = {
-        each.name == TO_ROS_NAME: each.compiled
-        for each in translations.connections
-        if each.compiled is not None
+        connection.name == TO_ROS_NAME: connection.compiled
+        for connection in translations.connections
+        if connection.compiled is not None
     }
     uses = translations.uses
     settings: dict[str, float | str] = {e.name: e.value for e in uses.quantities.values()}
-    settings |= {each.name: each.value for each in uses.frames.values()}
+    settings |= {frame.name: frame.value for frame in uses.frames.values()}
     now = int(NOW.timestamp()), NOW.microsecond * 1000
     program, shortcuts = proof_program(core, functions, settings, now)
     return ProofCode(
@@ -115,7 +115,7 @@ def compiled(code: ProofCode, folder: Path, program: str) -> Path:
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     made = folder / "proof"
-    flags = [each for each in native.FLAGS if each != "-shared"]
+    flags = [flag for flag in native.FLAGS if flag != "-shared"]
     command = [program, *flags, *_FASTER, "-o", str(made), str(folder / "proof.cpp")]
     try:
         subprocess.run(  # noqa: S603 - the compiler of the user, on generated text
@@ -162,8 +162,8 @@ class Sweep:
         yield from _words(self.number, self.turn)
         for numbers in (self.watched, self.varied):
             yield len(numbers)
-            for each in numbers:
-                yield from _words(each, 0.0)
+            for number in numbers:
+                yield from _words(number, 0.0)
 
 
 def _words(number: Number, turn: float) -> Iterator[object]:
@@ -315,7 +315,7 @@ class PythonForm(Worker):
         found: list[Trip] = []
         way = "to_ros" if to_ros else "to_jaus"
         for start in range(0, len(messages), _AT_ONCE):
-            part = [each.hex() for each in messages[start : start + _AT_ONCE]]
+            part = [message.hex() for message in messages[start : start + _AT_ONCE]]
             request = {"way": way, "back": has_back, "joins": joins_back.hex(), "messages": part}
             found += map(_trip, self.ask(request, _SECONDS))
         return found

@@ -214,9 +214,9 @@ class _JausWalk(_Walk):
         match kind:
             case wire.Record():
                 known = self._presence(kind)
-                for each in kind.members:
-                    if not each.is_optional or each.bit & known:
-                        self.field(each.kind, _joined(path, each.name))
+                for member in kind.members:
+                    if not member.is_optional or member.bit & known:
+                        self.field(member.kind, _joined(path, member.name))
             case wire.List():
                 for at in range(self._count(kind.count, self.usual.count)):
                     self.field(kind.element.kind, f"{path}[{at}]")
@@ -234,7 +234,14 @@ class _JausWalk(_Walk):
             case wire.VariableNumber():
                 usual = self.usual.one_of(len(kind.alternatives))
                 index = int(self.number("<B", kind.alternatives[usual].index))
-                found = next((each for each in kind.alternatives if each.index == index), None)
+                found = next(
+                    (
+                        alternative
+                        for alternative in kind.alternatives
+                        if alternative.index == index
+                    ),
+                    None,
+                )
                 if found is not None:
                     self.field(found.number, _joined(path, found.name))
             case wire.FixedText():
@@ -257,13 +264,15 @@ class _JausWalk(_Walk):
 
     def _bits(self, kind: wire.BitField, path: str) -> None:
         usual = 0
-        for each in kind.groups:
-            value = _STAMP[each.name] if kind.is_published_time_stamp else self._integer(each.legal)
-            usual |= (value - each.legal.offset & each.mask) << each.low
+        for group in kind.groups:
+            value = (
+                _STAMP[group.name] if kind.is_published_time_stamp else self._integer(group.legal)
+            )
+            usual |= (value - group.legal.offset & group.mask) << group.low
         self.number(f"<{kind.type.format}", usual)
-        for each in kind.groups:
-            facts = {"bits": each.width, "shift": each.low, "lower": float(each.legal.offset)}
-            self.note(_joined(path, each.name), kind.type.size, UNSIGNED, **facts)
+        for group in kind.groups:
+            facts = {"bits": group.width, "shift": group.low, "lower": float(group.legal.offset)}
+            self.note(_joined(path, group.name), kind.type.size, UNSIGNED, **facts)
 
     def _scalar(self, kind: wire.Number, path: str) -> None:
         code = f"<{kind.type.format}"
@@ -287,7 +296,9 @@ class _JausWalk(_Walk):
         """The usual integer: one with a meaning, or one near zero that is not zero."""
         if legal.listed:
             return legal.listed[round(self.usual.share * (len(legal.listed) - 1))].value
-        low, high = next((each for each in legal.ranges if each[1] > 0), legal.ranges[0])
+        low, high = next(
+            (interval for interval in legal.ranges if interval[1] > 0), legal.ranges[0]
+        )
         low = max(low, min(0, high))
         return low + round(self.usual.share * min(high - low, _SPAN))
 
@@ -303,14 +314,16 @@ class _RosWalk(_Walk):
 
     def message(self, type_: ros.MessageType, path: str) -> None:
         fields = fields_of(type_)
-        for each in fields:
-            name = _joined(path, each.name)
-            if each.is_single:
-                self._one(each, name)
+        for layout in fields:
+            name = _joined(path, layout.name)
+            if layout.is_single:
+                self._one(layout, name)
             else:
-                count = each.count if each.is_fixed else int(self._aligned("<I", self.usual.count))
+                count = (
+                    layout.count if layout.is_fixed else int(self._aligned("<I", self.usual.count))
+                )
                 for at in range(count):
-                    self._one(each, f"{name}[{at}]")
+                    self._one(layout, f"{name}[{at}]")
         if not fields:
             self.number("<B", 0)
 

@@ -40,12 +40,12 @@ def directed(number: Number, count: int) -> list[int]:
     total = 1 << number.bits
     if total <= count:
         return list(range(total))
-    found = {each for each in _marked(number, total) if 0 <= each < total}
+    found = {index for index in _marked(number, total) if 0 <= index < total}
     draw = random.Random(SEED)
     if number.kind == FLOAT:
         # Of all bits, most are numbers that no quantity has; these are of a usual size.
         usual = (draw.uniform(-_USUAL, _USUAL) for _ in range(count // 2))
-        found.update(number.index(number.bits_of(each)) for each in usual)
+        found.update(number.index(number.bits_of(value)) for value in usual)
     while len(found) < count:
         found.add(draw.getrandbits(number.bits))
     return sorted(found)
@@ -66,9 +66,9 @@ def _marked(number: Number, total: int) -> Iterator[int]:
             yield total - (1 << power) + near
             yield number.index(((1 << power) + near) % total)
     if number.kind == FLOAT:
-        for each in _REALS:
+        for magnitude in _REALS:
             for sign in (1, -1):
-                middle = number.index(number.bits_of(sign * each))
+                middle = number.index(number.bits_of(sign * magnitude))
                 yield from range(middle - 2, middle + 3)
 
 
@@ -160,7 +160,7 @@ class _Passing:
 def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
     """Returns what is to be proved of a round trip."""
     taken = inputs(trip)
-    made = Plan(remarks=[f"left to Python: {each}" for each in code.reasons])
+    made = Plan(remarks=[f"left to Python: {reason}" for reason in code.reasons])
     for to_ros, name, used in ((True, JAUS, trip.to_ros), (False, ROS, trip.to_jaus)):
         if to_ros in code.directions:
             shortcuts = {path: at for at, path in enumerate(code.shortcuts, 1) if to_ros}
@@ -195,21 +195,26 @@ class _Planner:
         if not found:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values passes")
             return
-        settled = [each.settled for each in found if each.settled is not None]
+        settled = [passage.settled for passage in found if passage.settled is not None]
         if not settled and self._side.has_back:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values comes back")
         before, known = len(self._plan.fields), dict[str, bool]()
-        layouts = [*((each, True) for each in settled), *((each.first, False) for each in found)]
+        layouts = [
+            *((settled_layout, True) for settled_layout in settled),
+            *((passage.first, False) for passage in found),
+        ]
         for layout, has_back in layouts:
-            for each in layout.numbers:
-                if not known.get(each.path):
-                    known[each.path] = self._add(layout.data, each, has_back=has_back)
+            for number in layout.numbers:
+                if not known.get(number.path):
+                    known[number.path] = self._add(layout.data, number, has_back=has_back)
         not_carried = [
             f"{self._side.name} {path}" for path, is_added in known.items() if not is_added
         ]
         self._plan.not_carried += not_carried
         own = self._plan.fields[before:]
-        self._plan.fields[before:] = [replace(each, partners=_partners(each, own)) for each in own]
+        self._plan.fields[before:] = [
+            replace(own_field, partners=_partners(own_field, own)) for own_field in own
+        ]
 
     def _messages(self) -> list[_Passing]:
         """The messages of usual values that are translated, with each option that they have.
@@ -228,9 +233,9 @@ class _Planner:
                     found.append(_Passing(first, settled, len(between)))
                     if settled is not None or not self._side.has_back:
                         break
-            if not self._side.has_back or any(each.settled is not None for each in found):
+            if not self._side.has_back or any(passage.settled is not None for passage in found):
                 break
-        return sorted(found, key=lambda each: each.worth, reverse=True)
+        return sorted(found, key=lambda passage: passage.worth, reverse=True)
 
     def _candidates(self, count: int) -> Iterator[Iterator[Layout]]:
         """Yields messages of usual values by the options that they choose.
@@ -240,9 +245,9 @@ class _Planner:
         side = self._side
         if side.has_back:
             given = (side.other.layout(None, Usual(share, 0, count)).data for share in SHARES)
-            others = (self._form.translate(each, to_ros=not side.to_ros) for each in given)
+            others = (self._form.translate(message, to_ros=not side.to_ros) for message in given)
             joins = side.own.usual_joins
-            yield (side.own.layout(each + joins) for each in others if each is not None)
+            yield (side.own.layout(other + joins) for other in others if other is not None)
         before = b""
         for option in range(_OPTIONS):
             made = side.own.layout(None, Usual(SHARES[0], option, count)).data
@@ -309,7 +314,9 @@ class _Planner:
             made = self._there(number.put(message, number.raw(index)))
             is_reached = is_reached or made != between
             if made is not None and len(made) == len(between) and made != between:
-                found |= {each: None for each in others if each.read(made) != each.read(between)}
+                found |= {
+                    other: None for other in others if other.read(made) != other.read(between)
+                }
         return list(found) if is_reached else None
 
 
@@ -327,12 +334,12 @@ def _partners(planned: Field, others: Sequence[Field]) -> list[Number]:
     if not planned.sweep.has_back or not planned.number.is_scaled:
         return []
     return [
-        each.number
-        for each in others
-        if each.sweep.message is planned.sweep.message
-        and each.number is not planned.number
-        and each.number.is_scaled
-        and {e.path for e in each.watched} & {e.path for e in planned.watched}
+        other.number
+        for other in others
+        if other.sweep.message is planned.sweep.message
+        and other.number is not planned.number
+        and other.number.is_scaled
+        and {e.path for e in other.watched} & {e.path for e in planned.watched}
     ]
 
 

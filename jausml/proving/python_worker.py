@@ -33,9 +33,12 @@ class Forms:
         """Returns what reads the message of a translation, and those that are joined to it."""
         method = getattr(getattr(self._base, f"{class_name}Base"), f"translate_{name}")
         hints = typing.get_type_hints(getattr(method, "__wrapped__", method), vars(self._base))
-        kinds = [kind for each, kind in hints.items() if each != "return"]
-        plain = [next(iter(typing.get_args(each)), each) for each in kinds]  # of `Imu | None`, Imu
-        return [getattr(each, "from_cdr", None) or each.decode for each in plain]
+        kinds = [kind for parameter, kind in hints.items() if parameter != "return"]
+        plain = [next(iter(typing.get_args(kind)), kind) for kind in kinds]  # of `Imu | None`, Imu
+        return [
+            getattr(message_class, "from_cdr", None) or message_class.decode
+            for message_class in plain
+        ]
 
     def translate(self, name: str, data: bytes) -> tuple[bytes | None, list[str]]:
         """Returns what becomes of a message, and what was limited or left out on the way."""
@@ -54,7 +57,7 @@ class Forms:
 
     def answer(self, request: dict[str, typing.Any]) -> list[list[typing.Any]]:
         """Returns for each message what it becomes, what comes back, the notes and the error."""
-        return [self._trip(request, bytes.fromhex(each)) for each in request["messages"]]
+        return [self._trip(request, bytes.fromhex(message)) for message in request["messages"]]
 
     def _trip(self, request: dict[str, typing.Any], data: bytes) -> list[typing.Any]:
         made: list[str | None] = [None, None]

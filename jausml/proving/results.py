@@ -139,7 +139,9 @@ class MapResult:
     def find(self, side: str, path: str) -> FieldResult | None:
         """Returns what becomes of a number; None where nothing is known."""
         fields = self.fields
-        return next((each for each in fields if (each.side, each.path) == (side, path)), None)
+        return next(
+            (result for result in fields if (result.side, result.path) == (side, path)), None
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Returns it as JSON."""
@@ -151,14 +153,14 @@ _SHOWN = 8
 
 def render(results: Iterable[MapResult]) -> str:
     """Returns a paragraph for each map and a line for each number."""
-    return "\n".join(line for each in results for line in lines(each))
+    return "\n".join(line for result in results for line in lines(result))
 
 
 def lines(result: MapResult) -> Iterator[str]:
     """Yields the lines of a map."""
     yield f"{result.name}: {result.message} <-> {result.type}"
-    for each in result.fields:
-        yield f"  {each.side} {each.path}: {told(each)}"
+    for field_result in result.fields:
+        yield f"  {field_result.side} {field_result.path}: {told(field_result)}"
     if result.not_carried:
         shown = ", ".join(result.not_carried[:_SHOWN])
         more = len(result.not_carried) - _SHOWN
@@ -167,45 +169,45 @@ def lines(result: MapResult) -> Iterator[str]:
         yield f"  {remark}"
 
 
-def told(each: FieldResult) -> str:
+def told(result: FieldResult) -> str:
     """Returns what became of the values of a number."""
-    return "; ".join([_values(each), *_parts(each)])
+    return "; ".join([_values(result), *_parts(result)])
 
 
-def _values(each: FieldResult) -> str:
-    if each.is_complete:
-        return f"all {each.total:,} values"
-    return f"{each.tried:,} directed values of 2^{each.bits}"
+def _values(result: FieldResult) -> str:
+    if result.is_complete:
+        return f"all {result.total:,} values"
+    return f"{result.tried:,} directed values of 2^{result.bits}"
 
 
-def _parts(each: FieldResult) -> Iterator[str]:
-    unit = unit_of(each)
-    if not each.has_way_back:
+def _parts(result: FieldResult) -> Iterator[str]:
+    unit = unit_of(result)
+    if not result.has_way_back:
         yield "one way"
-        yield from _ways(each)
-    elif each.is_constant:
+        yield from _ways(result)
+    elif result.is_constant:
         yield "always the same comes back"
-    elif each.unchanged == each.tried:
+    elif result.unchanged == result.tried:
         yield "unchanged"
-    elif each.changed:
-        yield f"{each.changed:,} change"
-    if each.largest is not None:
-        worst = each.largest
+    elif result.changed:
+        yield f"{result.changed:,} change"
+    if result.largest is not None:
+        worst = result.largest
         between = "".join(f", {path} {value:.9g}" for path, value in worst.between.items())
         values = f"{worst.value:.9g}{unit}{between}, back {worst.back:.9g}{unit}"
-        raw = f"raw {worst.raw}: " if each.step else ""
+        raw = f"raw {worst.raw}: " if result.step else ""
         yield f"largest error {worst.error:.6g}{unit} ({raw}{values})"
-    if each.has_way_back and not each.is_constant and not each.is_monotonic:
+    if result.has_way_back and not result.is_constant and not result.is_monotonic:
         yield "not monotonic"
-    yield from _treated(each)
-    if each.drifting:
-        drift, at = each.largest_drift
-        text = f"{each.drifting:,} change again in a second trip"
+    yield from _treated(result)
+    if result.drifting:
+        drift, at = result.largest_drift
+        text = f"{result.drifting:,} change again in a second trip"
         yield f"{text}, by up to {drift:.6g}{unit} (at {at:.9g}{unit})"
-    if each.mixed is not None:
-        yield _mixed(each.mixed, unit)
-    if each.others:
-        yield f"with {each.others:,} something else changes too"
+    if result.mixed is not None:
+        yield _mixed(result.mixed, unit)
+    if result.others:
+        yield f"with {result.others:,} something else changes too"
 
 
 def _mixed(mixed: Mixed, unit: str) -> str:
@@ -215,33 +217,33 @@ def _mixed(mixed: Mixed, unit: str) -> str:
     return f"{text}, {mixed.left:,} left to Python" if mixed.left else text
 
 
-def _ways(each: FieldResult) -> Iterator[str]:
-    for one in each.reached:
+def _ways(result: FieldResult) -> Iterator[str]:
+    for one in result.reached:
         way = f"{one.path} {one.least:.9g} .. {one.greatest:.9g}"
         if not one.is_monotonic:
             yield f"{way}, not monotonic"
-        elif one.distinct < each.unchanged:
+        elif one.distinct < result.unchanged:
             yield f"{way}, {one.distinct:,} different values"
         else:
             yield way
 
 
-def _treated(each: FieldResult) -> Iterator[str]:
+def _treated(result: FieldResult) -> Iterator[str]:
     """What the Python form tells of the values that are left to it."""
-    sampled = f" of {each.sampled} tried of {each.left:,}" if each.sampled else ""
+    sampled = f" of {result.sampled} tried of {result.left:,}" if result.sampled else ""
     for count, what in (
-        (each.limited, "limited"),
-        (each.left_out, "left out"),
-        (each.refused, "refused"),
-        (sum(each.faults.values()), "fail"),
+        (result.limited, "limited"),
+        (result.left_out, "left out"),
+        (result.refused, "refused"),
+        (sum(result.faults.values()), "fail"),
     ):
         if count:
             yield f"{count:,} {what}{sampled}"
 
 
-def unit_of(each: FieldResult) -> str:
+def unit_of(result: FieldResult) -> str:
     """Returns the unit behind a blank; nothing where there is none."""
-    return f" {each.units}" if each.units not in {"", "one", "1"} else ""
+    return f" {result.units}" if result.units not in {"", "one", "1"} else ""
 
 
 _PRECISION, _UNSTABLE, _MADE_UP, _FAULT, _FORMS = (f"JML{number}" for number in range(921, 926))
@@ -283,42 +285,47 @@ PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
 def with_proofs(report: Report, trips: Sequence[RoundTrip], results: Sequence[MapResult]) -> Report:
     """Returns the report of a model with what falls short in proofs of it."""
     pairs = zip(trips, results, strict=True)
-    found = [each for trip, one in pairs for each in _findings(report.model, trip, one)]
-    diagnostics = sorted((*report.diagnostics, *found), key=lambda each: each.sort_key)
+    found = [finding for trip, one in pairs for finding in _findings(report.model, trip, one)]
+    diagnostics = sorted((*report.diagnostics, *found), key=lambda diagnostic: diagnostic.sort_key)
     return replace(report, diagnostics=tuple(diagnostics), rules=PROOF_RULES)
 
 
 def by_map(report: Report) -> dict[str, list[str]]:
     """Returns what falls short in proofs, by name of the map."""
     found: dict[str, list[str]] = {}
-    for each in report.diagnostics:
-        if each.rule in PROOF_RULES:
-            found.setdefault(each.element, []).append(f"{each.rule} {each.message}")
+    for diagnostic in report.diagnostics:
+        if diagnostic.rule in PROOF_RULES:
+            found.setdefault(diagnostic.element, []).append(
+                f"{diagnostic.rule} {diagnostic.message}"
+            )
     return found
 
 
 def _findings(model: Model, trip: RoundTrip, result: MapResult) -> Iterator[Diagnostic]:
-    for each in result.fields:
-        back = trip.to_jaus if each.side == JAUS else trip.to_ros
-        place = assignment_of(trip, each.side, each.path) or back
-        for rule, text in _faults(each):
-            name = f"{trip.name}: {each.side} {each.path}"
+    for field_result in result.fields:
+        back = trip.to_jaus if field_result.side == JAUS else trip.to_ros
+        place = assignment_of(trip, field_result.side, field_result.path) or back
+        for rule, text in _faults(field_result):
+            name = f"{trip.name}: {field_result.side} {field_result.path}"
             location = model.location(place)
             yield Diagnostic(rule, Severity.ERROR, location, f"{name} {text}", element=trip.name)
 
 
-def _faults(each: FieldResult) -> Iterator[tuple[str, str]]:
-    unit = unit_of(each)
-    if each.largest is not None and 0 < each.precision < each.largest.error:
-        text = f"comes back with an error of up to {each.largest.error:.6g}{unit}"
-        text += f" (at {each.largest.value:.9g}), more than {each.precision:g}"
+def _faults(result: FieldResult) -> Iterator[tuple[str, str]]:
+    unit = unit_of(result)
+    if result.largest is not None and 0 < result.precision < result.largest.error:
+        text = f"comes back with an error of up to {result.largest.error:.6g}{unit}"
+        text += f" (at {result.largest.value:.9g}), more than {result.precision:g}"
         yield _PRECISION, text
-    if each.is_constant:
+    if result.is_constant:
         yield _MADE_UP, "goes there, and always the same value comes back"
-    elif 0 < each.tolerance < each.largest_drift[0]:
-        drift, at = each.largest_drift
+    elif 0 < result.tolerance < result.largest_drift[0]:
+        drift, at = result.largest_drift
         yield _UNSTABLE, f"is changed by {drift:.6g}{unit} by a second trip (at {at:.9g}{unit})"
-    for error, count in each.faults.items():
+    for error, count in result.faults.items():
         yield _FAULT, f"ends with {error} ({count} values)"
-    if each.differing:
-        yield _FORMS, f"differs in its two forms with {each.differing} of {each.compared} values"
+    if result.differing:
+        yield (
+            _FORMS,
+            f"differs in its two forms with {result.differing} of {result.compared} values",
+        )

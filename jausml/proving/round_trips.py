@@ -44,13 +44,22 @@ class RoundTrip:
 def round_trips(model: Model) -> list[RoundTrip]:
     """Returns those of the maps of a model and of its bridges, and of connections that meet."""
     maps = model.instances(bridge.AttributeMap)
-    own = [each for each in maps if (found := model.document_of(each)) and found.given]
+    own = [
+        attribute_map
+        for attribute_map in maps
+        if (found := model.document_of(attribute_map)) and found.given
+    ]
     connections = model.instances(bridge.Connection)
-    used = [each.map for each in model.instances(bridge.Connection, library=False)]
+    used = [connection.map for connection in model.instances(bridge.Connection, library=False)]
     of_maps = [
-        RoundTrip(str(each.name), each, each, tuple(c for c in connections if c.map is each))
-        for each in dict.fromkeys((*own, *used))
-        if each is not None
+        RoundTrip(
+            str(attribute_map.name),
+            attribute_map,
+            attribute_map,
+            tuple(c for c in connections if c.map is attribute_map),
+        )
+        for attribute_map in dict.fromkeys((*own, *used))
+        if attribute_map is not None
     ]
     return [*of_maps, *_meeting(model)]
 
@@ -61,7 +70,9 @@ def _meeting(model: Model) -> Iterator[RoundTrip]:
     They have maps of their own, between the same messages.
     """
     for group in Subject(model, []).systems(("name", "namespace")):
-        ends = [each for each in endpoints(group) if isinstance(each.element, bridge.Topic)]
+        ends = [
+            endpoint for endpoint in endpoints(group) if isinstance(endpoint.element, bridge.Topic)
+        ]
         for one, other in product(ends, ends):
             if (one.publishes, other.publishes) == (True, False) and one.topic == other.topic:
                 yield from _trip(one, other)
@@ -78,10 +89,10 @@ def _trip(published: Endpoint, taken: Endpoint) -> Iterator[RoundTrip]:
         return
     values: dict[str, set[float]] = {}
     for owner in {first.eContainer(), second.eContainer()}:
-        for each in owner.quantities if isinstance(owner, bridge.Bridge) else ():
-            values.setdefault(str(each.name), set()).add(each.value)
+        for quantity in owner.quantities if isinstance(owner, bridge.Bridge) else ():
+            values.setdefault(str(quantity.name), set()).add(quantity.value)
     # A bridge of both maps has one value for each quantity.
-    if all(len(each) == 1 for each in values.values()):
+    if all(len(value) == 1 for value in values.values()):
         name = f"{published.owner.name}.{first.name} + {taken.owner.name}.{second.name}"
         yield RoundTrip(name, to_ros, to_jaus, (first, second))
 
@@ -89,10 +100,10 @@ def _trip(published: Endpoint, taken: Endpoint) -> Iterator[RoundTrip]:
 def assignment_of(trip: RoundTrip, side: str, path: str) -> bridge.FieldAssignment | None:
     """Returns the assignment that gives a number of a side its value when it comes back."""
     assignments = trip.to_jaus.toJaus if side == JAUS else trip.to_ros.toRos
-    for each in field_assignments(assignments):
-        targets = (one.strip() for one in str(each.target).split(","))
+    for field_assignment in field_assignments(assignments):
+        targets = (one.strip() for one in str(field_assignment.target).split(","))
         if any(_is_at(path, target) for target in targets):
-            return each
+            return field_assignment
     return None
 
 
@@ -119,11 +130,11 @@ def is_held(trip: RoundTrip, side: str, path: str) -> bool:
 
 def field_assignments(assignments: Iterable[bridge.Assignment]) -> Iterator[bridge.FieldAssignment]:
     """Yields those of fields, in lists too."""
-    for each in assignments:
-        if isinstance(each, bridge.FieldAssignment):
-            yield each
-        elif isinstance(each, bridge.ListAssignment):
-            yield from field_assignments(each.assignments)
+    for assignment in assignments:
+        if isinstance(assignment, bridge.FieldAssignment):
+            yield assignment
+        elif isinstance(assignment, bridge.ListAssignment):
+            yield from field_assignments(assignment.assignments)
 
 
 def _is_at(path: str, target: str) -> bool:
@@ -158,7 +169,7 @@ class Input:
         made, numbers, sizes = b"", list[Number](), b""
         for (name, making), part in zip(makings.items(), given, strict=True):
             layout = making(part, usual)
-            numbers += [_behind(made, name, each) for each in layout.numbers]
+            numbers += [_behind(made, name, number) for number in layout.numbers]
             made += layout.data
             sizes += len(layout.data).to_bytes(_SIZE, "little") if name else b""
         return Layout(made + sizes, numbers)
@@ -196,11 +207,14 @@ def inputs(trip: RoundTrip) -> dict[bool, Input]:
     return {
         True: Input(
             _jaus(trip.to_ros.message),
-            {str(each.name): _jaus(each.message) for each in trip.to_ros.reportJoins},
+            {
+                str(report_join.name): _jaus(report_join.message)
+                for report_join in trip.to_ros.reportJoins
+            },
         ),
         False: Input(
             _ros(trip.to_jaus.type),
-            {str(each.name): _ros(each.type) for each in trip.to_jaus.joins},
+            {str(join.name): _ros(join.type) for join in trip.to_jaus.joins},
         ),
     }
 

@@ -60,8 +60,8 @@ class Settings:
 def prove(model: Model, trips: Iterable[RoundTrip], settings: Settings) -> Iterator[MapResult]:
     """Yields what becomes of the values of maps."""
     deadline = time.monotonic() + settings.budget
-    for each in trips:
-        yield _proved(model, each, settings, deadline)
+    for trip in trips:
+        yield _proved(model, trip, settings, deadline)
 
 
 def unproved(trip: RoundTrip) -> MapResult:
@@ -74,7 +74,7 @@ def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) 
     code = proof_code(model, trip)
     made = unproved(trip)
     if not code.directions:
-        made.remarks = [f"left to Python: {each}" for each in code.reasons]
+        made.remarks = [f"left to Python: {reason}" for reason in code.reasons]
         return made
     with (
         tempfile.TemporaryDirectory(prefix="jausml_proof_") as folder,
@@ -83,9 +83,9 @@ def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) 
     ):
         planned = plan(code, form, trip)
         made.not_carried, made.remarks = planned.not_carried, planned.remarks
-        for each in planned.fields:
-            found = _swept(form, each, settings.jobs, deadline)
-            made.fields.append(summed_up(trip, each, found, python, form))
+        for field in planned.fields:
+            found = _swept(form, field, settings.jobs, deadline)
+            made.fields.append(summed_up(trip, field, found, python, form))
     made.seconds = time.monotonic() - begun
     return made
 
@@ -119,7 +119,7 @@ def _is_alike(whole: Tally, short: Tally) -> bool:
     """Whether a sweep without the rest of the message finds what one of whole messages does."""
     counts = ("count", "unchanged", "changed", "others", "left_out", "left", "drifting")
     names = (*counts, "largest", "largest_drift")
-    return all(getattr(whole, each) == getattr(short, each) for each in names)
+    return all(getattr(whole, name) == getattr(short, name) for name in names)
 
 
 def processors() -> int:
@@ -144,7 +144,7 @@ class _Prover:
 
     def __call__(self, piece: tuple[str, int]) -> MapResult:
         name, number = piece
-        trip = [each for each in self._trips if each.name == name][number]
+        trip = [round_trip for round_trip in self._trips if round_trip.name == name][number]
         return _piece(self._model, trip, self._shared.settings, self._shared.until)
 
 
@@ -154,16 +154,16 @@ def prove_all(
     """Yields the numbers of maps and what becomes of their values, in any order."""
     until = time.time() + settings.budget
     if min(settings.jobs, len(trips)) == 1:
-        for number, each in enumerate(trips):
-            yield number, _piece(model, each, settings, until)
+        for number, round_trip in enumerate(trips):
+            yield number, _piece(model, round_trip, settings, until)
         return
     threads = max(1, settings.jobs // len(trips))
     shared = _Shared(one_document(model), replace(settings, jobs=threads), until)
     seen: Counter[str] = Counter()
     pieces = []
-    for each in trips:
-        pieces.append((each.name, seen[each.name]))
-        seen[each.name] += 1
+    for trip in trips:
+        pieces.append((trip.name, seen[trip.name]))
+        seen[trip.name] += 1
     yield from Work(_Prover, shared).results(pieces, settings.jobs)
 
 

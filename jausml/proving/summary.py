@@ -97,7 +97,11 @@ def _largest(planned: Field, tally: Tally, form: CompiledForm) -> Extreme | None
     raw = number.raw(tally.largest_at)
     between = form.translate(number.put(sweep.message, raw), to_ros=sweep.to_ros) or b""
     is_alike = len(between) == sweep.between
-    values = {each.path: each.value(each.read(between)) for each in sweep.watched if is_alike}
+    values = {
+        watched_number.path: watched_number.value(watched_number.read(between))
+        for watched_number in sweep.watched
+        if is_alike
+    }
     back = number.value(tally.largest_back)
     return Extreme(tally.largest, raw, number.value(raw), values, back)
 
@@ -108,7 +112,10 @@ def _tolerance(planned: Field) -> float:
     if number.kind == FLOAT:
         return 0.0
     coarse = max(map(abs, number.ends)) * _SINGLE
-    is_single = any(each.kind == FLOAT and each.size == 4 for each in planned.watched)
+    is_single = any(
+        watched_number.kind == FLOAT and watched_number.size == 4
+        for watched_number in planned.watched
+    )
     return max(_STEPS * number.step, coarse if is_single else 0.0)
 
 
@@ -130,7 +137,7 @@ def _reached(planned: Field, tally: Tally) -> list[Reached]:
 
 def _messages(planned: Field, indices: Sequence[int]) -> list[bytes]:
     number, message = planned.number, planned.sweep.message
-    return [number.put(message, number.raw(each)) for each in indices]
+    return [number.put(message, number.raw(index)) for index in indices]
 
 
 def _trips(planned: Field, indices: Sequence[int], python: PythonForm) -> list[Trip]:
@@ -144,19 +151,19 @@ def _classify(
     """Tells by the Python form what becomes of values that the compiled one leaves to it."""
     faults: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
-    for index, each in zip(indices, _trips(planned, indices, python), strict=True):
-        made_last = each.back if made.has_way_back else each.between
-        if each.error and not each.is_refused:
-            faults[each.error] += 1
-        elif each.error or made_last is None:
+    for index, trip in zip(indices, _trips(planned, indices, python), strict=True):
+        made_last = trip.back if made.has_way_back else trip.between
+        if trip.error and not trip.is_refused:
+            faults[trip.error] += 1
+        elif trip.error or made_last is None:
             made.refused += 1
-            reasons[each.error.partition(":")[0] or "dropped"] += 1
-        elif any(note.startswith(_CLAMP) for note in each.notes):
+            reasons[trip.error.partition(":")[0] or "dropped"] += 1
+        elif any(note.startswith(_CLAMP) for note in trip.notes):
             made.limited += 1
-            reasons[each.notes[0]] += 1
-        elif each.notes:
+            reasons[trip.notes[0]] += 1
+        elif trip.notes:
             made.left_out += 1
-            reasons[each.notes[0]] += 1
+            reasons[trip.notes[0]] += 1
         else:
             _count(made, planned, index, made_last)
     made.faults, made.reasons = dict(faults), dict(reasons)
@@ -221,12 +228,12 @@ def pages(
     """Yields the names and texts of the pages."""
     files = dict.fromkeys(["index.html"])
     rows = []
-    for each in results:
-        file = _file(each.name, files)
-        found = faults.get(each.name, ())
-        rows.append({"file": file, "map": each, "findings": len(found)})
-        pictures = [(one, told(one), _picture(one)) for one in each.fields]
-        yield file, _page(each.name, map=each, findings=found, fields=pictures)
+    for result in results:
+        file = _file(result.name, files)
+        found = faults.get(result.name, ())
+        rows.append({"file": file, "map": result, "findings": len(found)})
+        pictures = [(one, told(one), _picture(one)) for one in result.fields]
+        yield file, _page(result.name, map=result, findings=found, fields=pictures)
     yield "index.html", _page("Proofs", rows=rows)
 
 
@@ -255,19 +262,19 @@ class _Picture:
     ends: tuple[str, ...]
 
 
-def _picture(each: FieldResult) -> _Picture | None:
+def _picture(result: FieldResult) -> _Picture | None:
     """Returns the picture of a number; None for one without errors."""
-    most = max((value for value in each.bins if value != float("inf")), default=0.0)
+    most = max((value for value in result.bins if value != float("inf")), default=0.0)
     if not most:
         return None
-    bins = each.bins[: min(len(each.bins), each.total)]
-    wide, shown, bottom = _WIDTH / len(bins), max(most, each.precision), _TOP + _HEIGHT
+    bins = result.bins[: min(len(result.bins), result.total)]
+    wide, shown, bottom = _WIDTH / len(bins), max(most, result.precision), _TOP + _HEIGHT
     bars = []
     for at, value in enumerate(bins):
         if high := min(value / shown, 1.0) * _HEIGHT:
             sizes = (at * wide, bottom - high, max(wide, 1), high)
             bars.append(tuple(f"{size:.2f}" for size in sizes))
-    limit = f"{bottom - _HEIGHT * each.precision / shown:.2f}" if each.precision else ""
-    order = "" if each.step else ", in the order of the values that the type has"
-    ends = (f"{end:.6g}{unit_of(each)}" for end in each.ends)
-    return _Picture(bars, limit, f"error up to {shown:.3g}{unit_of(each)}{order}", tuple(ends))
+    limit = f"{bottom - _HEIGHT * result.precision / shown:.2f}" if result.precision else ""
+    order = "" if result.step else ", in the order of the values that the type has"
+    ends = (f"{end:.6g}{unit_of(result)}" for end in result.ends)
+    return _Picture(bars, limit, f"error up to {shown:.3g}{unit_of(result)}{order}", tuple(ends))

@@ -70,26 +70,26 @@ class Concern:
         if _is_of_a_person(self.answers):
             # What stands has no stop that could be seen.
             without += [kinds.TEST_RUN, kinds.FAULT_RUNS, kinds.MUTATIONS]
-        return [each for each in self.row.kinds if each not in without]
+        return [kind for kind in self.row.kinds if kind not in without]
 
     def has(self, path: str) -> bool:
         """Tells whether a path is that of the element, of a map, what is in them, or the owner."""
-        inside = (path == each or path.startswith(f"{each}/") for each in self.places)
+        inside = (path == place or path.startswith(f"{place}/") for place in self.places)
         return path == self.owner or any(inside)
 
 
 def supports(concern: Concern, report: Report, evidence: Sequence[Evidence]) -> Iterator[Support]:
     """Yields what evidence of the model as it is says of a hazard at an element."""
-    for each in evidence:
-        if each.kind == kinds.RULES:
-            yield Support(each.id, *_rules(concern, report))
-        elif each.kind in concern.kinds and not each.stale:
+    for evidence_item in evidence:
+        if evidence_item.kind == kinds.RULES:
+            yield Support(evidence_item.id, *_rules(concern, report))
+        elif evidence_item.kind in concern.kinds and not evidence_item.stale:
             try:
-                said = list(_READERS[each.kind](concern, each.content))
+                said = list(_READERS[evidence_item.kind](concern, evidence_item.content))
             except (AttributeError, KeyError, TypeError, ValueError) as error:
-                what = f"{each.path} holds no {each.kind} that can be read"
+                what = f"{evidence_item.path} holds no {evidence_item.kind} that can be read"
                 raise kinds.EvidenceError(f"{what}: {type(error).__name__} {error}") from error
-            yield from (Support(each.id, *one) for one in said)
+            yield from (Support(evidence_item.id, *one) for one in said)
 
 
 _Said = tuple[bool, str]
@@ -99,17 +99,20 @@ def _rules(concern: Concern, report: Report) -> _Said:
     rules = concern.hazard.rules.split()
     found = [e for e in report.diagnostics if e.rule in rules and concern.has(e.element)]
     if found:
-        return False, "; ".join(f"{each.rule} {each.message}" for each in found)
+        return False, "; ".join(f"{diagnostic.rule} {diagnostic.message}" for diagnostic in found)
     aside = [e for e in report.set_aside if e.diagnostic.rule in rules]
-    aside = [each for each in aside if concern.has(each.diagnostic.element)]
-    notes = (f"; {each.diagnostic.rule} {each.ground.value}: {each.reason}" for each in aside)
+    aside = [exclusion for exclusion in aside if concern.has(exclusion.diagnostic.element)]
+    notes = (
+        f"; {exclusion.diagnostic.rule} {exclusion.ground.value}: {exclusion.reason}"
+        for exclusion in aside
+    )
     return True, f"{', '.join(rules)} hold{''.join(notes)}"
 
 
 def _tests(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
     for module, names in concern.tests.items():
         outcomes = {name: content["tests"].get(f"{module}.{name}") for name in names}
-        bad = [name for name, each in outcomes.items() if each in ("failure", "error")]
+        bad = [name for name, outcome in outcomes.items() if outcome in ("failure", "error")]
         if bad:
             yield False, f"{', '.join(bad)} failed"
         elif {*outcomes.values()} == {"passed"}:
@@ -121,28 +124,28 @@ def _found(subject: dict[str, Any], rules: Sequence[str] = ()) -> str:
     """Returns what was found about a subject of evidence, by some rules or by any."""
     found = subject["found"] if isinstance(subject["found"], list) else []
     told = [e if isinstance(e, dict) else {"rule": "", "message": e} for e in found]
-    chosen = [each for each in told if not rules or each.get("rule") in rules]
+    chosen = [finding for finding in told if not rules or finding.get("rule") in rules]
     return "; ".join(f"{e.get('rule', '')} {e.get('message', '')}".strip() for e in chosen)
 
 
 def _proof(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
-    for each in content["maps"]:
-        if each["name"] in concern.maps:
-            tried = [int(one["tried"]) for one in each["fields"]]
-            whole = sum(one["tried"] == one["total"] for one in each["fields"])
+    for map_result in content["maps"]:
+        if map_result["name"] in concern.maps:
+            tried = [int(one["tried"]) for one in map_result["fields"]]
+            whole = sum(one["tried"] == one["total"] for one in map_result["fields"])
             about = f"{len(tried)} numbers, {whole} of them whole, {sum(tried):,} values"
-            against = _found(each)
+            against = _found(map_result)
             text = against or f"{about}, no findings"
-            yield not against, f"map {each['name']}: {text}"
+            yield not against, f"map {map_result['name']}: {text}"
 
 
 def _model_check(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
     rules = concern.hazard.properties
-    for each in content["products"]:
-        name = str(each["name"])
+    for product in content["products"]:
+        name = str(product["name"])
         if name == concern.name or name.startswith((f"{concern.name} to ", f"{concern.name}: ")):
-            against = _found(each, rules)
-            if against or each["complete"] is True:
+            against = _found(product, rules)
+            if against or product["complete"] is True:
                 text = against or f"{', '.join(rules)} hold in all states"
                 yield not against, f"{name}: {text}"
 
@@ -151,14 +154,17 @@ def _mutations(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
     """Yields what became of mutations: of assignments for what maps mean, of the rest for stops."""
     is_of_maps = concern.hazard.checks == "*"
     tried = [
-        each
-        for each in content["outcomes"]
-        if concern.has(str(each["place"]))
-        and (is_of_maps or not _ASSIGNMENT.search(str(each["place"])))
+        outcome
+        for outcome in content["outcomes"]
+        if concern.has(str(outcome["place"]))
+        and (is_of_maps or not _ASSIGNMENT.search(str(outcome["place"])))
     ]
-    alive = [each for each in tried if each["noticed_by"] == "nothing"]
+    alive = [outcome for outcome in tried if outcome["noticed_by"] == "nothing"]
     if alive:
-        told = (f"{each['words']} ({each.get('by') or 'for no known reason'})" for each in alive)
+        told = (
+            f"{outcome['words']} ({outcome.get('by') or 'for no known reason'})"
+            for outcome in alive
+        )
         yield False, f"nothing notices: {'; '.join(told)}"
     elif tried:
         yield True, f"{len(tried)} mutations, all noticed or of no effect"
@@ -166,19 +172,19 @@ def _mutations(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
 
 def _fault_runs(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
     """Yields the slowest stop of the runs that provoke the hazard."""
-    runs = {run: each.get("stopped") for run, each in content["faults"].items()}
+    runs = {run: result.get("stopped") for run, result in content["faults"].items()}
     runs |= content["guardian"] if isinstance(content.get("guardian"), dict) else {}
     name = concern.name.rpartition(".")[2]
     times = {
-        run: float(each[name])
-        for run, each in runs.items()
-        if isinstance(each, dict)
-        and isinstance(each.get(name), int | float)
+        run: float(result[name])
+        for run, result in runs.items()
+        if isinstance(result, dict)
+        and isinstance(result.get(name), int | float)
         and any(fnmatchcase(run, pattern) for pattern in concern.hazard.runs)
     }
     if times:
-        run, slowest = max(times.items(), key=lambda each: each[1])
-        stated = max((each.seconds for each in concern.answers), default=0.0)
+        run, slowest = max(times.items(), key=lambda item: item[1])
+        stated = max((answer.seconds for answer in concern.answers), default=0.0)
         holds = not stated or slowest <= stated + MARGIN
         late = "" if holds else f", the model says {stated:g} s"
         yield holds, f"{len(times)} runs; slowest stop after {slowest:.2f} s ({run}){late}"
@@ -250,7 +256,7 @@ class Goal:
     @property
     def against(self) -> list[str]:
         """Why it is not answered."""
-        return [*self.gaps, *(each.text for each in self.supports if not each.holds)]
+        return [*self.gaps, *(support.text for support in self.supports if not support.holds)]
 
 
 @dataclass(frozen=True)
@@ -285,7 +291,7 @@ class SafetyCase:
     @property
     def goals(self) -> list[Goal]:
         """The goals of all hazards."""
-        return [goal for each in self.hazards for goal in each.goals]
+        return [goal for hazard in self.hazards for goal in hazard.goals]
 
     @property
     def summary(self) -> str:
@@ -296,10 +302,10 @@ class SafetyCase:
 def to_plain(case: SafetyCase) -> dict[str, Any]:
     """Returns a safety case as JSON has it."""
     plain = asdict(replace(case, evidence=[replace(e, content={}) for e in case.evidence]))
-    for each in plain["evidence"]:
-        del each["content"]
-    for each in (goal for hazard in plain["hazards"] for goal in hazard["goals"]):
-        del each["location"]
+    for evidence_item in plain["evidence"]:
+        del evidence_item["content"]
+    for plain_goal in (goal for hazard in plain["hazards"] for goal in hazard["goals"]):
+        del plain_goal["location"]
     found: dict[str, Any] = json.loads(json.dumps(plain))
     return found
 
@@ -319,24 +325,26 @@ def safety_case(
     model, hazards = report.model, []
     known = _Known(report, Subject(model), (Evidence("E0", RULES), *evidence), tests)
     with remembering():
-        for at, each in enumerate(HAZARDS, start=1):
-            goals = tuple(_goals(each, f"G{at}", known))
+        for at, hazard in enumerate(HAZARDS, start=1):
+            goals = tuple(_goals(hazard, f"G{at}", known))
             answered = all(goal.answered for goal in goals)
             supported = all(goal.supported for goal in goals)
-            hazards.append(HazardCase(each.id, f"G{at}", each.title, answered, supported, goals))
-    paths = {each.path: each.sha256 for each in tests}
+            hazards.append(
+                HazardCase(hazard.id, f"G{at}", hazard.title, answered, supported, goals)
+            )
+    paths = {test.path: test.sha256 for test in tests}
     own = name_of(model), __version__, digests(model)
     return SafetyCase(*own, ASSUMPTIONS, known.evidence, paths, tuple(hazards))
 
 
 def _goals(hazard: Hazard, number: str, known: _Known) -> Iterator[Goal]:
-    kinds = {each.id: each.kind for each in known.evidence}
+    kinds = {evidence.id: evidence.kind for evidence in known.evidence}
     pairs = [(row, element) for row in hazard.rows for element in row.find(known.subject)]
     for at, (row, element) in enumerate(pairs, start=1):
         concern = _concern(hazard, row, element, known)
         found = tuple(supports(concern, known.report, known.evidence))
         gaps = tuple(_gaps(row, element, concern.answers))
-        shown = {kinds[each.evidence] for each in found if each.holds}
+        shown = {kinds[support.evidence] for support in found if support.holds}
         answered = not gaps and all(said.holds for said in found)
         has_run = bool(shown - {RULES}) and not _is_of_a_person(concern.answers)
         yield Goal(
@@ -359,13 +367,13 @@ def _concern(hazard: Hazard, row: Row[Any], element: Any, known: _Known) -> Conc
     is_part, maps = not isinstance(element, jaus.Component), carried_maps(element)
     prefix = snake_case(name)
     tests = {
-        PurePath(each.path).stem: [
+        PurePath(test.path).stem: [
             f"test_{prefix}{rest}"
-            for rest in each.names.get(prefix, ())
+            for rest in test.names.get(prefix, ())
             if fnmatchcase(rest, hazard.checks)
         ]
-        for each in known.tests
-        if is_part and each.owner == owner.name
+        for test in known.tests
+        if is_part and test.owner == owner.name
     }
     return Concern(
         hazard,
@@ -373,8 +381,8 @@ def _concern(hazard: Hazard, row: Row[Any], element: Any, known: _Known) -> Conc
         f"{owner.name}.{name}" if is_part else name,
         tuple(map(path, (element, *maps))),
         path(owner) if is_part else "",
-        tuple(str(each.name) for each in maps),
-        tuple(each for answer in row.answers if (each := answer(element)) is not None),
+        tuple(str(attribute_map.name) for attribute_map in maps),
+        tuple(stated for answer in row.answers if (stated := answer(element)) is not None),
         tests,
     )
 
@@ -384,4 +392,6 @@ def _gaps(row: Row[Any], element: Any, answers: Sequence[Answer]) -> Iterator[st
         yield row.gap if isinstance(row.gap, str) else row.gap(element)
     for owner in (element, *carried_maps(element)):
         if isinstance(owner, bridge.DecisionOwner):
-            yield from (f"open decision: {each.text}" for each in owner.openDecisions)
+            yield from (
+                f"open decision: {open_decision.text}" for open_decision in owner.openDecisions
+            )

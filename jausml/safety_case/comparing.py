@@ -43,11 +43,11 @@ def former_case(path: str, text: str) -> Former:
         plain = json.loads(text)
         evidence = {str(e["path"]): e for e in plain["evidence"] if e["path"]}
         known = [e[key] for e in evidence.values() for key in ("sha256", "stale")]
-        goals = [goal for each in plain["hazards"] for goal in each["goals"]]
+        goals = [goal for hazard in plain["hazards"] for goal in hazard["goals"]]
         shown = [str(goal["id"]) for goal in goals if goal["answered"]]
     except (ValueError, RecursionError, KeyError, TypeError) as error:
         raise CaseError(f"is no safety case: {type(error).__name__} {error}") from error
-    if not all(isinstance(each, str) for each in known):
+    if not all(isinstance(digest, str) for digest in known):
         raise CaseError("is no safety case: a digest is no text")
     return Former(path, text, plain, evidence, shown)
 
@@ -63,7 +63,7 @@ def findings(former: Former, case: SafetyCase, unread: Mapping[str, str]) -> lis
 def _of_evidence(
     former: Former, case: SafetyCase, unread: Mapping[str, str]
 ) -> Iterator[Diagnostic]:
-    now = {each.path: each for each in case.evidence}
+    now = {evidence.path: evidence for evidence in case.evidence}
     for path, before in former.evidence.items():
         place, name = former.place(path), f"evidence {path}"
         if path in unread:
@@ -75,7 +75,7 @@ def _of_evidence(
 
 
 def _of_goals(former: Former, case: SafetyCase) -> Iterator[Diagnostic]:
-    goals = {each.id: each for each in case.goals}
+    goals = {case_goal.id: case_goal for case_goal in case.goals}
     for id_ in former.goals:
         goal = goals.get(id_)
         if goal is None:

@@ -95,7 +95,7 @@ def _content(data: bytes, *, is_xml: bool) -> tuple[str, dict[str, Any]]:
         if isinstance(found, list) and all(isinstance(e, dict) and keys <= {*e} for e in found):
             return kind, content
     runs = content.get("faults") if isinstance(content, dict) else None
-    if isinstance(runs, dict) and all(isinstance(each, dict) for each in runs.values()):
+    if isinstance(runs, dict) and all(isinstance(run, dict) for run in runs.values()):
         return FAULT_RUNS, content
     raise EvidenceError(f"is no evidence that is known: {_KNOWN}")
 
@@ -110,7 +110,9 @@ def _tests(data: bytes) -> dict[str, str]:
     for case in root.iter("testcase"):
         module = case.get("classname", "").rpartition(".")[2]
         name = f"{module}.{case.get('name', '').partition('[')[0]}"
-        outcomes = [each.tag for each in case if each.tag in ("failure", "error", "skipped")]
+        outcomes = [
+            element.tag for element in case if element.tag in ("failure", "error", "skipped")
+        ]
         if found.get(name, "passed") == "passed":
             found[name] = outcomes[0] if outcomes else "passed"
     if not found:
@@ -138,11 +140,15 @@ class GeneratedTests:
 def generated_tests(model: Model) -> list[GeneratedTests]:
     """Returns the tests of the bridges of a model without errors."""
     found = []
-    artifacts = {each.element_id: each for each in render(model, [TARGET]) if "/test/" in each.path}
+    artifacts = {
+        rendered_artifact.element_id: rendered_artifact
+        for rendered_artifact in render(model, [TARGET])
+        if "/test/" in rendered_artifact.path
+    }
     for owner in system_of(model).bridges:
         artifact = artifacts[f"bridge:{owner.name}"]
         carriers = (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
-        names: dict[str, list[str]] = {snake_case(str(each.name)): [] for each in carriers}
+        names: dict[str, list[str]] = {snake_case(str(carrier.name)): [] for carrier in carriers}
         for test in _TEST.findall(artifact.text):
             known = (e for e in names if test == e or test.startswith(f"{e}_"))
             longest = max(known, key=len, default="")

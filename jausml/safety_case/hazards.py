@@ -77,7 +77,7 @@ def carried_maps(element: object) -> list[bridge.AttributeMap]:
 
 def _ways(carrier: Carrier) -> list[tuple[bridge.AttributeMap, bool]]:
     if isinstance(carrier, bridge.RosServiceConnection):
-        return [(each.map, each.to_ros) for each in calls.halves(carrier)]
+        return [(half.map, half.to_ros) for half in calls.halves(carrier)]
     used = carrier.map if isinstance(carrier, bridge.Connection) else carrier.element
     return [(used, _is_to_ros(carrier))]
 
@@ -151,9 +151,9 @@ def _held(commander: Commander) -> Answer | None:
 
 
 def _peers_lapse(commander: Commander) -> Answer | None:
-    times = [int(each.controlTimeout) for each in commander.peers]
+    times = [int(peer.controlTimeout) for peer in commander.peers]
     lapse = max(times) if times and all(times) and commander.control else 0
-    is_external = any(each.external for each in commander.peers)
+    is_external = any(peer.external for peer in commander.peers)
     said = " (external: if they do what the model says)" if is_external else ""
     return _after(lapse, f"control of its peers lapses when it is not renewed for {{:g}} s{said}")
 
@@ -165,7 +165,7 @@ def _moving(component: jaus.Component) -> Iterator[tuple[jaus.MessageDef, jaus.S
 
 
 def _known_peers(carrier: Carrier) -> Answer | None:
-    names = ", ".join(str(each.name) for each in carrier.peers)
+    names = ", ".join(str(peer.name) for peer in carrier.peers)
     names = "components that it has found" if carrier.search is not None else names
     return Answer(f"takes messages of {names} alone") if names else None
 
@@ -183,7 +183,7 @@ def _fresh(connection: bridge.Connection) -> Answer | None:
 
 def _loss_told(connection: bridge.Connection) -> Answer | None:
     silence = stops.silence_timeout(connection) if connection.safeValue else 0.0
-    topics = [each.qos for each in connection.topics if each.join is None]
+    topics = [topic.qos for topic in connection.topics if topic.join is None]
     deadline = min((float(qos.deadline) if qos is not None else 0.0 for qos in topics), default=0)
     told = _after(silence, "publishes its safe value after {:g} s of silence")
     return told or _after(deadline, "its topic has a deadline of {:g} s")
@@ -198,23 +198,31 @@ def _unknown(carrier: Carrier) -> dict[str, str]:
 def _connections(
     wanted: Callable[[bridge.Connection], bool],
 ) -> Callable[[Subject], list[bridge.Connection]]:
-    return lambda subject: [each for each in sound_connections(subject) if wanted(each)]
+    return lambda subject: [
+        sound_connection
+        for sound_connection in sound_connections(subject)
+        if wanted(sound_connection)
+    ]
 
 
 def _commanders(*, to_ros: bool, lists: bool = True) -> Callable[[Subject], list[Commander]]:
     def find(subject: Subject) -> list[Commander]:
         found: list[Commander] = [e for e in sound_connections(subject) if stops.is_command(e)]
         found += subject.instances(bridge.RosActionConnection) if lists else []
-        return [each for each in found if _is_to_ros(each) == to_ros]
+        return [connection for connection in found if _is_to_ros(connection) == to_ros]
 
     return find
 
 
 _obeyed, _given = _commanders(to_ros=True), _commanders(to_ros=False)
 _sent = _commanders(to_ros=False, lists=False)
-_aged = _connections(lambda each: _is_to_ros(each) or stops.is_command(each))
-_taken = _connections(lambda each: _is_to_ros(each) and each.exchange.name == "message")
-_published = _connections(lambda each: _is_to_ros(each) and not stops.is_command(each))
+_aged = _connections(lambda connection: _is_to_ros(connection) or stops.is_command(connection))
+_taken = _connections(
+    lambda connection: _is_to_ros(connection) and connection.exchange.name == "message"
+)
+_published = _connections(
+    lambda connection: _is_to_ros(connection) and not stops.is_command(connection)
+)
 _reports = _connections(is_report)
 
 
@@ -225,14 +233,18 @@ def _carriers(subject: Subject) -> list[Carrier]:
 
 def _commandable(subject: Subject) -> list[Carrier]:
     found: list[Carrier] = list(_obeyed(subject))
-    for each in subject.instances(bridge.RosServiceConnection):
-        asking = calls.asking(each)
-        found += [each] if _is_to_ros(each) and asking is not None and is_command(asking) else []
+    for ros_service_connection in subject.instances(bridge.RosServiceConnection):
+        asking = calls.asking(ros_service_connection)
+        found += (
+            [ros_service_connection]
+            if _is_to_ros(ros_service_connection) and asking is not None and is_command(asking)
+            else []
+        )
     return found
 
 
 def _components(subject: Subject) -> list[jaus.Component]:
-    found = [each for each in subject.instances(jaus.Component) if not each.external]
+    found = [component for component in subject.instances(jaus.Component) if not component.external]
     return [e for e in found if not isinstance(e, bridge.Bridge) and any(_moving(e))]
 
 
@@ -269,7 +281,7 @@ _keeps_control = _when(lambda e: e.control, "sends only while it has control of 
 _fixed_sources = _when(lambda e: e.fixedSources, "hears each component from one endpoint alone")
 _obeys_controller = _when(
     lambda e: (
-        all(obeys_controller_alone(*each) for each in _moving(e))
+        all(obeys_controller_alone(*pair) for pair in _moving(e))
         and not any(map(controlled_by_nobody, with_inherited(e.provides)))
     ),
     "obeys what moves it from its controller alone",

@@ -53,7 +53,7 @@ class _Shape:
     @property
     def size(self) -> tuple[int, int]:
         """Width and height without the diamond."""
-        texts = [width(each, SMALL) for each in self.lines]
+        texts = [width(line, SMALL) for line in self.lines]
         wide = ceil(max((width(self.title, ROW, bold=True), *texts)))
         high = LINE_HEIGHT * (len(self.lines) + 1)
         if self.kind == _SOLUTION:
@@ -88,11 +88,11 @@ class _Argument:
 def pictures(case: SafetyCase, engine: Engine) -> dict[str, str]:
     """Returns the pictures by name: `case` of all hazards, and those of each by `names_of`."""
     found = {"case": _overview(case)}
-    for each in case.hazards:
-        for at, name in enumerate(names_of(each)):
-            some = each.goals[at * _AT_ONCE : (at + 1) * _AT_ONCE]
-            found[name] = _hazard(case, replace(each, goals=some))
-    return {name: _drawn(each, engine) for name, each in found.items()}
+    for hazard in case.hazards:
+        for at, name in enumerate(names_of(hazard)):
+            some = hazard.goals[at * _AT_ONCE : (at + 1) * _AT_ONCE]
+            found[name] = _hazard(case, replace(hazard, goals=some))
+    return {name: _drawn(argument, engine) for name, argument in found.items()}
 
 
 def names_of(hazard: HazardCase) -> list[str]:
@@ -109,19 +109,19 @@ def _overview(case: SafetyCase) -> _Argument:
     assumed = f"assumptions, in the document; jausml {case.jausml}"
     found.add("C2", _CONTEXT, assumed, "G0", "right")
     found.add("S0", _STRATEGY, "over each hazard", "G0")
-    for each in case.hazards:
-        text = f"{each.title}: {counted(each.goals) if each.goals else 'concerns nothing'}"
-        found.add(each.number, _GOAL, text, "S0", is_open=not each.answered)
+    for hazard in case.hazards:
+        text = f"{hazard.title}: {counted(hazard.goals) if hazard.goals else 'concerns nothing'}"
+        found.add(hazard.number, _GOAL, text, "S0", is_open=not hazard.answered)
     return found
 
 
-def _hazard(case: SafetyCase, each: HazardCase) -> _Argument:
-    found = _Argument(f"{case.system}: {each.title.lower()}")
+def _hazard(case: SafetyCase, hazard: HazardCase) -> _Argument:
+    found = _Argument(f"{case.system}: {hazard.title.lower()}")
     evidence = {one.id: one for one in case.evidence}
-    over = f"S{each.number[1:]}"
-    found.add(each.number, _GOAL, f"{each.title} is answered")
-    found.add(over, _STRATEGY, "over each element", each.number)
-    for goal in each.goals:
+    over = f"S{hazard.number[1:]}"
+    found.add(hazard.number, _GOAL, f"{hazard.title} is answered")
+    found.add(over, _STRATEGY, "over each element", hazard.number)
+    for goal in hazard.goals:
         standing = [] if goal.standing in (SUPPORTED, UNDEVELOPED) else [goal.standing]
         text = "; ".join((goal.claim, *(f"OPEN: {gap}" for gap in goal.gaps), *standing))
         found.add(goal.number, _GOAL, text, over, is_open=not goal.answered)
@@ -144,8 +144,8 @@ def _hazard(case: SafetyCase, each: HazardCase) -> _Argument:
 
 def _drawn(argument: _Argument, engine: Engine) -> str:
     boxes = tuple(
-        Box(id_, each.size[0], each.size[1] + 2 * _DIAMOND * each.is_open, (), "", 0)
-        for id_, each in argument.shapes.items()
+        Box(id_, shape.size[0], shape.size[1] + 2 * _DIAMOND * shape.is_open, (), "", 0)
+        for id_, shape in argument.shapes.items()
     )
     sheet = Sheet(boxes, (), tuple(argument.lines.values()), downwards=True)
     return "\n".join(_svg(argument, engine.place(sheet))) + "\n"
@@ -215,11 +215,16 @@ def render(case: SafetyCase, pictures: Mapping[str, str]) -> str:
     drawn = {name: Markup(svg) for name, svg in pictures.items()}  # noqa: S704 - as we have drawn it
     known = {
         "case": case,
-        "evidence": {each.id: each for each in case.evidence},
+        "evidence": {evidence.id: evidence for evidence in case.evidence},
         "overview": drawn["case"],
-        "pictures": {each.id: [drawn[name] for name in names_of(each)] for each in case.hazards},
-        "places": {each.id: _place(each) for each in case.goals},
-        "links": {each.path: quote(each.path, errors="surrogateescape") for each in case.evidence},
+        "pictures": {
+            hazard.id: [drawn[name] for name in names_of(hazard)] for hazard in case.hazards
+        },
+        "places": {goal.id: _place(goal) for goal in case.goals},
+        "links": {
+            evidence.path: quote(evidence.path, errors="surrogateescape")
+            for evidence in case.evidence
+        },
     }
     text = page("jausml.safety_case", "case", f"Safety case of {case.system}", known, [STYLE])
     return f"{text}{_SEAL}{_digest(text)} -->\n"

@@ -36,7 +36,7 @@ def _environment(package: str) -> jinja2.Environment:
     """Returns the templates of a package, and those that all pages share."""
     import jinja2  # noqa: PLC0415 - tables do without it
 
-    loaders = [jinja2.PackageLoader(each) for each in (package, "jausml.views")]
+    loaders = [jinja2.PackageLoader(package_name) for package_name in (package, "jausml.views")]
     return jinja2.Environment(
         loader=jinja2.ChoiceLoader(loaders),
         autoescape=True,

@@ -30,7 +30,7 @@ def system(tmp_path):
         path = tmp_path / "model.ros2jaus"
         path.write_text(head + text, encoding="utf-8")
         report = check(read_models([path], notations=NOTATIONS))
-        assert not report.has_errors, [str(each) for each in report.diagnostics]
+        assert not report.has_errors, [str(diagnostic) for diagnostic in report.diagnostics]
         return system_of(report.model)
 
     return made

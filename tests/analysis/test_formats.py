@@ -60,8 +60,10 @@ def faults(value, schema, path="$"):
     }
     assert not unknown, unknown
     kinds = schema.get("type", list(CLASSES))
-    classes = tuple(CLASSES[each] for each in ([kinds] if isinstance(kinds, str) else kinds))
-    flat = tuple(each for one in classes for each in (one if isinstance(one, tuple) else (one,)))
+    classes = tuple(CLASSES[kind] for kind in ([kinds] if isinstance(kinds, str) else kinds))
+    flat = tuple(
+        class_ for one in classes for class_ in (one if isinstance(one, tuple) else (one,))
+    )
     if not isinstance(value, flat) or (isinstance(value, bool) and bool not in flat):
         yield f"{path}: {value!r} is no {kinds}"
         return
@@ -70,17 +72,17 @@ def faults(value, schema, path="$"):
     if "enum" in schema and value not in schema["enum"]:
         yield f"{path}: {value!r}"
     if isinstance(value, list):
-        for index, each in enumerate(value):
-            yield from faults(each, schema["items"], f"{path}[{index}]")
+        for index, item in enumerate(value):
+            yield from faults(item, schema["items"], f"{path}[{index}]")
     if isinstance(value, dict):
         known = schema.get("properties", {})
         yield from (f"{path}: no {name}" for name in set(schema.get("required", ())) - set(value))
-        for name, each in value.items():
+        for name, member in value.items():
             inner = known.get(name, schema.get("additionalProperties", {}))
             if inner is False:
                 yield f"{path}: {name} is unknown"
             else:
-                yield from faults(each, inner, f"{path}.{name}")
+                yield from faults(member, inner, f"{path}.{name}")
 
 
 @pytest.fixture(scope="module", params=MODELS, ids=lambda path: path.stem)
@@ -106,8 +108,8 @@ def test_text_fits_a_hundred_columns(made):
     rendered = text.render(made[0])
     assert max(map(len, rendered.splitlines())) <= text.WIDTH
     for bridge in made[0].bridges:
-        for each in bridge.connections:
-            assert each.name in rendered
+        for connection in bridge.connections:
+            assert connection.name in rendered
 
 
 class Checker(HTMLParser):
@@ -141,16 +143,16 @@ def test_the_page_stands_alone(made):
     assert "url(" not in page
     assert "prefers-color-scheme: dark" in page
     for bridge in made[0].bridges:
-        for each in bridge.connections:
-            assert {each.name, each.message, each.type} <= set(checker.words)
+        for connection in bridge.connections:
+            assert {connection.name, connection.message, connection.type} <= set(checker.words)
 
 
 def test_the_heaviest_connection_comes_first(made):
     page = html.render(made[0])
     for bar in re.findall(r"<table>.*?</table>", page, re.DOTALL)[1:]:
-        widths = [float(each) for each in re.findall(r"width: ([\d.]+)%", bar)]
+        widths = [float(match) for match in re.findall(r"width: ([\d.]+)%", bar)]
         assert widths == sorted(widths, reverse=True)
-        assert all(0 <= each <= 100 for each in widths)
+        assert all(0 <= width <= 100 for width in widths)
 
 
 def test_names_of_a_model_are_no_markup(system):

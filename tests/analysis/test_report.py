@@ -30,7 +30,9 @@ def pair(system, rate="25", acknowledge="false", **assumptions):
     text = PAIR.replace("RATE", rate).replace("ACK", acknowledge)
     report = report_of(system(text), Assumptions(**assumptions))
     found = {
-        f"{owner.name}.{each.name}": each for owner in report.bridges for each in owner.connections
+        f"{owner.name}.{connection.name}": connection
+        for owner in report.bridges
+        for connection in owner.connections
     }
     return report, found
 
@@ -53,8 +55,11 @@ def test_a_rate_beside_every_change_is_served_by_queries(system):
         "connection seen", f"connection changed {{ {changes} }}\n    connection seen"
     )
     report = report_of(system(text), Assumptions())
-    (station,) = (each for each in report.bridges if each.name == "station")
-    kinds = {each.name: [flow.kind for flow in each.flows] for each in station.connections}
+    (station,) = (bridge for bridge in report.bridges if bridge.name == "station")
+    kinds = {
+        connection.name: [flow.kind for flow in connection.flows]
+        for connection in station.connections
+    }
     assert kinds["changed"] == ["event"]
     assert sorted(kinds["seen"]) == ["query", "report"]
 
@@ -92,7 +97,7 @@ def test_assumptions_are_of_all_or_of_one(system):
 
 def test_upkeep_is_in_the_sums(system):
     report, _ = pair(system)
-    station = next(each for each in report.components if each.name == "station")
+    station = next(component for component in report.components if component.name == "station")
     # Control of the vehicle is renewed each second, a quarter of its 4 seconds: a request that is
     # acknowledged, and a query; two answers. Its event is renewed twice a minute.
     assert station.upkeep.messages_sent == pytest.approx(2 + 1 / 30)
@@ -102,7 +107,7 @@ def test_upkeep_is_in_the_sums(system):
 def test_a_rate_that_the_provider_does_not_give(system):
     _, found = pair(system, rate="400")
     assert found["station.seen"].flows[0].hertz == 400
-    assert not any("vehicle gives" in each for each in found["station.seen"].warnings)
+    assert not any("vehicle gives" in warning for warning in found["station.seen"].warnings)
     _, found = pair(system, rate="0.05")
     assert "vehicle gives 0.1 Hz at least, 0.05 Hz are asked" in found["station.seen"].warnings
 
@@ -135,7 +140,7 @@ def test_a_freshness_must_hold_a_period(system):
 
 
 def budgets(connection):
-    return {each.case: each for each in connection.budgets}
+    return {budget.case: budget for budget in connection.budgets}
 
 
 def test_budgets_of_a_command(system):
@@ -222,7 +227,7 @@ def test_large_messages_are_cut_and_acknowledged(system):
 def test_who_is_not_modelled_asks_once(system):
     report = report_of(system(MAP.replace("EXCHANGE", "query")), Assumptions())
     (costs,) = report.bridges[0].connections
-    assert [(each.kind, each.sender) for each in costs.flows] == [
+    assert [(flow.kind, flow.sender) for flow in costs.flows] == [
         ("query", "anybody"),
         ("report", "mapper"),
     ]
@@ -240,17 +245,17 @@ def test_what_is_shaped_costs_less_and_waits_longer(system):
     shaped = report_of(system(text), Assumptions())
 
     def of(report, owner, name):
-        (bridge,) = [each for each in report.bridges if each.name == owner]
-        (found,) = [each for each in bridge.connections if each.name == name]
+        (bridge,) = [candidate for candidate in report.bridges if candidate.name == owner]
+        (found,) = [connection for connection in bridge.connections if connection.name == name]
         return found
 
     sent = of(shaped, "station", "wanted")
-    assert [each.hertz for each in sent.flows] == [4]
+    assert [flow.hertz for flow in sent.flows] == [4]
     assert sent.ros.messages_per_s == 10
     steps = {step.name: step.seconds for step in sent.budgets[0].steps}
     assert steps == {"decimation, one of 2 messages": 0.1, "maxRate of 4 Hz": 0.25}
     seen = of(shaped, "station", "seen")
-    assert [each.hertz for each in seen.flows] == [25]
+    assert [flow.hertz for flow in seen.flows] == [25]
     assert seen.ros.messages_per_s == 10  # two topics
     assert seen.share < of(plain, "station", "seen").share
     assert sent.share < of(plain, "station", "wanted").share
@@ -269,6 +274,6 @@ def test_services_and_actions_are_told_beside_the_connections(live_system):
     assert (through.peers, through.seconds) == (("robot",), 1.0)
     assert (path.ros_name, path.direction) == ("follow_path", "jausToRos")
     others = report_of(live_system("services.ros2jaus"), Assumptions()).bridges
-    served = [call for each in others for call in each.calls]
-    assert {each.kind for each in served} == {"service"}
-    assert all(each.messages and each.seconds > 0 for each in served)
+    served = [call for other in others for call in other.calls]
+    assert {call_report.kind for call_report in served} == {"service"}
+    assert all(call_report.messages and call_report.seconds > 0 for call_report in served)

@@ -67,7 +67,7 @@ def test_datagrams_are_those_of_the_packetizer(size, fragment_size):
     assert packet_count(size, fragment_size) == len(packets)
     found = on_wire(size, fragment_size)
     assert found.packets == len(packets)
-    assert found.judp == sum(len(each.encode()) for each in packets)
+    assert found.judp == sum(len(packet.encode()) for packet in packets)
 
 
 def test_headers_of_ip_and_ethernet():
@@ -83,11 +83,11 @@ def test_headers_of_ip_and_ethernet():
 @functools.cache
 def ros_types():
     model = read_models(sorted((library_root() / "ros").glob("*.xmi"))).model
-    found = (each for each in model.instances(ros.MessageType))
+    found = (message_type for message_type in model.instances(ros.MessageType))
     return {
-        f"{each.eContainer().name}/{each.name}": each
-        for each in found
-        if isinstance(each.eContainer(), ros.InterfacePackage)
+        f"{message_type.eContainer().name}/{message_type.name}": message_type
+        for message_type in found
+        if isinstance(message_type.eContainer(), ros.InterfacePackage)
     }
 
 

@@ -51,14 +51,14 @@ def test_a_question_is_answered(operator):
 def test_services_are_found(operator):
     services = operator.discover(1.0)[VEHICLE]
     assert "urn:jaus:jss:mobility:PrimitiveDriver/1.0" in services
-    assert any(each.startswith("urn:jaus:jss:core:AccessControl/") for each in services)
+    assert any(service.startswith("urn:jaus:jss:core:AccessControl/") for service in services)
 
 
 def test_reports_come_at_a_rate(operator):
     with operator.subscribe(VEHICLE, "VelocityState", rate=50) as reports:
         found = [reports.next(timeout=10) for _ in range(3)]
-    assert {(each.name, each.sender) for each in found} == {("ReportVelocityState", VEHICLE)}
-    assert all(each.sender == VEHICLE for each in reports)  # which ends: it is closed
+    assert {(report.name, report.sender) for report in found} == {("ReportVelocityState", VEHICLE)}
+    assert all(report.sender == VEHICLE for report in reports)  # which ends: it is closed
 
 
 def test_reports_come_at_changes(operator, vehicle):
@@ -208,7 +208,7 @@ def test_a_function_that_is_handed_over_cannot_wait(operator):
     cancel = operator.watch(VEHICLE, "VelocityState", 50, ask_back)
     wait_for(lambda: len(raised) >= 4)
     cancel()
-    assert all("another thread" in each for each in raised)
+    assert all("another thread" in message for message in raised)
     assert operator.query(VEHICLE, "VelocityState")
 
 

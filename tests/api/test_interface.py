@@ -18,7 +18,7 @@ CATVEHICLE = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
 def test_every_name_is_there_and_typed():
     stub = ast.parse((ROOT / "jausml" / "__init__.pyi").read_text(encoding="utf-8"))
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
-    typed = {each.asname: node.module for node in imports for each in node.names}
+    typed = {alias.asname: node.module for node in imports for alias in node.names}
     assert {*typed, "__version__"} == set(jausml.__all__)
     for name, home in typed.items():
         assert getattr(jausml, name) is getattr(sys.modules[home], name)

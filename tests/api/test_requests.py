@@ -115,7 +115,7 @@ def test_a_list_is_given_with_messages_in_its_elements(operator):
         again = {**element, "ElementData": found, "ElementUID": 2, "PreviousUID": 1}
         operator.request(VEHICLE, "SetElement", {"ElementList": [again]})
         order = operator.query(VEHICLE, "ElementList")["ElementList"]
-    assert [each["ElementUID"] for each in order] == [1, 2]
+    assert [list_element["ElementUID"] for list_element in order] == [1, 2]
 
 
 def test_a_command_that_nothing_answers_is_followed_by_the_state(operator, vehicle):

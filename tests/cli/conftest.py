@@ -17,7 +17,7 @@ def jausml():
     """Runs the command line in this process."""
 
     def run(*arguments):
-        return CliRunner().invoke(main, [str(each) for each in arguments])
+        return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
     return run
 

@@ -202,15 +202,19 @@ def in_body(jaus_field):
 
 def accepted(path, pairs, assigned, suffix=""):
     path.write_text(model(pairs, assigned, suffix), encoding="utf-8")
-    errors = [each for each in check_project([path]).diagnostics if each.severity is Severity.ERROR]
-    refused = {each.element.split("/")[2] for each in errors if "/" in each.element}
+    errors = [
+        diagnostic
+        for diagnostic in check_project([path]).diagnostics
+        if diagnostic.severity is Severity.ERROR
+    ]
+    refused = {error.element.split("/")[2] for error in errors if "/" in error.element}
     return {pair for pair in pairs if "_".join(pair) + suffix not in refused}, errors
 
 
 def test_accepted_pairs(tmp_path):
     pairs = list(itertools.product(JAUS, ROS))
     found, errors = accepted(tmp_path / "model.xmi", pairs, lambda *_: copied())
-    assert {each.rule for each in errors} == {"JML412"}
+    assert {error.rule for error in errors} == {"JML412"}
     assert found == ACCEPTED
 
 

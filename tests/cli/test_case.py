@@ -58,11 +58,15 @@ def begun(jausml, mower, drawn, tmp_path_factory):
     """Makes the case with which a test begins, with evidence; returns it as JSON."""
 
     def make(*evidence):
-        rests = tuple((each.name, each.read_bytes()) for each in (mower, *evidence))
+        rests = tuple((path.name, path.read_bytes()) for path in (mower, *evidence))
         if rests in drawn:
             shutil.copytree(drawn[rests], "case")
             return json.loads(Path("case/case.json").read_text(encoding="utf-8"))
-        case = made(jausml, mower, *(word for each in evidence for word in ("--evidence", each)))
+        case = made(
+            jausml,
+            mower,
+            *(word for evidence_path in evidence for word in ("--evidence", evidence_path)),
+        )
         drawn[rests] = shutil.copytree("case", tmp_path_factory.mktemp("drawn") / "case")
         return case
 
@@ -77,25 +81,30 @@ def found(jausml, model, *options):
 
 
 def goal(case, identifier):
-    goals = [each for hazard in case["hazards"] for each in hazard["goals"]]
-    return next(each for each in goals if each["id"] == identifier)
+    goals = [hazard_goal for hazard in case["hazards"] for hazard_goal in hazard["goals"]]
+    return next(hazard_goal for hazard_goal in goals if hazard_goal["id"] == identifier)
 
 
 def test_a_folder_with_document_json_and_pictures(jausml, mower, begun):
     case = begun()
-    names = {each.name for each in Path("case").iterdir()}
-    ids = [each["id"] for each in case["hazards"]]
-    expected = {"case.html", "case.json", "case.svg", *(f"case-{each}.svg" for each in ids)}
+    names = {path.name for path in Path("case").iterdir()}
+    ids = [hazard["id"] for hazard in case["hazards"]]
+    expected = {
+        "case.html",
+        "case.json",
+        "case.svg",
+        *(f"case-{hazard_id}.svg" for hazard_id in ids),
+    }
     assert names == expected
-    for each in Path("case").glob("*.svg"):
-        etree.parse(each)
+    for path in Path("case").glob("*.svg"):
+        etree.parse(path)
     assert case["model"] == {"mower.ros2jaus": digest(mower)}
     page = Path("case/case.html").read_text(encoding="utf-8")
-    goals = [one for each in case["hazards"] for one in each["goals"]]
+    goals = [one for hazard in case["hazards"] for one in hazard["goals"]]
     assert page.count("\N{BALLOT BOX} accepted") == len(goals) + 1
-    before = {each.name: each.read_bytes() for each in Path("case").iterdir()}
+    before = {path.name: path.read_bytes() for path in Path("case").iterdir()}
     made(jausml, mower)
-    assert before == {each.name: each.read_bytes() for each in Path("case").iterdir()}
+    assert before == {path.name: path.read_bytes() for path in Path("case").iterdir()}
 
 
 @pytest.mark.slow
@@ -151,7 +160,7 @@ def test_evidence_is_named_by_link_and_digest(jausml, mower, begun):
         "stale": "",
     }
     shown = goal(case, "unit/mower.drive")
-    assert [each["evidence"] for each in shown["supports"]] == ["E0", "E1"]
+    assert [support["evidence"] for support in shown["supports"]] == ["E0", "E1"]
     assert shown["lacks"] == ["test run", "mutations"]
     assert 'href="../proof.json"' in Path("case/case.html").read_text(encoding="utf-8")
     assert made(jausml, mower) == case  # the case knows its evidence
@@ -220,7 +229,7 @@ def test_lost_evidence_fails(jausml, mower, begun):
     status, told = checked(jausml)
     assert status == 1
     case = Path("case/case.json").read_text(encoding="utf-8").splitlines()
-    line = next(at for at, each in enumerate(case, start=1) if "proof.json" in each)
+    line = next(at for at, line_text in enumerate(case, start=1) if "proof.json" in line_text)
     assert f"case/case.json:{line}:1: error: JML941 evidence ../proof.json is not there" in told
 
 
@@ -248,7 +257,9 @@ def test_a_lost_answer_fails_where_the_element_stands(jausml, mower, begun):
     status, told = checked(jausml)
     assert status == 1
     lines = text.splitlines()
-    line = next(at for at, each in enumerate(lines, start=1) if "connection drive" in each)
+    line = next(
+        at for at, line_text in enumerate(lines, start=1) if "connection drive" in line_text
+    )
     assert f"mower.ros2jaus:{line}:9: error: JML943 Upon crash of the bridge" in told
     assert "no guardian with a stop" in told
 

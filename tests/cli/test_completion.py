@@ -25,7 +25,8 @@ TYPED = {
 
 
 @pytest.mark.parametrize(
-    "shell", [pytest.param(each, marks=pytest.mark.needs(each)) for each in SHELLS]
+    "shell",
+    [pytest.param(shell_name, marks=pytest.mark.needs(shell_name)) for shell_name in SHELLS],
 )
 def test_the_script_is_one_of_its_shell(jausml, shell):
     result = jausml("completion", shell)
@@ -125,7 +126,7 @@ def offered(tmp_path):
             program, cwd=folder, env={**os.environ, **asked}, capture_output=True, text=True
         )
         assert not done.stderr
-        lines = (each.split(",") for each in done.stdout.splitlines())
+        lines = (output_line.split(",") for output_line in done.stdout.splitlines())
         # Where nothing fits, the shell is told to look for files.
         return [name for kind, name in lines if kind == "plain"]
 

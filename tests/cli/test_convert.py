@@ -29,7 +29,7 @@ def test_xmi_becomes_text_and_xmi_again(jausml, folder):
     assert jausml("convert", "good.ros2jaus", "back.xmi").exit_code == 0
     differences = compare(root(folder / "good.xmi"), root(folder / "back.xmi"), load_metamodels())
     assert differences == []
-    assert not [each for each in folder.iterdir() if "tmp" in each.name]
+    assert not [path for path in folder.iterdir() if "tmp" in path.name]
 
 
 def test_what_is_there_already_is_left_alone(jausml, folder):

@@ -30,7 +30,7 @@ def jausml(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments, text=""):
-        return CliRunner().invoke(main, [str(each) for each in arguments], input=text)
+        return CliRunner().invoke(main, [str(argument) for argument in arguments], input=text)
 
     return run
 
@@ -186,7 +186,7 @@ def test_a_name_chooses_between_meanings_of_one_service(jausml):
     for name in ("RNDetailedMeasurement", "CBDetailedMeasurement"):
         result = jausml("decode", "--message", name, payload)
         assert result.exit_code == 0, result.stderr
-        assert [each["message"] for each in objects(result)] == [name]
+        assert [decoded_message["message"] for decoded_message in objects(result)] == [name]
 
 
 def test_a_service_chooses_between_several_meanings(jausml):
@@ -195,7 +195,10 @@ def test_a_service_chooses_between_several_meanings(jausml):
     assert "QueryJointPosition of" in result.stderr
     result = jausml("decode", "--service", "ManipulatorJointPositionSensor/2.0", "0226", STATUS)
     assert result.exit_code == 0
-    assert [each["message"] for each in objects(result)] == ["QueryJointPositions", "ReportStatus"]
+    assert [decoded_message["message"] for decoded_message in objects(result)] == [
+        "QueryJointPositions",
+        "ReportStatus",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -261,7 +264,11 @@ def test_datagrams(jausml):
     assert "no hexadecimal digit" in malformed["error"]
     assert "bytes follow" in rest["error"]
     problems = result.stderr.splitlines()
-    assert [each.split(": ")[0] for each in problems] == ["<stdin>:2", "<stdin>:3", "<stdin>:4"]
+    assert [problem.split(": ")[0] for problem in problems] == [
+        "<stdin>:2",
+        "<stdin>:3",
+        "<stdin>:4",
+    ]
     assert problems[1] == "<stdin>:3: column 1: 'z' is no hexadecimal digit"
     text = jausml("decode", "--format", "text", "--datagram", DATAGRAM.hex())
     assert text.exit_code == 0
@@ -291,7 +298,13 @@ def test_captures(jausml, tmp_path):
     result = jausml("decode", "--pcap", path)
     assert result.exit_code == 0
     assert [
-        (each["number"], each["time"], each["from"], each["to"]) for each in objects(result)
+        (
+            decoded_message["number"],
+            decoded_message["time"],
+            decoded_message["from"],
+            decoded_message["to"],
+        )
+        for decoded_message in objects(result)
     ] == [
         (1, 1000.0, "10.9.0.1:5000", "10.9.0.2:3794"),
         (3, 1002.0, "10.9.0.1:5000", "10.9.0.2:3794"),
@@ -305,9 +318,9 @@ def test_a_capture_shows_who_shares_the_port_and_counts_strangers(jausml, tmp_pa
     ends = ((3794, 5000), (51000, 5000), (50001, 50000))
     frames = [capture(DATAGRAM, port=to, source=source) for to, source in ends]
     head = len(capture())
-    (tmp_path / "a.pcap").write_bytes(frames[0] + b"".join(each[head:] for each in frames[1:]))
+    (tmp_path / "a.pcap").write_bytes(frames[0] + b"".join(frame[head:] for frame in frames[1:]))
     result = jausml("decode", "--pcap", "a.pcap")
-    assert [each["number"] for each in objects(result)] == [1, 2]
+    assert [decoded_message["number"] for decoded_message in objects(result)] == [1, 2]
     assert result.stderr == (
         "a.pcap: skipped 1 datagrams that look like JUDP, between endpoints that were not seen "
         "with port 3794; --port chooses another\n"
@@ -531,14 +544,18 @@ def test_list_services(jausml):
     head, *rows = result.stdout.splitlines()
     assert head.split() == ["SERVICE", "VERSION", "SET", "INHERITS"]
     assert len(rows) == 16
-    row = next(each for each in rows if "Management" in each.split()[0] and " 1.1 " in each)
+    row = next(
+        service_row
+        for service_row in rows
+        if "Management" in service_row.split()[0] and " 1.1 " in service_row
+    )
     assert row.split()[-1] == "urn:jaus:jss:core:AccessControl/1.1"
     found = objects(jausml("list", "services", "--format", "json"))
     assert len(found) == 93
     (management,) = (
-        each
-        for each in found
-        if each["service"].endswith(":Management") and each["version"] == "1.1"
+        service
+        for service in found
+        if service["service"].endswith(":Management") and service["version"] == "1.1"
     )
     assert management["outputs"] == ["ReportStatus"]
     assert "Shutdown" in management["inputs"]
@@ -551,9 +568,9 @@ def test_list_messages(jausml):
     everything = objects(jausml("list", "messages", "--format", "json"))
     assert {
         key: value
-        for each in everything
-        if each["message"] == "Shutdown"
-        for key, value in each.items()
+        for message in everything
+        if message["message"] == "Shutdown"
+        for key, value in message.items()
         if key != "services"
     } == {"message": "Shutdown", "code": "0x0002", "command": True}
     assert len(everything) > 300

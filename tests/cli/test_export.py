@@ -21,7 +21,7 @@ def here(tmp_path, monkeypatch):
 
 
 def names(folder):
-    return sorted(each.name for each in folder.iterdir())
+    return sorted(path.name for path in folder.iterdir())
 
 
 def test_a_service_becomes_a_file(jausml, here):
@@ -32,7 +32,10 @@ def test_a_service_becomes_a_file(jausml, here):
     assert "service.xmi:62:13: warning: JML632" in done.stdout
     done = jausml("export", "jsidl", WINCH, "-o", "out/jsidl", "--quiet", "--format", "json")
     assert done.stderr == ""
-    assert {each["rule"] for each in json.loads(done.stdout)["diagnostics"]} == {"JML631", "JML632"}
+    assert {diagnostic["rule"] for diagnostic in json.loads(done.stdout)["diagnostics"]} == {
+        "JML631",
+        "JML632",
+    }
 
 
 @pytest.mark.usefixtures("here")
@@ -47,7 +50,10 @@ def test_inherited_services_come_along_when_they_are_asked_for(jausml, here):
     done = jausml("export", "jsidl", WINCH, "-o", "out", "--with-inherited")
     assert done.exit_code == 0, done.output
     core = ("AccessControl", "Events", "Management", "Transport")
-    assert names(here / "out") == [*(f"urn.jaus.jss.core.{each}-1.1.xml" for each in core), NAME]
+    assert names(here / "out") == [
+        *(f"urn.jaus.jss.core.{service_name}-1.1.xml" for service_name in core),
+        NAME,
+    ]
 
 
 def test_of_a_system_the_services_that_its_components_provide_are_written(jausml, here):

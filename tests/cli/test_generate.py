@@ -435,7 +435,7 @@ def test_a_check_reports_code_as_models_are_reported(jausml, output_format):
     check = ("generate", "good.xmi", "-o", "out", "--check", "--format", output_format)
     result = jausml(*check)
     assert result.exit_code == 1
-    assert all(each in result.stdout for each in REPORTED[output_format])
+    assert all(passage in result.stdout for passage in REPORTED[output_format])
     assert "sensor.py" not in result.stderr
     assert jausml(*check, "--output", "report").exit_code == 1
     assert Path("report").read_text() == result.stdout
@@ -446,14 +446,20 @@ def test_a_report_of_a_check_has_models_and_stale_files_too(jausml):
         result = jausml("generate", model, "-o", "out", "--check", "--format", "sarif")
         assert result.exit_code == 1
         (run,) = json.loads(result.stdout)["runs"]
-        rules = [each["id"] for each in run["tool"]["driver"]["rules"]]
-        assert all(rules[each["ruleIndex"]] == each["ruleId"] for each in run["results"])
+        rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
+        assert all(
+            rules[sarif_result["ruleIndex"]] == sarif_result["ruleId"]
+            for sarif_result in run["results"]
+        )
         return {
-            (each["ruleId"], each["locations"][0]["physicalLocation"]["artifactLocation"]["uri"])
-            for each in run["results"]
+            (
+                sarif_result["ruleId"],
+                sarif_result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"],
+            )
+            for sarif_result in run["results"]
         }
 
-    stale = {each for each in found("good.xmi") if each[0] == "JML901"}
+    stale = {finding for finding in found("good.xmi") if finding[0] == "JML901"}
     assert ("JML901", "out/sensor.py") in stale
     assert ("JML901", "out/sensor_base.py") in stale
     bad = found("bad.xmi")

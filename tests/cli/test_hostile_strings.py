@@ -77,7 +77,7 @@ def with_payload(spans):
     """Returns the model with the payload in some features, each made unique."""
     text = TEXT
     for number, (_, feature, (start, end)) in reversed(
-        list(enumerate(sorted(spans, key=lambda each: each[2])))
+        list(enumerate(sorted(spans, key=lambda span: span[2])))
     ):
         payload = f"x{number} {PAYLOAD}"
         if text[start] == "<":
@@ -125,7 +125,11 @@ def free_features():
 def errors_of(features, folder):
     path = folder / "model.xmi"
     path.write_text(with_payload(features), encoding="utf-8")
-    return [each for each in check_project([path]).diagnostics if each.severity.value == "error"]
+    return [
+        diagnostic
+        for diagnostic in check_project([path]).diagnostics
+        if diagnostic.severity.value == "error"
+    ]
 
 
 def test_texts_that_are_free_are_free_together(tmp_path):
@@ -144,19 +148,21 @@ def refused_together(features, folder):
     an error keeps others from being looked for, they are not told of.
     """
     errors = errors_of(features, folder)
-    told = {(each.location.line, said) for each in errors for said in SAID.findall(str(each))}
+    told = {(error.location.line, said) for error in errors for said in SAID.findall(str(error))}
     return [
-        each
-        for number, each in enumerate(sorted(features, key=lambda each: each[2]))
-        if (line_of(each), str(number)) in told
+        feature
+        for number, feature in enumerate(sorted(features, key=lambda attempt: attempt[2]))
+        if (line_of(feature), str(number)) in told
     ]
 
 
 def refused_with_others(features, folder):
     """Returns those of some features that are refused while others are hostile too."""
     refused = []
-    while left := [each for each in features if each not in refused]:
-        found = refused_together(list({line_of(each): each for each in left}.values()), folder)
+    while left := [feature for feature in features if feature not in refused]:
+        found = refused_together(
+            list({line_of(feature): feature for feature in left}.values()), folder
+        )
         if not found:
             break
         refused += found
@@ -164,16 +170,20 @@ def refused_with_others(features, folder):
 
 
 def test_each_other_text_is_refused_where_it_stands(subtests, tmp_path):
-    others = [each for each in string_features() if each not in free_features()]
+    others = [
+        string_feature
+        for string_feature in string_features()
+        if string_feature not in free_features()
+    ]
     together = refused_with_others(others, tmp_path)
-    for feature in [each for each in others if each not in together]:
+    for feature in [other for other in others if other not in together]:
         class_name, name, (start, _) = feature
         with subtests.test(f"{class_name}.{name}-{start}"):
             errors = errors_of([feature], tmp_path)
             assert errors, f"{class_name}.{name} was accepted"
-            assert all("\n" not in str(each) or each.location.line for each in errors)
+            assert all("\n" not in str(error) or error.location.line for error in errors)
             if not is_used_in_a_path(class_name, name, start):
-                assert line_of(feature) in {each.location.line for each in errors}
+                assert line_of(feature) in {error.location.line for error in errors}
 
 
 @pytest.mark.slow

@@ -124,7 +124,7 @@ def test_comparison_with_the_library(jausml, folder):
 
 def test_findings_as_json(jausml, folder):
     done = jausml("import", "jsidl", folder / "winch", "-o", "out.xmi", "--format", "json")
-    rules = {each["rule"] for each in json.loads(done.stdout)["diagnostics"]}
+    rules = {diagnostic["rule"] for diagnostic in json.loads(done.stdout)["diagnostics"]}
     assert rules >= {"JML623", "JML626"}
 
 

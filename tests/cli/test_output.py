@@ -88,8 +88,8 @@ def test_what_comes_of_a_line_is_there_before_the_next_and_an_interrupt_ends_it(
     finally:
         process.kill()
         process.wait()
-        for each in (process.stdin, process.stdout, process.stderr):
-            each.close()
+        for io in (process.stdin, process.stdout, process.stderr):
+            io.close()
     assert (process.returncode, output, errors) == (-signal.SIGINT, "", "\n")
 
 

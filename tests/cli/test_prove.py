@@ -71,14 +71,14 @@ def test_findings_and_pages(jausml, model, tmp_path, monkeypatch):
     assert "JML922 faulty: JAUS Speed is changed by" in result.stderr
     proof = json.loads(result.stdout)
     assert proof["digests"] == {model.name: sha256(model.read_bytes()).hexdigest()}
-    maps = {each["name"]: each for each in proof["maps"]}
+    maps = {proved_map["name"]: proved_map for proved_map in proof["maps"]}
     assert maps["sound"]["found"] == []
     assert maps["faulty"]["found"][0].startswith("JML922 faulty: JAUS Speed is changed by")
     speed = maps["faulty"]["fields"][0]
     assert (speed["path"], speed["total"], speed["tried"]) == ("Speed", 256, 256)
     assert speed["changed"] + speed["unchanged"] + speed["limited"] == 256
     assert speed["largest"]["between"]["linear.x"] == pytest.approx(1.5 * speed["largest"]["value"])
-    assert sorted(each.name for each in pages.iterdir()) == [
+    assert sorted(path.name for path in pages.iterdir()) == [
         "faulty.html",
         "index.html",
         "sound.html",
@@ -88,9 +88,9 @@ def test_findings_and_pages(jausml, model, tmp_path, monkeypatch):
     again = jausml("prove", model, "--only", "faulty", "--format", "sarif")
     assert again.exit_code == 1, again.output
     (run,) = json.loads(again.stdout)["runs"]
-    found = [each for each in run["results"] if each["ruleId"] == "JML922"]
-    assert [each["level"] for each in found] == ["error"]
-    (place,) = (each["physicalLocation"] for each in found[0]["locations"])
+    found = [sarif_result for sarif_result in run["results"] if sarif_result["ruleId"] == "JML922"]
+    assert [finding["level"] for finding in found] == ["error"]
+    (place,) = (location["physicalLocation"] for location in found[0]["locations"])
     line = model.read_text(encoding="utf-8").splitlines()[place["region"]["startLine"] - 1]
     assert "ROS->JAUS ( linear.x -> Speed )" in line
     # A compiler that does not work says nothing of a map.
@@ -100,7 +100,10 @@ def test_findings_and_pages(jausml, model, tmp_path, monkeypatch):
     assert "Error: sound: " in alone.stderr
     both = jausml("prove", model, "--format", "json")
     assert both.exit_code == 2
-    assert [bool(each["error"]) for each in json.loads(both.stdout)["maps"]] == [True, True]
+    assert [bool(proved_map["error"]) for proved_map in json.loads(both.stdout)["maps"]] == [
+        True,
+        True,
+    ]
 
 
 @pytest.mark.slow
@@ -110,9 +113,9 @@ def test_a_module_of_the_library(jausml):
     asked = ("mappings.travel_speed", "--only", "travel_speed", "--only", "travel_speed_report")
     result = jausml("prove", *asked, "--budget", "0.01", "--format", "json")
     assert result.exit_code == 0, result.output
-    maps = {each["name"]: each for each in json.loads(result.stdout)["maps"]}
+    maps = {proved_map["name"]: proved_map for proved_map in json.loads(result.stdout)["maps"]}
     assert list(maps) == ["travel_speed", "travel_speed_report"]
-    assert all(each["fields"] for each in maps.values())
+    assert all(proved_map["fields"] for proved_map in maps.values())
 
 
 def test_a_module_that_is_none(jausml, model, monkeypatch):

@@ -32,7 +32,7 @@ HEAVY = {
 }
 WITH_TARGETS = {"generate"}
 """Its help tells what the installed targets do, and has to load them."""
-HELPED = [*(each for each in VERBS if each not in WITH_TARGETS), "import ros", "list maps"]
+HELPED = [*(verb for verb in VERBS if verb not in WITH_TARGETS), "import ros", "list maps"]
 
 
 TOLD = """
@@ -55,7 +55,7 @@ def told():
     """What a process tells that has done nothing else, by verb: exit code and what it loaded."""
     line = [sys.executable, "-c", TOLD.format(verbs=HELPED, heavy=HEAVY)]
     done = subprocess.run(line, capture_output=True, text=True)
-    return dict(each.split(":", 1) for each in done.stdout.splitlines())
+    return dict(output_line.split(":", 1) for output_line in done.stdout.splitlines())
 
 
 @for_each("verb", HELPED)

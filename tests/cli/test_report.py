@@ -29,14 +29,16 @@ def test_json_into_a_file(jausml, tmp_path):
 
 def test_one_bridge_alone(jausml):
     result = jausml("report", CAR, "--format", "json", "--bridge", "bridge")
-    assert [each["name"] for each in json.loads(result.stdout)["components"]] == ["bridge"]
+    assert [component["name"] for component in json.loads(result.stdout)["components"]] == [
+        "bridge"
+    ]
 
 
 def test_assumptions_change_what_is_assumed_alone(jausml):
     def loads(*options):
         found = json.loads(jausml("report", CAR, "--format", "json", *options).stdout)
-        (bridge,) = (each for each in found["components"] if each["is_bridge"])
-        return {each["name"]: each["load"] for each in bridge["connections"]}
+        (bridge,) = (component for component in found["components"] if component["is_bridge"])
+        return {connection["name"]: connection["load"] for connection in bridge["connections"]}
 
     usual, quick = loads(), loads("--assume-rate", "50", "--assume-rate", "bridge.cruise_speed=1")
     assert usual["odometry"] == quick["odometry"]

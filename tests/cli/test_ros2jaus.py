@@ -39,7 +39,7 @@ def text(folder):
 
 def contents(folder):
     files = (path for path in Path(folder).rglob("*") if path.is_file())
-    return {str(each.relative_to(folder)): each.read_text() for each in files}
+    return {str(file.relative_to(folder)): file.read_text() for file in files}
 
 
 def test_validates(jausml, text):
@@ -48,8 +48,8 @@ def test_validates(jausml, text):
 
 
 def test_finds_texts_in_folders(jausml, text):
-    for each in ("bad.xmi", "doubtful.xmi"):
-        text.with_name(each).unlink()
+    for file_name in ("bad.xmi", "doubtful.xmi"):
+        text.with_name(file_name).unlink()
     result = jausml("validate", text.parent)
     assert result.stderr == "no problems in 2 files\n"
 
@@ -59,7 +59,7 @@ def test_errors_of_the_grammar_names_and_rules_in_one_run(jausml, text):
     text.write_text(broken.replace("uses: Velocity", "uses: Velocty"))
     result = jausml("validate", "demo.ros2jaus", "--format", "json")
     assert result.exit_code == 1
-    rules = {each["rule"] for each in json.loads(result.stdout)["diagnostics"]}
+    rules = {diagnostic["rule"] for diagnostic in json.loads(result.stdout)["diagnostics"]}
     assert rules >= {"JML701", "JML215", "JML411"}
 
 
@@ -70,10 +70,12 @@ def test_generates_what_the_same_xmi_generates(jausml, text):
     assert jausml("generate", "demo.xmi", "-o", "theirs").exit_code == 0
     ours, theirs = contents("ours"), contents("theirs")
     manifest = ".jausml/manifest.json"
-    processes = [json.loads(each.pop(manifest))["models"] for each in (ours, theirs)]
+    processes = [
+        json.loads(folder_content.pop(manifest))["models"] for folder_content in (ours, theirs)
+    ]
     assert processes[0] == processes[1]
     assert {
-        name: each.replace("demo.xmi", "demo.ros2jaus") for name, each in theirs.items()
+        name: file_text.replace("demo.xmi", "demo.ros2jaus") for name, file_text in theirs.items()
     } == ours
 
 

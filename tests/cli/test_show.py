@@ -41,7 +41,7 @@ def jausml(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments, input=None):  # noqa: A002 - click's name
-        return CliRunner().invoke(main, [str(each) for each in arguments], input=input)
+        return CliRunner().invoke(main, [str(argument) for argument in arguments], input=input)
 
     return run
 
@@ -87,7 +87,7 @@ def test_a_message_in_json(jausml):
         "0x4002",
         False,
     )
-    (status,) = (each for each in content["fields"] if each["path"] == "ReportStatusRec.Status")
+    (status,) = (field for field in content["fields"] if field["path"] == "ReportStatusRec.Status")
     assert (status["type"], status["presence"], status["names"]["5"]) == (
         "uint8",
         "always",
@@ -147,7 +147,7 @@ def test_a_service_names_what_it_inherits_takes_and_sends(jausml):
 def test_versions_of_a_service_in_json(jausml):
     result = jausml("show", "service", "Management", "--format", "json")
     found = [json.loads(line) for line in result.stdout.splitlines()]
-    assert [each["version"] for each in found] == ["1.0", "1.1"]
+    assert [service["version"] for service in found] == ["1.0", "1.1"]
     assert {"message": "Resume", "code": "0x0004", "command": True} in found[0]["inputs"]
 
 
@@ -220,12 +220,14 @@ def test_maps_of_a_joined_type_and_a_message_in_json(jausml):
         *("--format", "json"),
     )
     found = [json.loads(line) for line in result.stdout.splitlines()]
-    assert "global_pose" in {each["map"] for each in found}
+    assert "global_pose" in {listed_map["map"] for listed_map in found}
 
 
 def test_maps_of_a_joined_report(jausml):
     result = jausml("list", "maps", "--jaus", "ReportVelocityState", "--format", "json")
-    found = {each["map"]: each for each in map(json.loads, result.stdout.splitlines())}
+    found = {
+        listed_map["map"]: listed_map for listed_map in map(json.loads, result.stdout.splitlines())
+    }
     (join,) = found["odometry"]["reportJoins"]
     assert (join["name"], join["message"]) == ("velocity", "ReportVelocityState")
     shown = jausml("show", "map", "odometry").stdout

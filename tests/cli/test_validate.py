@@ -38,7 +38,7 @@ def test_reader_and_rules_report_in_one_run(jausml, folder):
     result = jausml("validate", "bad.xmi", "--format", "json", "-q")
     assert result.stderr == ""
     content = json.loads(result.stdout)
-    assert [each["rule"] for each in content["diagnostics"]] == ["JML103", "JML425"]
+    assert [diagnostic["rule"] for diagnostic in content["diagnostics"]] == ["JML103", "JML425"]
     assert content["diagnostics"][0]["hint"] == "did you mean 'type'?"
     assert content["diagnostics"][1]["element"] == "minimal/sensor_bridge/velocity"
 

@@ -21,11 +21,11 @@ def baseline(jausml, folder):
 def test_it_lists_findings_as_people_read_them(baseline):
     content = json.loads(baseline.read_text())
     assert content["schema"] == 1
-    assert [(each["rule"], each["file"]) for each in content["findings"]] == [
+    assert [(finding["rule"], finding["file"]) for finding in content["findings"]] == [
         ("JML425", "bad.xmi"),
         ("JML426", "doubtful.xmi"),
     ]
-    assert all("line" not in each and "count" not in each for each in content["findings"])
+    assert all("line" not in finding and "count" not in finding for finding in content["findings"])
 
 
 def test_known_findings_do_not_count(jausml, baseline):
@@ -102,7 +102,7 @@ def test_a_part_of_the_models_is_written_anew(jausml, folder, baseline):
     (folder / "bad.xmi").unlink()
     jausml("validate", "doubtful.xmi", "--baseline", baseline, "--write-baseline")
     listed = json.loads(baseline.read_text())["findings"]
-    assert [each["file"] for each in listed] == ["doubtful.xmi"]
+    assert [finding["file"] for finding in listed] == ["doubtful.xmi"]
 
 
 @pytest.mark.parametrize(
@@ -135,7 +135,7 @@ def test_a_baseline_that_is_not_there(jausml):
 def test_sarif_has_known_findings_as_suppressed(jausml, baseline):
     result = jausml("validate", ".", "--baseline", baseline, "--format", "sarif")
     (run,) = json.loads(result.stdout)["runs"]
-    assert [each["suppressions"] for each in run["results"]] == [
+    assert [sarif_result["suppressions"] for sarif_result in run["results"]] == [
         [{"kind": "external", "status": "accepted", "justification": "listed in known.json"}]
     ] * 2
 

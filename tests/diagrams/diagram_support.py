@@ -31,12 +31,12 @@ def look_at(graph):
     for edge in graph.edges:
         assert (edge.source.node, edge.source.port) in ends, edge
         assert (edge.target.node, edge.target.port) in ends, edge
-    groups = [each.id for each in graph.groups]
-    assert {each.group for each in graph.nodes} <= {"", *groups}
+    groups = [frame.id for frame in graph.groups]
+    assert {box.group for box in graph.nodes} <= {"", *groups}
     for index, group in enumerate(graph.groups):
         assert group.parent in ("", *groups[:index]), group
     for ids in (groups, [e.id for e in graph.edges], [n.id for n in graph.nodes]):
         assert len(ids) == len(set(ids)), ids
     for node in graph.nodes:
-        ports = [each.id for each in node.ports]
+        ports = [port.id for port in node.ports]
         assert len(ports) == len(set(ports)), ports

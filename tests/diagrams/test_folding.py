@@ -21,7 +21,7 @@ GROUPS, HOSTS = 40, 3
 
 
 def node(name, group, *, kind="component", findings=(), rows=()):
-    ports = tuple(Port(each, each) for each in rows)
+    ports = tuple(Port(row, row) for row in rows)
     return Node(name, kind, name, ports=ports, group=group, key=name, findings=findings)
 
 
@@ -57,7 +57,7 @@ SMALL = Graph(
 
 def test_a_closed_frame_tells_how_much_is_in_it_and_the_worst_of_it():
     shown = folded(SMALL, ())
-    assert [(each.id, each.kind) for each in shown.nodes] == [
+    assert [(box.id, box.kind) for box in shown.nodes] == [
         ("d", "component"),
         ("host", CLOSED),
         ("two", CLOSED),
@@ -70,7 +70,7 @@ def test_a_closed_frame_tells_how_much_is_in_it_and_the_worst_of_it():
 
 
 def test_lines_between_closed_frames_are_one_and_a_single_one_stays_what_it_is():
-    edges = {each.id: each for each in folded(SMALL, ()).edges}
+    edges = {line.id: line for line in folded(SMALL, ()).edges}
     assert set(edges) == {"bc!bundle", "cd"}
     assert (edges["bc!bundle"].source, edges["bc!bundle"].target) == (End("host"), End("two"))
     assert edges["bc!bundle"].count == 2
@@ -81,8 +81,8 @@ def test_lines_between_closed_frames_are_one_and_a_single_one_stays_what_it_is()
 def test_what_is_opened_is_shown_and_a_frame_in_a_closed_one_is_not_seen():
     assert folded(SMALL, ("one",)) == folded(SMALL, ())
     shown = folded(SMALL, ("host",))
-    assert [each.id for each in shown.groups] == ["host"]
-    assert {each.id for each in shown.nodes} == {"one", "two", "d"}
+    assert [group.id for group in shown.groups] == ["host"]
+    assert {box.id for box in shown.nodes} == {"one", "two", "d"}
     assert folded(SMALL, ("host", "one", "two")) == SMALL
 
 
@@ -106,30 +106,30 @@ def test_a_system_is_large_by_its_boxes(graph):
 
 def test_each_box_stands_in_the_frame_of_its_bridge_on_its_host(graph):
     around = frames_of(framed(graph))
-    assert all(len(each) == 2 for each in around.values())
+    assert all(len(frame_pair) == 2 for frame_pair in around.values())
 
 
 def test_opening_moves_nothing_and_tells_only_what_is_new(graph):
     drawings = Drawings()
     first = drawings.draw("m", graph, {}, (), of=1)
-    hosts = [each["key"] for each in first["nodes"]]
-    assert {each["kind"] for each in first["nodes"]} == {CLOSED}
+    hosts = [box["key"] for box in first["nodes"]]
+    assert {box["kind"] for box in first["nodes"]} == {CLOSED}
     assert len(hosts) == HOSTS
     second = drawings.again("m", "system", hosts, of=1)
-    bridges = [each["key"] for each in second["nodes"]]
+    bridges = [box["key"] for box in second["nodes"]]
     assert len(bridges) == GROUPS
     whole = drawings.again("m", "system", (*hosts, *bridges), of=1)
     assert len(whole["nodes"]) == len(graph.nodes)
     assert len(whole["edges"]) == len(graph.edges)
-    places = {each["id"]: (each["x"], each["y"]) for each in (*first["nodes"], *second["nodes"])}
-    assert {each["id"]: (each["x"], each["y"]) for each in whole["groups"]} == places
+    places = {box["id"]: (box["x"], box["y"]) for box in (*first["nodes"], *second["nodes"])}
+    assert {frame["id"]: (frame["x"], frame["y"]) for frame in whole["groups"]} == places
     one = drawings.again("m", "system", (*hosts, bridges[0]), of=1)
     assert len(json.dumps(difference(second, one))) < len(json.dumps(whole)) / 20
     assert drawings.again("m", "system", hosts, of=2) is None
 
 
 def test_what_is_wrong_is_seen_at_the_closed_frames_around_it(model):
-    component = next(each for each in model.documents[0].roots[0].components)
+    component = next(candidate for candidate in model.documents[0].roots[0].components)
     document = model.documents[0]
     found = Diagnostic(
         "JML1",
@@ -139,8 +139,8 @@ def test_what_is_wrong_is_seen_at_the_closed_frames_around_it(model):
         fragment=model.fragment(component),
     )
     drawn = Drawings().draw("m", graph_of(model, "system", [found]), {})
-    wrong = [each for each in drawn["nodes"] if each["findings"]]
-    assert [each["title"] for each in wrong] == ["host h0 (judp)"]
+    wrong = [box for box in drawn["nodes"] if box["findings"]]
+    assert [box["title"] for box in wrong] == ["host h0 (judp)"]
     assert wrong[0]["findings"][0]["severity"] == "error"
 
 
@@ -155,9 +155,9 @@ def applied(before, changes):
     """What the page makes of a picture and what has changed."""
     made = dict(changes["rest"])
     for name in ("nodes", "groups", "edges"):
-        parts = {each["id"]: each for each in before[name]}
-        for each in changes[name]["gone"]:
-            del parts[each]
-        parts.update({each["id"]: each for each in changes[name]["put"]})
-        made[name] = [parts[each] for each in changes[name]["order"] or parts]
+        parts = {part["id"]: part for part in before[name]}
+        for part_id in changes[name]["gone"]:
+            del parts[part_id]
+        parts.update({part["id"]: part for part in changes[name]["put"]})
+        made[name] = [parts[part_id] for part_id in changes[name]["order"] or parts]
     return made

@@ -49,9 +49,9 @@ def hidden(sheet, places):
     """
     ground = Ground(sheet, places)
     areas = [ground.area(line, middle) for line, middle in ground.labels.items()]
-    assert min((min(each.left, each.top) for each in areas), default=0) >= 0
-    assert max((each.right for each in areas), default=0) <= places.width
-    assert max((each.bottom for each in areas), default=0) <= places.height
+    assert min((min(area.left, area.top) for area in areas), default=0) >= 0
+    assert max((area.right for area in areas), default=0) <= places.width
+    assert max((area.bottom for area in areas), default=0) <= places.height
     return sum(ground.hidden(line, middle) for line, middle in ground.labels.items())
 
 
@@ -60,13 +60,13 @@ def assert_ways_are_clear(sheet, corners, frames, lines):
 
     None goes through a box.
     """
-    parents = {each.id: each.parent for each in sheet.frames}
-    areas = {each.id: area_of(each, corners[each.id]) for each in sheet.boxes}
-    groups = {each.id: list(chain(each.group, parents)) for each in sheet.boxes}
+    parents = {frame.id: frame.parent for frame in sheet.frames}
+    areas = {box.id: area_of(box, corners[box.id]) for box in sheet.boxes}
+    groups = {box.id: list(chain(box.group, parents)) for box in sheet.boxes}
     for line in sheet.lines:
         points = samples(lines[line.id].points)
         ends = groups[line.source[0]], groups[line.target[0]]
-        around = [frames[each] for each in ends[0] if each in ends[1]]
+        around = [frames[group_id] for group_id in ends[0] if group_id in ends[1]]
         for x, y in points:
             assert all(f.left < x < f.right and f.top < y < f.bottom for f in around), line
             for area in areas.values():
@@ -105,7 +105,7 @@ def test_lines_of_the_same_two_boxes_are_apart(draw):
     """Two transitions of the winch lead from the states in Moving to Idle."""
     graph = graph_of(read(MODELS / "examples/winch/winch.xmi").model, "machine:Winch.ReceiveFSM")
     sheet, places = draw(graph)
-    plain = [each for each in sheet.lines if not each.source[1] and not each.target[1]]
+    plain = [line for line in sheet.lines if not line.source[1] and not line.target[1]]
     pairs = [
         (one.id, other.id)
         for one, other in combinations(plain, 2)
@@ -132,7 +132,7 @@ def test_groups_stand_beside_each_other_and_their_labels_lie_on_nothing(five_gro
 def test_a_label_that_lies_on_something_is_found(five_groups):
     sheet, places = placed(five_groups)
     ground = Ground(sheet, places)
-    line = next(each for each in sheet.lines if each.width)
+    line = next(sheet_line for sheet_line in sheet.lines if sheet_line.width)
     box = next(iter(places.boxes.values()))
     assert ground.hidden(line.id, (box[0] + 5, box[1] + 5)) > 0
 

@@ -44,8 +44,8 @@ def test_the_page_asks_no_host_and_runs_its_own_script_alone():
     assert page.policy.startswith("default-src 'none'")
     assert "unsafe" not in page.policy
     assert len(page.inline) == 3
-    for each in page.inline:
-        digest = base64.b64encode(hashlib.sha256(each.encode()).digest()).decode()
+    for inline_text in page.inline:
+        digest = base64.b64encode(hashlib.sha256(inline_text.encode()).digest()).decode()
         assert f"'sha256-{digest}'" in page.policy
     for _, attributes in page.tags:
         assert not {"src", "href", "style"} & set(attributes)
@@ -57,10 +57,13 @@ def test_the_page_asks_no_host_and_runs_its_own_script_alone():
 def test_texts_are_data(text):
     made = html.render(hostile(text), Graphviz())
     plain = html.render(hostile("x"), Graphviz())
-    shapes = [[tag for tag, _ in Page(each).tags if tag not in ("text",)] for each in (made, plain)]
+    shapes = [
+        [tag for tag, _ in Page(document).tags if tag not in ("text",)]
+        for document in (made, plain)
+    ]
     assert shapes[0] == shapes[1] or text == ""
     known = json.loads(re.search(r'id="known">(.*)</script>', made)[1])
-    assert any(each["title"] == text for each in known.values())
+    assert any(entry["title"] == text for entry in known.values())
     keys = set(re.findall(r'data-key="(k\d+)"', made))
     assert keys == set(known)
 
@@ -73,5 +76,5 @@ def test_the_filter_finds_edges_by_the_rows_at_their_ends():
     report = read(CAR)
     text = html.render(graph_of(report.model, "system", report.diagnostics), Graphviz())
     known = json.loads(re.search(r'id="known">(.*)</script>', text)[1])
-    edges = [each for each in known.values() if each["title"] == "vehicle → bridge"]
-    assert any("odometry" in each["text"] for each in edges)
+    edges = [entry for entry in known.values() if entry["title"] == "vehicle → bridge"]
+    assert any("odometry" in edge["text"] for edge in edges)

@@ -46,7 +46,7 @@ MEASURE = """([font, texts]) => {
 def test_boxes_are_as_wide_as_their_texts(page, bold):
     font = f"{'bold ' if bold else ''}100px Helvetica, Arial, 'Liberation Sans'"
     drawn = page.evaluate(MEASURE, [font, NAMES])
-    assert drawn == pytest.approx([width(each, 100, bold=bold) for each in NAMES], rel=0.005)
+    assert drawn == pytest.approx([width(name, 100, bold=bold) for name in NAMES], rel=0.005)
 
 
 def heads(page):
@@ -115,7 +115,7 @@ def test_tables_say_the_same_and_are_sorted_and_filtered(page, car):
     page.locator("#filter").fill("steering_angle")
     shown = page.locator("#edges tbody tr:visible").all_inner_texts()
     assert shown
-    assert all("steering_angle" in each for each in shown)
+    assert all("steering_angle" in row for row in shown)
     page.locator("#edges tbody tr:visible button").first.focus()
     page.keyboard.press("Enter")
     assert "→" in heads(page)

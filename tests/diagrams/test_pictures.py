@@ -74,17 +74,17 @@ def test_texts_are_data(text):
     found = hostile(text)
     picture = svg.render(found, Graphviz())
     root = ElementTree.fromstring(picture.encode())  # noqa: S314 - our own
-    names = {each.tag.removeprefix(SVG) for each in root.iter()}
+    names = {element.tag.removeprefix(SVG) for element in root.iter()}
     assert names <= {"svg", "title", "style", "defs", "marker", "path", "rect", "text", "g"}
     shown = cut(text, 48)
-    assert any(shown == (each.text or "") for each in root.iter(f"{SVG}text")) or not shown
+    assert any(shown == (element.text or "") for element in root.iter(f"{SVG}text")) or not shown
     assert "<script" not in picture
     chart = render_mermaid(found)
     assert "<script" not in chart
     assert len(chart.splitlines()) == len(render_mermaid(hostile("x")).splitlines())
     # Graphviz reads what is written for it, with as many things.
     (read_back,) = graphviz._run(render_dot(found))
-    boxes = [each for each in read_back["objects"] if "nodes" not in each]
+    boxes = [node for node in read_back["objects"] if "nodes" not in node]
     assert (len(boxes), len(read_back["edges"])) == (3, 2)
 
 
@@ -103,7 +103,10 @@ def test_a_machine_is_legible():
 def assert_legible(found):
     sheet = shapes.sheet_of(found, packed=False)
     places = Graphviz().place(sheet)
-    corners = [(*places.boxes[each.id], each.width, each.height) for each in sheet.boxes]
+    corners = [
+        (*places.boxes[sheet_box.id], sheet_box.width, sheet_box.height)
+        for sheet_box in sheet.boxes
+    ]
     for index, (x, y, wide, high) in enumerate(corners):
         assert x >= -1
         assert y >= -1
@@ -114,7 +117,7 @@ def assert_legible(found):
     for node in found.nodes:
         box = shapes.box_of(node)
         assert width(shapes.title_of(node), shapes.TITLE, bold=True) <= box.width
-    ends = {each.id: each for each in sheet.boxes}
+    ends = {sheet_box.id: sheet_box for sheet_box in sheet.boxes}
     for line in sheet.lines:
         points = places.lines[line.id].points
         for point, (name, _) in ((points[0], line.source), (points[-1], line.target)):
@@ -129,7 +132,9 @@ def test_the_same_bytes_each_time():
 
 def test_themes():
     found = graph(MODELS / "minimal" / "minimal.xmi")
-    auto, light, dark = (svg.render(found, Graphviz(), each) for each in ("auto", "light", "dark"))
+    auto, light, dark = (
+        svg.render(found, Graphviz(), theme) for theme in ("auto", "light", "dark")
+    )
     assert "prefers-color-scheme:dark" in auto
     assert "prefers-color-scheme" not in light + dark
     assert "#1E1E1E" in dark
@@ -156,9 +161,9 @@ def test_a_large_system_has_a_frame_for_each_bridge():
     shown = bundled(found)
     assert len(shown.groups) == 6
     assert len(shown.edges) < 80
-    told = sum(each.count for each in shown.edges)
+    told = sum(edge.count for edge in shown.edges)
     across = [p for n in shown.nodes if n.kind != "bridge" for p in n.ports if "also" in p.label]
-    assert told + sum(int(each.note.split()[0]) for each in across) == len(found.edges)
+    assert told + sum(int(port.note.split()[0]) for port in across) == len(found.edges)
     picture = svg.render(found, Graphviz())
     assert picture.count('class="box') == 66
 
@@ -229,9 +234,9 @@ def test_the_rows_of_maps_face_each_other(monkeypatch, file, view):
     assert_legible(found)
     sheet = shapes.sheet_of(found, packed=False)
     places = Graphviz().place(sheet)
-    left = [each for each in sheet.boxes if each.column == min(b.column for b in sheet.boxes)]
-    begin = max(places.boxes[each.id][0] + each.width for each in left)
-    end = min(places.boxes[each.id][0] for each in sheet.boxes if each not in left)
+    left = [box for box in sheet.boxes if box.column == min(b.column for b in sheet.boxes)]
+    begin = max(places.boxes[box.id][0] + box.width for box in left)
+    end = min(places.boxes[box.id][0] for box in sheet.boxes if box not in left)
     for line in sheet.lines:
         points = places.lines[line.id].points
         assert {points[0][0], points[-1][0]} == {begin, end}
@@ -256,7 +261,7 @@ def test_lines_of_both_directions_stand_beside_each_other():
     for line in sheet.lines:
         points = places.lines[line.id].points
         ways.setdefault(frozenset((line.source, line.target)), []).append(points)
-    both = [each for each in ways.values() if len(each) == 2]
+    both = [bundle for bundle in ways.values() if len(bundle) == 2]
     assert len(both) == 6
     for one, other in both:
         assert one[0][1] == other[-1][1] - 7

@@ -39,23 +39,26 @@ class Rows:
         for box in sheet.boxes:
             boxes[box.id] = left, 40
             left += box.width + 150
-        lines = {each.id: Route(((0, 0), (1, 1), (2, 2), (3, 3)), (1, 1)) for each in sheet.lines}
+        lines = {
+            sheet_line.id: Route(((0, 0), (1, 1), (2, 2), (3, 3)), (1, 1))
+            for sheet_line in sheet.lines
+        }
         return Places(left, 200, boxes, {}, lines)
 
 
 def areas(found):
     return {
-        each["key"]: (each["x"], each["y"], each["x"] + each["width"], each["y"] + each["height"])
-        for each in found["nodes"]
+        node["key"]: (node["x"], node["y"], node["x"] + node["width"], node["y"] + node["height"])
+        for node in found["nodes"]
     }
 
 
 def corners(found):
-    return {each["key"]: (each["x"], each["y"]) for each in found["nodes"]}
+    return {node["key"]: (node["x"], node["y"]) for node in found["nodes"]}
 
 
 def assert_apart(found):
-    moved = {each["key"] for each in found["nodes"] if each["moved"]}
+    moved = {node["key"] for node in found["nodes"] if node["moved"]}
     known = list(areas(found).items())
     for index, (one, a) in enumerate(known):
         for other, b in known[index + 1 :]:
@@ -64,7 +67,7 @@ def assert_apart(found):
 
 
 def assert_framed(found):
-    groups = {each["id"]: each for each in found["groups"]}
+    groups = {group["id"]: group for group in found["groups"]}
     for node in found["nodes"]:
         around = groups.get(node["group"])
         while around:
@@ -100,8 +103,8 @@ def hosted(graph):
     return replace(
         graph,
         nodes=tuple(
-            replace(each, group="h2" if at % 5 == 0 else "h1")
-            for at, each in enumerate(graph.nodes)
+            replace(node, group="h2" if at % 5 == 0 else "h1")
+            for at, node in enumerate(graph.nodes)
         ),
         groups=(Group("h1", "host", "host 1", key="h1"), Group("h2", "host", "host 2", key="h2")),
     )
@@ -114,11 +117,11 @@ def test_a_large_system_has_frames_and_each_of_its_rows_and_lines(shown):
     assert_apart(found)
     assert_framed(found)
     assert found["crowded"]
-    assert [each["id"] for each in found["edges"]] == [each.id for each in shown.edges]
+    assert [edge["id"] for edge in found["edges"]] == [edge.id for edge in shown.edges]
     rows = {(node["id"], port["id"]) for node in found["nodes"] for port in node["ports"]}
     assert rows == {(node.id, port.id) for node in shown.nodes for port in node.ports}
-    bridges = [each for each in found["groups"] if each["kind"] == "bridge"]
-    assert len(bridges) == sum(each.kind == "bridge" for each in shown.nodes)
+    bridges = [group for group in found["groups"] if group["kind"] == "bridge"]
+    assert len(bridges) == sum(node.kind == "bridge" for node in shown.nodes)
     for at, one in enumerate(bridges):
         for other in bridges[at + 1 :]:
             apart = one["x"] + one["width"] <= other["x"] or other["x"] + other["width"] <= one["x"]
@@ -131,12 +134,12 @@ def test_a_large_system_has_frames_and_each_of_its_rows_and_lines(shown):
 def test_what_runs_elsewhere_stands_in_the_frame_of_its_host():
     shown = framed(hosted(large()))
     nodes = shown.by_id
-    bridge_of = {each.id: each.group.removesuffix("!frame") for each in shown.nodes}
+    bridge_of = {node.id: node.group.removesuffix("!frame") for node in shown.nodes}
     assert "" not in bridge_of.values()
-    for each in shown.nodes:
-        if each.group.endswith("!frame") and each.kind != "bridge":
+    for node in shown.nodes:
+        if node.group.endswith("!frame") and node.kind != "bridge":
             original = hosted(large()).by_id
-            assert original[each.id].group == original[bridge_of[each.id]].group
+            assert original[node.id].group == original[bridge_of[node.id]].group
     assert {nodes["b0"].group, nodes["b1"].group} == {"b0!frame", "b1!frame"}
 
 
@@ -154,10 +157,10 @@ def test_boxes_in_columns_stand_near_the_rows_that_they_are_joined_with():
 
 
 def test_frames_are_as_wide_as_the_lines_in_them():
-    nodes = tuple(box(each, "node", 2, "g") for each in "abc")
+    nodes = tuple(box(name, "node", 2, "g") for name in "abc")
     edges = (Edge("e", End("a", "p0"), End("c", "p1"), "topic"),)
     shown = Graph("system", "s", nodes, (Group("g", "host", "g"),), edges)
-    at = {f"node:{each}": (0, 150 * n) for n, each in enumerate("abc")}
+    at = {f"node:{name}": (0, 150 * n) for n, name in enumerate("abc")}
     [plain] = values.render(replace(shown, edges=()), Rows(), at)["groups"]
     [wide] = values.render(shown, Rows(), at)["groups"]
     assert wide["width"] >= plain["width"] + 24
@@ -180,8 +183,8 @@ def test_nothing_to_show():
 def test_ports_are_rows_of_their_box():
     found = values.render(graph(), Graphviz())
     for node in found["nodes"]:
-        ends = [node["head"], *(each["y"] + each["height"] for each in node["ports"])]
-        assert [each["y"] for each in node["ports"]] == ends[:-1]
+        ends = [node["head"], *(port["y"] + port["height"] for port in node["ports"])]
+        assert [port["y"] for port in node["ports"]] == ends[:-1]
         assert ends[-1] == node["height"]
 
 
@@ -195,7 +198,7 @@ def test_no_box_grows_by_what_is_wrong_with_it():
             for n in shown.nodes
         ),
     )
-    plain, found = (values.render(each, Rows()) for each in (shown, marked))
+    plain, found = (values.render(variant, Rows()) for variant in (shown, marked))
     assert areas(plain) == areas(found)
     assert found["nodes"][0]["findings"][0]["message"] == wrong[0].message
 
@@ -204,7 +207,7 @@ def test_where_parts_stand_is_found_again_only_where_a_size_or_a_place_has_chang
     shown, standing = graph(), values.Standing()
     first = values.settled(shown, Rows(), {}, standing)
     wrong = (Finding("error", "JML1", "is wrong"),)
-    marked = replace(shown, nodes=tuple(replace(each, findings=wrong) for each in shown.nodes))
+    marked = replace(shown, nodes=tuple(replace(node, findings=wrong) for node in shown.nodes))
     values.settled(shown, Rows(), {}, standing)
     kept = values.settled(marked, Rows(), {}, standing)
     assert kept.places is standing.last
@@ -242,8 +245,8 @@ def test_a_new_box_comes_beside_its_peer_and_nothing_else_moves():
     where = areas(after)
     assert where["component:x"][2] <= where["bridge:b"][0]
     assert where["bridge:b"][2] <= where["node:y"][0]
-    kept = {each["id"]: each["route"] for each in after["edges"]}
-    assert all(kept[each["id"]] == each["route"] != [] for each in before["edges"])
+    kept = {edge["id"]: edge["route"] for edge in after["edges"]}
+    assert all(kept[edge["id"]] == edge["route"] != [] for edge in before["edges"])
     assert kept["x-b"] == []
 
 
@@ -282,13 +285,13 @@ def test_a_box_that_users_placed_is_renamed_too():
 def test_a_place_that_users_gave_counts_and_its_edges_lose_their_ways():
     shown = graph()
     before = values.render(shown, Graphviz())
-    key = next(each["key"] for each in before["nodes"] if each["kind"] == "bridge")
-    other = next(each for each in before["nodes"] if each["kind"] == "node")
+    key = next(node["key"] for node in before["nodes"] if node["kind"] == "bridge")
+    other = next(node for node in before["nodes"] if node["kind"] == "node")
     after = values.render(shown, Graphviz(), {key: (other["x"] + 3, other["y"] + 5)})
     assert corners(after)[key] == (other["x"] + 3, other["y"] + 5)
-    assert [each["key"] for each in after["nodes"] if each["moved"]] == [key]
+    assert [node["key"] for node in after["nodes"] if node["moved"]] == [key]
     assert_apart(after)
-    bridge = next(each["id"] for each in after["nodes"] if each["key"] == key)
+    bridge = next(node["id"] for node in after["nodes"] if node["key"] == key)
     for edge in after["edges"]:
         assert not edge["route"] or bridge not in (edge["source"]["node"], edge["target"]["node"])
     # Opened again it is the same.
@@ -306,11 +309,11 @@ def test_a_box_that_was_moved_goes_back_where_it_stood():
 
 def test_a_box_that_grows_makes_room_for_itself_alone():
     nodes = (box("a", rows=1), box("b"), box("c"), box("d", "bridge"))
-    old = Graph("system", "s", nodes, (), tuple(line(each, "d") for each in "abc"))
+    old = Graph("system", "s", nodes, (), tuple(line(name, "d") for name in "abc"))
     standing = values.Standing()
     before = values.render(old, Graphviz(), standing=standing)
-    first = min("abc", key=lambda each: corners(before)[f"component:{each}"][1])
-    grown = tuple(box(first, rows=8) if each.id == first else each for each in nodes)
+    first = min("abc", key=lambda name: corners(before)[f"component:{name}"][1])
+    grown = tuple(box(first, rows=8) if node.id == first else node for node in nodes)
     after = values.render(replace(old, nodes=grown), Graphviz(), standing=standing)
     assert_apart(after)
     assert corners(after)[f"component:{first}"] == corners(before)[f"component:{first}"]
@@ -353,7 +356,7 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
         return data.draw(what)
 
     nodes = [box(f"s{n}", KINDS[n % 3], n % 4) for n in range(draw(st.integers(1, 6)))]
-    groups = tuple(Group(each, "host", each, "", key=each) for each in "gh")
+    groups = tuple(Group(name, "host", name, "", key=name) for name in "gh")
     edges, moved, standing = [], {}, values.Standing()
     known = {}
     downwards = draw(st.booleans())
@@ -380,9 +383,9 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
             case "look":
                 pass
             case _:
-                pair = draw(st.permutations([each.id for each in nodes]))[:2]
+                pair = draw(st.permutations([node.id for node in nodes]))[:2]
                 edges += [line(*pair)] if len(pair) == 2 else []
-        edges = list({each.id: each for each in edges}.values())
+        edges = list({edge.id: edge for edge in edges}.values())
         shown = Graph("system", "s", tuple(nodes), groups, tuple(edges), downwards)
         forgetful = replace(deepcopy(standing), last=None)
         found = values.render(shown, Rows(), moved, standing)
@@ -390,17 +393,17 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
         assert_apart(found)
         assert_framed(found)
         now = corners(found)
-        assert all(now[each] == moved[each] for each in moved if each in now)
+        assert all(now[box] == moved[box] for box in moved if box in now)
         if not grown:
-            assert all(now[each] == place for each, place in known.items() if each in now)
+            assert all(now[box] == place for box, place in known.items() if box in now)
         known = now
 
 
 def machine(*names, edges=(), group=""):
     """Returns a machine whose states are of this group, the first of them initial."""
     states = [
-        Node(each, "state", each, "" if at else "initial", (), group, 1 if at else 0, key=each)
-        for at, each in enumerate(names)
+        Node(name, "state", name, "" if at else "initial", (), group, 1 if at else 0, key=name)
+        for at, name in enumerate(names)
     ]
     lines = (Edge(f"{a}{b}", End(a), End(b), "transition", a, (a,)) for a, b in edges)
     groups = (Group("g", "state", "g"), Group("h", "state", "h", "g")) if group else ()
@@ -412,7 +415,7 @@ def machine(*names, edges=(), group=""):
 def test_the_initial_state_stands_first_and_a_new_one_last(group, edges):
     old, standing = machine(*"abcd", edges=edges, group=group), values.Standing()
     before = corners(values.render(old, Graphviz(), standing=standing))
-    assert all(before[each][1] > before["a"][1] for each in "bcd")
+    assert all(before[name][1] > before["a"][1] for name in "bcd")
     for where in (group, ""):
         new = replace(machine(*"abcd", "e", edges=edges, group=group))
         added = (replace(new.nodes[-1], group=where),)
@@ -421,6 +424,6 @@ def test_the_initial_state_stands_first_and_a_new_one_last(group, edges):
         )
         assert_apart(found)
         after = corners(found)
-        assert all(after["e"][1] > after[each][1] for each in "abcd")
-        assert all(after[each] == before[each] for each in "abcd")
+        assert all(after["e"][1] > after[name][1] for name in "abcd")
+        assert all(after[name] == before[name] for name in "abcd")
         standing.shown.pop("e"), standing.boxes.pop("e")

@@ -23,9 +23,9 @@ from jausml.views.diagrams.writers.text import render_dot, render_mermaid
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 SHIPPED = sorted(
-    each
-    for each in MODELS.rglob("*")
-    if each.suffix in (".xmi", ".ros2jaus") and "library" not in each.parts
+    path
+    for path in MODELS.rglob("*")
+    if path.suffix in (".xmi", ".ros2jaus") and "library" not in path.parts
 )
 NEW = (
     '<system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI" '
@@ -43,15 +43,15 @@ def car(view):
 def test_every_view_of_what_is_shipped(path):
     found = list(graphs(read(path)))
     assert found
-    for each in found:
-        look_at(each)
-        assert each.nodes
-        assert not severity(each.findings)
+    for graph in found:
+        look_at(graph)
+        assert graph.nodes
+        assert not severity(graph.findings)
 
 
 def test_every_view_of_the_library_that_is_used():
-    for each in graphs(read(CAR), library=True):
-        look_at(each)
+    for graph in graphs(read(CAR), library=True):
+        look_at(graph)
 
 
 @settings(max_examples=EXAMPLES, suppress_health_check=list(HealthCheck))
@@ -64,21 +64,21 @@ def test_whatever_the_model_edges_end_at_ports(data):
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / "model.xmi"
         path.write_text(text, encoding="utf-8")
-        for each in graphs(read(path)):
-            look_at(each)
-            render_mermaid(each)
-            render_dot(each)
+        for graph in graphs(read(path)):
+            look_at(graph)
+            render_mermaid(graph)
+            render_dot(graph)
 
 
 def test_the_system_has_what_the_model_says():
     graph = car("system")
-    kinds = {each.title: each.kind for each in graph.nodes}
+    kinds = {node.title: node.kind for node in graph.nodes}
     assert kinds["vehicle"] == "component"
     assert kinds["bridge"] == "bridge"
     assert kinds["logger"] == "node"
-    assert [each.title for each in graph.groups] == ["host onboard (judp)"]
-    bridge = next(each for each in graph.nodes if each.title == "bridge")
-    row = next(each for each in bridge.ports if each.label == "odometry")
+    assert [group.title for group in graph.groups] == ["host onboard (judp)"]
+    bridge = next(node for node in graph.nodes if node.title == "bridge")
+    row = next(port for port in bridge.ports if port.label == "odometry")
     assert row.note == "ReportVelocityState → Odometry"
     (edge,) = (e for e in graph.edges if e.target.port == row.id and e.kind == "message")
     assert edge.source.node == "vehicle"
@@ -93,8 +93,8 @@ def test_the_system_has_what_the_model_says():
 def test_a_connection_tells_its_quality_its_limits_and_what_it_does_when_its_source_is_lost(
     tmp_path,
 ):
-    bridge = next(each for each in car("system").nodes if each.title == "bridge")
-    told = {each.label: dict(each.details) for each in bridge.ports}
+    bridge = next(node for node in car("system").nodes if node.title == "bridge")
+    told = {port.label: dict(port.details) for port in bridge.ports}
     lost = told["cruise_speed"]["when lost"]
     assert lost.startswith("after 2 s of silence: ")
     assert "twist.linear.x = 0.0" in lost
@@ -109,7 +109,7 @@ def test_a_connection_tells_its_quality_its_limits_and_what_it_does_when_its_sou
     path = tmp_path / "car.xmi"
     path.write_text(changed, encoding="utf-8")
     bridge = next(n for n in next(graphs(read(path))).nodes if n.title == "bridge")
-    told = {each.label: dict(each.details) for each in bridge.ports}["odometry"]
+    told = {port.label: dict(port.details) for port in bridge.ports}["odometry"]
     assert told["limits"] == (
         "at most 50 Hz are taken of one source, one of 2 passes, none older than 0.5 s"
     )
@@ -118,8 +118,8 @@ def test_a_connection_tells_its_quality_its_limits_and_what_it_does_when_its_sou
 
 def test_services_and_actions_are_connections_too():
     graph = next(graphs(read(MODELS / "examples" / "nav2" / "nav2.ros2jaus")))
-    assert {each.mark for node in graph.nodes for each in node.ports} >= {"action"}
-    assert any(each.kind == "call" for each in graph.edges)
+    assert {port.mark for node in graph.nodes for port in node.ports} >= {"action"}
+    assert any(edge.kind == "call" for edge in graph.edges)
 
 
 def test_a_joined_topic_has_its_own_type_and_what_the_model_does_not_name_stands_outside(tmp_path):
@@ -127,55 +127,55 @@ def test_a_joined_topic_has_its_own_type_and_what_the_model_does_not_name_stands
     command = ["new", "bridge", "b", "fix:sensor_msgs/NavSatFix", "imu:sensor_msgs/Imu", "--yes"]
     assert CliRunner().invoke(main, [*command, "-m", str(path)]).exit_code == 0
     graph = next(graphs(read(path)))
-    others = {each.title: each for each in graph.nodes if each.kind == "others"}
-    assert {each.group for each in others.values()} == {""}
-    types = {each.label: each.note for each in others["other ROS nodes"].ports}
+    others = {node.title: node for node in graph.nodes if node.kind == "others"}
+    assert {other.group for other in others.values()} == {""}
+    types = {port.label: port.note for port in others["other ROS nodes"].ports}
     assert types == {"/fix": "sensor_msgs/NavSatFix", "/imu": "sensor_msgs/Imu"}
 
 
 def test_a_map_has_a_line_for_each_assignment():
     graph = car("map:velocity_state")
-    assert [each.labels for each in graph.edges] == [
+    assert [edge.labels for edge in graph.edges] == [
         ("timestamp_to_time",),
         (),
         ("negate",),
         ("negate",),
     ]
     jaus, ros = graph.nodes
-    marks = {each.id: each.mark for each in ros.ports}
+    marks = {port.id: port.mark for port in ros.ports}
     assert marks["header.frame_id"] == "= odom"
     assert marks["pose"] == "unmapped"
-    (stamp,) = (dict(each.details) for each in ros.ports if each.id == "header.stamp")
+    (stamp,) = (dict(port.details) for port in ros.ports if port.id == "header.stamp")
     assert stamp["markers"].startswith("unknown if stamp.sec == 0 and stamp.nanosec == 0 (")
-    rows = {each.id: each.note for each in jaus.ports}
+    rows = {port.id: port.note for port in jaus.ports}
     assert (
         rows["Velocity_X"]
         == "scaled uint32 · meter per second · -327.68..327.67 · forwardRightDown"
     )
-    ignored = [each.mark for node in car("map:cruise_speed").nodes for each in node.ports]
+    ignored = [port.mark for node in car("map:cruise_speed").nodes for port in node.ports]
     assert "ignored" in ignored
     assert "= clock" in ignored
 
 
 def test_a_service_has_its_messages_and_what_it_inherits():
     graph = car("service:PrimitiveDriver")
-    titles = [each.title for each in graph.nodes if each.kind == "service"]
+    titles = [node.title for node in graph.nodes if node.kind == "service"]
     assert titles == ["PrimitiveDriver", "Management", "AccessControl", "Events", "Transport"]
-    assert sum(each.kind == "inherits" for each in graph.edges) == len(titles) - 1
-    answers = [each for each in graph.edges if each.kind == "answers"]
+    assert sum(edge.kind == "inherits" for edge in graph.edges) == len(titles) - 1
+    answers = [edge for edge in graph.edges if edge.kind == "answers"]
     assert answers
-    assert any(each.mark == "command" for node in graph.nodes for each in node.ports)
+    assert any(port.mark == "command" for node in graph.nodes for port in node.ports)
 
 
 def test_a_machine_has_states_in_states_and_transitions():
     report = read(WINCH)
     graph = graph_of(report.model, "machine:ReceiveFSM", report.diagnostics)
     assert graph.downwards
-    titles = {each.title for each in graph.nodes}
+    titles = {node.title for node in graph.nodes}
     assert {"Idle", "Locked", "PayingOut", "PayingIn"} <= titles
-    labels = [each.labels for each in graph.edges]
+    labels = [edge.labels for edge in graph.edges]
     assert ("SetWinchCommand", "[isControllingClient && paysOut]", "/ setSpeed") in labels
-    assert [each.title for each in graph.groups][:2] == ["Receiving", "Ready"]
+    assert [group.title for group in graph.groups][:2] == ["Receiving", "Ready"]
 
 
 def test_of_a_broken_model_the_rest_is_drawn_with_what_is_wrong(tmp_path):
@@ -187,11 +187,11 @@ def test_of_a_broken_model_the_rest_is_drawn_with_what_is_wrong(tmp_path):
     assert report.has_errors
     system, velocity, *_ = graphs(report)
     look_at(system)
-    rows = [each for node in system.nodes for each in node.ports if each.label == "pose"]
-    assert [severity(each.findings) for each in rows] == ["error"]
+    rows = [port for node in system.nodes for port in node.ports if port.label == "pose"]
+    assert [severity(row.findings) for row in rows] == ["error"]
     look_at(velocity)
-    unknown = [each for node in velocity.nodes for each in node.ports if each.mark == "unknown"]
-    assert [each.label for each in unknown] == ["YawRat"]
+    unknown = [port for node in velocity.nodes for port in node.ports if port.mark == "unknown"]
+    assert [port.label for port in unknown] == ["YawRat"]
 
 
 @pytest.mark.parametrize(
@@ -223,8 +223,8 @@ def test_an_unknown_view_names_the_nearest(view, hint):
 def test_ids_are_those_of_the_model():
     model = read(CAR).model
     graph = graph_of(model, "system")
-    known = {model.fragment(each) for each in model.elements(library=False)}
-    own = [each.id for each in graph.nodes if "!" not in each.id]
+    known = {model.fragment(element) for element in model.elements(library=False)}
+    own = [node.id for node in graph.nodes if "!" not in node.id]
     assert own
     assert set(own) <= known
 
@@ -241,16 +241,16 @@ def parts(graph):
 def test_parts_refer_to_what_they_show_and_have_keys_of_their_own(path):
     report = read(path)
     model = report.model
-    known = {ref_of(each, model, MODELS): each for each in model.elements()}
+    known = {ref_of(element, model, MODELS): element for element in model.elements()}
     shown = set()
     for view in view_names(model, library=False):
         graph = graph_of(model, view, report.diagnostics, MODELS)
-        assert {each.element for each in parts(graph)} <= {"", *known}
-        for many in (graph.nodes, graph.groups, graph.edges, *(each.ports for each in graph.nodes)):
-            keys = [each.key for each in many]
+        assert {part.element for part in parts(graph)} <= {"", *known}
+        for many in (graph.nodes, graph.groups, graph.edges, *(node.ports for node in graph.nodes)):
+            keys = [part.key for part in many]
             assert all(keys)
             assert len(keys) == len(set(keys))
-        shown |= {known[each.element].eClass.name for each in parts(graph) if each.element}
+        shown |= {known[part.element].eClass.name for part in parts(graph) if part.element}
     if path == CAR:
         assert shown >= {"Component", "Bridge", "Node", "Publisher", "Host", "Connection"}
         assert shown >= {"FieldAssignment", "FixedField", "PrimitiveField", "MessageType"}
@@ -258,15 +258,15 @@ def test_parts_refer_to_what_they_show_and_have_keys_of_their_own(path):
 
 def test_a_connection_is_shown_by_its_row_and_its_edges():
     graph = car("system")
-    bridge = next(each for each in graph.nodes if each.title == "bridge")
-    row = next(each for each in bridge.ports if each.label == "odometry")
+    bridge = next(node for node in graph.nodes if node.title == "bridge")
+    row = next(port for port in bridge.ports if port.label == "odometry")
     assert row.element.startswith("catvehicle.xmi#")
     assert row.key.endswith(":bridge/odometry")
     edges = [e for e in graph.edges if row.id in (e.target.port, e.source.port)]
     assert len(edges) > 1
-    assert {each.element for each in edges} == {row.element}
-    peer = next(each for each in graph.nodes if each.title == "vehicle")
-    assert {each.element for each in peer.ports} == {""}
+    assert {edge.element for edge in edges} == {row.element}
+    peer = next(node for node in graph.nodes if node.title == "vehicle")
+    assert {port.element for port in peer.ports} == {""}
 
 
 def test_the_same_model_makes_the_same_graph():

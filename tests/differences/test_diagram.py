@@ -35,7 +35,7 @@ def drawn(tmp_path):
         for name, text in (("old", old), ("new", new)):
             (tmp_path / name).mkdir(exist_ok=True)
             (tmp_path / name / "model.xmi").write_text(text, encoding="utf-8")
-        states = (str(tmp_path / each / "model.xmi") for each in ("old", "new"))
+        states = (str(tmp_path / state / "model.xmi") for state in ("old", "new"))
         done = CliRunner().invoke(main, ["diff", "--format", "svg", *options, *states])
         assert done.exit_code == status, done.output
         return done.stdout if status == 0 else done.stderr
@@ -49,7 +49,7 @@ def parts(picture):
     for group in ET.fromstring(picture).iter(f"{SVG}g"):  # noqa: S314 - we wrote it
         kinds = group.get("class", "").split()
         if kinds[:1] == ["box"]:
-            state = next((each for each in kinds if each in ("added", "removed", "changed")), "")
+            state = next((kind for kind in kinds if kind in ("added", "removed", "changed")), "")
             found.setdefault(state, set()).add(group.findtext(f"{SVG}text"))
     return found
 
@@ -104,8 +104,8 @@ def test_a_map_shows_assignments(drawn):
     new = OLD.replace(line, "").replace("Velocity_X", "Velocity_Y")
     picture = drawn(OLD, new, "--view", "map:velocity")
     classes = re.findall(r'class="edge \w+ ([^"]*)"', picture)
-    assert any("removed" in each for each in classes)
-    assert any("added" in each or "changed" in each for each in classes)
+    assert any("removed" in edge_class for edge_class in classes)
+    assert any("added" in edge_class or "changed" in edge_class for edge_class in classes)
 
 
 def test_a_view_that_came_is_added_as_a_whole(drawn):

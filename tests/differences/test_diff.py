@@ -106,8 +106,8 @@ def test_text_and_xmi_are_compared_as_models():
 )
 def test_a_change_of_a_system(diff, old, new, path, text, breaks):
     changes = diff(CATVEHICLE, replaced(CATVEHICLE, old, new))
-    found = [each for each in changes if path in (None, each["path"])]
-    assert [each["text"].partition(", which")[0] for each in found] == [text]
+    found = [change for change in changes if path in (None, change["path"])]
+    assert [change["text"].partition(", which")[0] for change in found] == [text]
     assert found[0]["breaks"] == breaks
     assert len(changes) == 1 or path is None or "provides" in text
 
@@ -122,10 +122,10 @@ def test_the_way_back_has_no_less(diff):
     other = replaced(CATVEHICLE, 'name="logger"', 'name="recorder"')
     other = replaced(other, 'rate="10.0"', 'rate="12.5"')
     there, back = diff(CATVEHICLE, other), diff(other, CATVEHICLE)
-    assert [(each["old"], each["new"]) for each in there] == [
-        (each["new"], each["old"]) for each in back
+    assert [(change["old"], change["new"]) for change in there] == [
+        (change["new"], change["old"]) for change in back
     ]
-    assert {each["text"] for each in back} >= {"renamed from recorder", "rate 12.5 -> 10 Hz"}
+    assert {change["text"] for change in back} >= {"renamed from recorder", "rate 12.5 -> 10 Hz"}
 
 
 def test_what_is_less_than_half_the_same_is_another_element(diff):
@@ -134,7 +134,7 @@ def test_what_is_less_than_half_the_same_is_another_element(diff):
     subscription = re.search(r'<subscriptions name="odometry".*?</subscriptions>', CATVEHICLE, re.S)
     other = f'<nodes name="logger">{subscription[0]}<dependencies>catvehicle</dependencies>'
     changes = diff(CATVEHICLE, CATVEHICLE[:begin] + other + CATVEHICLE[end:])
-    became = {each["path"].rpartition("/")[2]: each["kind"] for each in changes}
+    became = {change["path"].rpartition("/")[2]: change["kind"] for change in changes}
     assert became["velocity_controller"] == "removed"
     assert became["logger"] == "added"
 
@@ -147,13 +147,13 @@ def with_hosts(*hosts):
 def test_an_id_says_more_than_a_name(diff):
     one, other = 'xmi:id="h1" interface="10.0.0.1"', 'xmi:id="h2" interface="10.0.0.2"'
     changes = diff(with_hosts(("a", one), ("b", other)), with_hosts(("b", one), ("a", other)))
-    assert {each["text"] for each in changes} == {"renamed from a", "renamed from b"}
+    assert {change["text"] for change in changes} == {"renamed from a", "renamed from b"}
 
 
 def test_any_number_of_elements_is_found_again_by_all_that_they_say(diff):
     hosts = [(n, f'interface="10.0.0.{n}"') for n in range(1, 62)]
     old, new = (with_hosts(*((f"{name}{n}", rest) for n, rest in hosts)) for name in "ab")
-    assert {each["kind"] for each in diff(old, new)} == {"renamed"}
+    assert {change["kind"] for change in diff(old, new)} == {"renamed"}
 
 
 def test_added_is_removed_the_other_way_round(diff):
@@ -162,7 +162,7 @@ def test_added_is_removed_the_other_way_round(diff):
     assert [(e["kind"], e["element"], e["path"]) for e in diff(CATVEHICLE, other)] == [
         ("added", "host", "catvehicle/left")
     ]
-    assert [each["kind"] for each in diff(other, CATVEHICLE)] == ["removed"]
+    assert [change["kind"] for change in diff(other, CATVEHICLE)] == ["removed"]
 
 
 @pytest.mark.parametrize(
@@ -178,7 +178,7 @@ def test_a_change_of_a_message(diff, old, new, text, breaks):
     other = WINCH.replace(old, new, 1)
     assert other != WINCH
     changes = diff(WINCH, other)
-    assert [each["text"] for each in changes] == [text]
+    assert [change["text"] for change in changes] == [text]
     assert changes[0]["breaks"] == breaks
 
 
@@ -225,14 +225,14 @@ def test_a_field_less_and_fields_in_another_order(diff):
 )
 def test_a_change_of_a_map(diff, old, new, text):
     changes = diff(MAP, replaced(MAP, old, new), ".ros2jaus")
-    assert [each["text"] for each in changes] == [text]
+    assert [change["text"] for change in changes] == [text]
     assert changes[0]["newPlace"]["line"] > 5
 
 
 def test_a_reference_to_a_renamed_element_is_no_change(diff):
     other = CATVEHICLE.replace('xmi:id="vehicle" name="vehicle"', 'xmi:id="vehicle" name="car"')
     changes = diff(CATVEHICLE, other)
-    assert [each["text"] for each in changes] == ["renamed from vehicle"]
+    assert [change["text"] for change in changes] == ["renamed from vehicle"]
 
 
 def test_text_for_people_and_exit_status(tmp_path):
@@ -347,7 +347,7 @@ def test_open_decisions_are_told_by_their_texts(diff):
     two = '    openDecisions: { text: "is it latched?" }\n'
     old = replaced(MAP, "    JAUS mob", f"{one}{two}    JAUS mob")
     new = replaced(old.replace(one, ""), 'latched?"', 'latched?" blocking: false')
-    assert sorted(each["text"] for each in diff(old, new, ".ros2jaus")) == [
+    assert sorted(change["text"] for change in diff(old, new, ".ros2jaus")) == [
         "blocking true -> false",
         "removed: whose axes are these?",
     ]

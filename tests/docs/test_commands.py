@@ -85,7 +85,7 @@ def test_findings_that_pages_show_have_the_form_of_findings() -> None:
         for line in FINDING.findall(page.read_text(encoding="utf-8"))
     ]
     assert len(shown) >= 5
-    assert [each for each in shown if not WHOLE_FINDING.match(each[1])] == []
+    assert [page_line for page_line in shown if not WHOLE_FINDING.match(page_line[1])] == []
 
 
 def test_tutorials_have_commands() -> None:

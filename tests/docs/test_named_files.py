@@ -33,7 +33,7 @@ def test_places_are_there(page, tree):
     named = _PLACE.findall((ROOT / page).read_text(encoding="utf-8"))
     assert len(named) >= PAGES[page]
     # A page names a module by its path in the folder that it speaks of.
-    lost = [each for each in named if f"/{each}" not in tree and not (ROOT / each).exists()]
+    lost = [path for path in named if f"/{path}" not in tree and not (ROOT / path).exists()]
     assert lost == []
 
 

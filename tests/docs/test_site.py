@@ -66,7 +66,7 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     build_site.build(tmp_path, "0.0.10", made)
 
     told = json.loads((tmp_path / "versions.json").read_text(encoding="utf-8"))
-    assert [(each["version"], each["aliases"]) for each in told] == [
+    assert [(version["version"], version["aliases"]) for version in told] == [
         ("0.0.10", ["latest"]),
         ("0.0.9", []),
     ]
@@ -88,7 +88,7 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     assert '<span class="gp">$ </span>' in page
     assert "code[data-md-copying] .gp" in (site / "site.css").read_text(encoding="utf-8")
     scripts = (site / "assets" / "javascripts").glob("bundle.*.js")
-    assert any("data-md-copying" in each.read_text(encoding="utf-8") for each in scripts)
+    assert any("data-md-copying" in script.read_text(encoding="utf-8") for script in scripts)
     for path in site.rglob("*.html"):
         assert _OTHER_SERVER.findall(path.read_text(encoding="utf-8")) == [], path
 

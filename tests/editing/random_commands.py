@@ -75,11 +75,11 @@ class Commands:
         return Remove(self.ref(self.random.choice(self.own[1:] or self.own)))
 
     def rename(self):
-        named = [each for each in self.own if "name" in self.table(each).features]
+        named = [element for element in self.own if "name" in self.table(element).features]
         return Rename(self.ref(self.random.choice(named)), f"name{self.random.randrange(99)}")
 
     def move(self):
-        moving = [each for each in self.own if each.eContainer() is not None]
+        moving = [element for element in self.own if element.eContainer() is not None]
         if not moving:
             return None
         obj = self.random.choice(moving)
@@ -91,18 +91,18 @@ class Commands:
         return Move(self.ref(obj), self.ref(owner), feature.name, position)
 
     def child(self, feature, depth):
-        kinds = [each for each in feature.target.subtypes if not each.abstract]
-        table = self.random.choice(sorted(kinds, key=lambda each: each.qualified_name))
+        kinds = [subtype for subtype in feature.target.subtypes if not subtype.abstract]
+        table = self.random.choice(sorted(kinds, key=lambda kind: kind.qualified_name))
         values = {}
         children = []
-        for each in table.features.values():
-            if not each.settable:
+        for structural_feature in table.features.values():
+            if not structural_feature.settable:
                 continue
-            if each.kind is FeatureKind.CONTAINMENT:
-                if depth and (each.lower or self.random.random() < 0.2):
-                    children.append(self.child(each, depth - 1))
-            elif each.lower or self.random.random() < 0.3:
-                values[each.name] = self.values(each)
+            if structural_feature.kind is FeatureKind.CONTAINMENT:
+                if depth and (structural_feature.lower or self.random.random() < 0.2):
+                    children.append(self.child(structural_feature, depth - 1))
+            elif structural_feature.lower or self.random.random() < 0.3:
+                values[structural_feature.name] = self.values(structural_feature)
         return Child(feature.name, table.qualified_name, values, tuple(children))
 
     def values(self, feature):

@@ -40,7 +40,7 @@ def save(project: Project, new: str) -> None:
 
 def component(project: Project, name: str) -> jaus.Component:
     found = project.model(FILE).model.instances(jaus.Component, library=False)
-    return next(each for each in found if each.name == name)
+    return next(candidate for candidate in found if candidate.name == name)
 
 
 def ref(project: Project, name: str) -> str:
@@ -60,7 +60,7 @@ def test_two_projects_change_different_elements_and_keep_both(project: Project) 
     assert "component rudder" in text(project)
     assert "component crane" in text(project)
     # The other one is told of what it met, and may take both back.
-    assert [each.file for each in other.refresh()] == [FILE]
+    assert [change.file for change in other.refresh()] == [FILE]
     other.undo()
     other.undo()
     assert text(project) == TEXT
@@ -91,7 +91,7 @@ def test_what_both_have_changed_is_given_back_and_can_be_insisted_on(project: Pr
     assert text(project) == TEXT.replace("1.1.2", "1.1.77")
 
 
-@pytest.mark.parametrize("make", [Remove, lambda each: Rename(each, "x")])
+@pytest.mark.parametrize("make", [Remove, lambda reference: Rename(reference, "x")])
 def test_what_is_gone_or_has_another_name_is_given_back(project: Project, make) -> None:
     base, command = project.revision, make(ref(project, "winch"))
     changed = TEXT.replace("winch", "crane")
@@ -141,7 +141,7 @@ def test_adding_moving_and_placing_follow_their_owners(project: Project) -> None
     ]
     save(project, f"component anchor {{ address: 1.1.9 }}\n{TEXT}")
     project.do(commands, "control", base)
-    assert [each.name for each in component(project, "winch").controls] == ["sounder"]
+    assert [control.name for control in component(project, "winch").controls] == ["sounder"]
     assert project.positions(FILE, "system") == {"component:winch": (4, 5)}
 
 
@@ -183,15 +183,15 @@ def test_projects_that_write_at_once_lose_nothing(project: Project) -> None:
             faults.append(error)
 
     threads = [
-        threading.Thread(target=work, args=each) for each in zip(projects, owners, strict=True)
+        threading.Thread(target=work, args=pair) for pair in zip(projects, owners, strict=True)
     ]
-    for each in threads:
-        each.start()
-    for each in threads:
-        each.join(timeout=60)
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(timeout=60)
     assert faults == []
     found = Project(project.root)
-    assert [component(found, each).documentation for each in owners] == ["helm 11", "winch 11"]
+    assert [component(found, owner).documentation for owner in owners] == ["helm 11", "winch 11"]
 
 
 def test_a_program_that_holds_the_folder_is_not_waited_for_forever(

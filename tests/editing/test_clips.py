@@ -58,11 +58,11 @@ def test_what_leads_to_nothing_is_left_out_and_asked_of_a_person(project):
     connection drive { map: gone_map  direction: jausToRos  peers: helm, nobody  topic cmd }
 }"""
     clip = project.clip(text, f"{HOME}#/")
-    assert [each.name for each in clip.left_out] == ["nav", "drive", "drive"]
+    assert [omission.name for omission in clip.left_out] == ["nav", "drive", "drive"]
     made = project.find(project.paste(clip.commands, f"{HOME}#/", "paste").created[0])[0]
     [drive] = made.bridgeConnections
-    assert [each.name for each in drive.peers] == ["helm"]
-    asked = [each.text for each in drive.openDecisions]
+    assert [peer.name for peer in drive.peers] == ["helm"]
+    asked = [open_decision.text for open_decision in drive.openDecisions]
     assert len(asked) == 2
     assert "gone_map" in asked[0] + asked[1]
     project.undo()
@@ -73,4 +73,4 @@ def test_files_outside_are_not_read(project, tmp_path):
     secret.write_text("component hidden { address: 1.1.1 }\n", encoding="utf-8")
     text = f'import "{secret}"\ncomponent spy {{ controls: hidden }}'
     clip = project.clip(text, f"{HOME}#/")
-    assert [each.name for each in clip.left_out] == ["spy"]
+    assert [omission.name for omission in clip.left_out] == ["spy"]

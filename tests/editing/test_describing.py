@@ -43,7 +43,9 @@ def pasted(project, text, owner):
 
 def own(project, file, name):
     model = project.model(file).model
-    return next(each for each in model.root.eAllContents() if getattr(each, "name", "") == name)
+    return next(
+        element for element in model.root.eAllContents() if getattr(element, "name", "") == name
+    )
 
 
 @pytest.mark.parametrize(("target", "source", "name"), sweep(COPIES, every=3))
@@ -67,7 +69,7 @@ def test_copies_refer_to_each_other(project):
     model = project.model("catvehicle.ros2jaus").model
     bridge = own(project, "catvehicle.ros2jaus", "bridge")
     chosen = [bridge.maps[0], bridge.bridgeConnections[0]]
-    text = project.copy([project.ref(each, model) for each in chosen])
+    text = project.copy([project.ref(element, model) for element in chosen])
     # What stands beside is as good as the owner itself.
     entry = pasted(project, text, project.ref(bridge.maps[2], model))
     copied = project.find(entry.created[1])[0]
@@ -84,7 +86,9 @@ def test_a_copied_bridge_uses_its_own_maps(project, source, target):
     there = project.model(target).model
     entry = pasted(project, text, project.ref(there.root, there))
     copied = project.find(entry.created[0])[0]
-    assert [each.name for each in copied.maps] == [each.name for each in original.maps]
+    assert [attribute_map.name for attribute_map in copied.maps] == [
+        attribute_map.name for attribute_map in original.maps
+    ]
     for now, then in zip(copied.bridgeConnections, original.bridgeConnections, strict=True):
         assert now.name == then.name
         assert then.map.eContainer() is original
@@ -99,8 +103,8 @@ def test_a_copied_bridge_uses_its_own_maps(project, source, target):
     )
     # A peer that was not copied is that of the original.
     if source == target:
-        peers = [each.name for one in original.bridgeConnections for each in one.peers]
-        assert [each.name for one in copied.bridgeConnections for each in one.peers] == peers
+        peers = [peer.name for one in original.bridgeConnections for peer in one.peers]
+        assert [peer.name for one in copied.bridgeConnections for peer in one.peers] == peers
     project.undo()
     assert (project.root / target).read_bytes() == before
 
@@ -119,7 +123,7 @@ def test_a_copied_map_uses_its_own_tables(project, target):
     assert copied.name == "set_lamps"
     conversions = [e for e in copied.eAllContents() if e.eClass.name == "Conversion" and e.table]
     assert conversions
-    assert {each.table.eContainer() for each in conversions} == {copied}
+    assert {conversion.table.eContainer() for conversion in conversions} == {copied}
     assert compare(original, copied, found.metamodels, NAMES_AND_TABLES) == []
 
 
@@ -127,16 +131,18 @@ def test_what_is_copied_together_refers_to_each_other_in_any_order(project):
     file = "catvehicle.xmi"
     model = project.model(file).model
     chosen = [own(project, file, name) for name in ("bridge", "operator_control_unit", "vehicle")]
-    text = project.copy([project.ref(each, model) for each in chosen])
+    text = project.copy([project.ref(element, model) for element in chosen])
     entry = pasted(project, text, project.ref(model.root, model))
-    bridge, unit, vehicle = (project.find(each)[0] for each in entry.created[:3])
-    assert [each.name for each in (bridge, unit, vehicle)] == [f"{each.name}_2" for each in chosen]
-    peers = {each.name for one in bridge.bridgeConnections for each in one.peers}
+    bridge, unit, vehicle = (project.find(reference)[0] for reference in entry.created[:3])
+    assert [element.name for element in (bridge, unit, vehicle)] == [
+        f"{element.name}_2" for element in chosen
+    ]
+    peers = {peer.name for one in bridge.bridgeConnections for peer in one.peers}
     assert peers
     assert peers <= {vehicle.name, unit.name}
-    assert {each.provider for each in unit.connections} <= {vehicle, bridge, None}
-    assert [each.name for each in unit.controls] == [
-        f"{each.name}_2" for each in chosen[1].controls
+    assert {connection.provider for connection in unit.connections} <= {vehicle, bridge, None}
+    assert [control.name for control in unit.controls] == [
+        f"{control.name}_2" for control in chosen[1].controls
     ]
 
 
@@ -149,9 +155,9 @@ def test_a_copy_goes_into_a_new_file(project):
     copied = project.find(entry.created[0])[0]
     assert copied.name == "vehicle"
     assert [
-        each.name
-        for each in contents(copied, model.metamodels.class_of(copied).features["provides"])
-    ] == [each.name for each in component.provides]
+        content.name
+        for content in contents(copied, model.metamodels.class_of(copied).features["provides"])
+    ] == [provide.name for provide in component.provides]
 
 
 def test_what_has_no_place_is_refused(project):

@@ -43,7 +43,7 @@ def test_after_random_commands(name, seed):
     chance = random.Random(seed)
     with tempfile.TemporaryDirectory() as folder:
         project = opened(folder, name)
-        files = [each.path for each in project.files]
+        files = [model_file.path for model_file in project.files]
         for _ in range(STEPS):
             try:
                 project.do([Commands(project, chance.choice(files), chance).any()], "any")
@@ -74,17 +74,17 @@ def shape(working_copy):
 
     copies = [
         (
-            refs[each],
-            each.file,
-            each.obj,
-            each.table.name,
-            each.identifier,
-            list(each.values.items()),
-            [(name, [*map(shown, targets)]) for name, targets in each.references.items()],
-            [(name, [*map(shown, owned)]) for name, owned in each.owned.items()],
-            (each.owner and shown(each.owner), each.feature),
-            each.open,
+            refs[copy],
+            copy.file,
+            copy.obj,
+            copy.table.name,
+            copy.identifier,
+            list(copy.values.items()),
+            [(name, [*map(shown, targets)]) for name, targets in copy.references.items()],
+            [(name, [*map(shown, owned)]) for name, owned in copy.owned.items()],
+            (copy.owner and shown(copy.owner), copy.feature),
+            copy.open,
         )
-        for each in working_copy.everything()
+        for copy in working_copy.everything()
     ]
-    return copies, {obj: shown(each) for obj, each in working_copy.copies.items()}
+    return copies, {obj: shown(copy) for obj, copy in working_copy.copies.items()}

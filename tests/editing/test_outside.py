@@ -94,9 +94,9 @@ def test_a_program_that_has_not_seen_the_last_edit_makes_a_conflict(project, edi
 def test_a_program_that_goes_on_from_the_last_edit_makes_none(project):
     project.do([Rename(NODE, "captain")], "rename")
     save(project, text(project).replace('"robot"', '"rover"'))
-    assert [each.is_conflict for each in project.refresh()] == [False]
+    assert [change.is_conflict for change in project.refresh()] == [False]
     save(project, MODEL)
-    assert [each.is_conflict for each in project.refresh()] == [False]
+    assert [change.is_conflict for change in project.refresh()] == [False]
 
 
 def test_a_program_that_has_both_lines_has_seen_the_last_edit(project):
@@ -114,7 +114,7 @@ def test_undoing_over_a_change_that_nobody_told_is_refused(project):
         project.undo()
     assert caught.value.conflict
     assert text(project) == OTHER
-    assert [each.label for each in (project.undo(), project.undo())] == [
+    assert [entry.label for entry in (project.undo(), project.undo())] == [
         "robot.xmi was changed by another program",
         "rename",
     ]
@@ -125,7 +125,10 @@ def test_a_command_for_an_older_revision_finds_its_element(project):
     added = Add("robot.xmi#/", "nodes", "ros.Node", {"name": ("a",)}, position=0)
     project.do([added], "add")
     project.do([Rename(NODE, "pilot")], "rename", base=0)
-    assert [each.name for each in project.model("robot.xmi").model.root.nodes] == ["a", "pilot"]
+    assert [model_node.name for model_node in project.model("robot.xmi").model.root.nodes] == [
+        "a",
+        "pilot",
+    ]
     project.undo()
     project.undo()
     project.do([Rename("robot.xmi#//@nodes.1", "captain")], "rename", base=1)
@@ -149,16 +152,16 @@ def test_a_command_for_what_another_program_has_changed_since_is_a_conflict(proj
 def test_a_broken_file_keeps_its_last_model_and_is_never_overwritten(project):
     save(project, BROKEN)
     project.refresh(["robot.xmi"])
-    assert [each.is_stale for each in project.files] == [True]
+    assert [file.is_stale for file in project.files] == [True]
     result = project.model("robot.xmi")
     assert (result.model.root.nodes[0].name, result.has_errors) == ("driver", True)
-    assert "JML004" in [each.rule for each in result.diagnostics]
+    assert "JML004" in [diagnostic.rule for diagnostic in result.diagnostics]
     with pytest.raises(EditError, match="fix"):
         project.do([Rename(NODE, "x")], "rename")
     assert text(project) == BROKEN
     save(project, OTHER)
     project.refresh(["robot.xmi"])
-    assert [each.is_stale for each in project.files] == [False]
+    assert [file.is_stale for file in project.files] == [False]
     assert node(project).name == "pilot"
 
 
@@ -172,7 +175,7 @@ def test_a_file_that_was_broken_from_the_start_is_left_alone(tmp_path, data):
     assert (tmp_path / "robot.xmi").read_bytes() == data
     (tmp_path / "robot.xmi").write_text(BROKEN)
     project.refresh()
-    assert [each.rule for each in project.model("robot.xmi").diagnostics] == ["JML004"]
+    assert [diagnostic.rule for diagnostic in project.model("robot.xmi").diagnostics] == ["JML004"]
     (tmp_path / "robot.xmi").write_text(MODEL)
     project.refresh()
     project.do([Rename(NODE, "x")], "rename")
@@ -181,7 +184,7 @@ def test_a_file_that_was_broken_from_the_start_is_left_alone(tmp_path, data):
 
 def test_a_file_that_was_deleted_comes_back_by_undo(project):
     (project.root / "robot.xmi").unlink()
-    assert [each.file for each in project.refresh()] == ["robot.xmi"]
+    assert [change.file for change in project.refresh()] == ["robot.xmi"]
     assert project.files == ()
     project.undo()
     assert text(project) == MODEL
@@ -192,8 +195,8 @@ def test_files_that_come_are_found(project):
     (project.root / "sub" / "new.xmi").write_text(OTHER)
     (project.root / ".hidden.xmi").write_text(OTHER)
     (project.root / "link.xmi").symlink_to("/etc/passwd")
-    assert [each.file for each in project.refresh()] == ["sub/new.xmi"]
-    assert [each.path for each in project.files] == ["robot.xmi", "sub/new.xmi"]
+    assert [change.file for change in project.refresh()] == ["sub/new.xmi"]
+    assert [file.path for file in project.files] == ["robot.xmi", "sub/new.xmi"]
     assert project.refresh(["../elsewhere.xmi", "link.xmi", ".hidden.xmi"]) == ()
 
 
@@ -204,7 +207,7 @@ def test_what_leads_out_of_the_folder_or_is_no_file_is_left_alone(project, tmp_p
     (project.root / "other.xmi").symlink_to(outside / "other.xmi")
     (project.root / "robot.layout.json").symlink_to(outside / "layout.json")
     os.mkfifo(project.root / "pipe.xmi")
-    assert [each.path for each in Project(project.root).files] == ["robot.xmi"]
+    assert [file.path for file in Project(project.root).files] == ["robot.xmi"]
     for command in (
         Create("sub/new.xmi", "system.System", {}),
         Set("other.xmi#/", "name", ("x",)),
@@ -212,7 +215,7 @@ def test_what_leads_out_of_the_folder_or_is_no_file_is_left_alone(project, tmp_p
     ):
         with pytest.raises(EditError):
             project.do([command], "out")
-    assert [each.name for each in outside.iterdir()] == ["other.xmi"]
+    assert [path.name for path in outside.iterdir()] == ["other.xmi"]
     assert (outside / "other.xmi").read_text() == OTHER
 
 
@@ -235,11 +238,11 @@ def test_threads_take_turns(project):
         for count in range(5):
             project.do([Set(NODE, "documentation", (f"{number} {count}",))], "set")
 
-    threads = [threading.Thread(target=rename, args=(each,)) for each in range(4)]
-    for each in threads:
-        each.start()
-    for each in threads:
-        each.join()
+    threads = [threading.Thread(target=rename, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
     assert len(project.log) == 20
     while project.undo():
         pass
@@ -272,6 +275,6 @@ def test_a_writer_that_is_killed_leaves_a_whole_file(project):
                     break
             os.kill(writer.pid, signal.SIGKILL)
         assert text(project) in (MODEL, old, new)
-    left = [each.name for each in Path(project.root).iterdir() if each.name != "robot.xmi"]
-    assert all(each.startswith(".") for each in left)
-    assert [each.path for each in Project(project.root).files] == ["robot.xmi"]
+    left = [path.name for path in Path(project.root).iterdir() if path.name != "robot.xmi"]
+    assert all(name.startswith(".") for name in left)
+    assert [file.path for file in Project(project.root).files] == ["robot.xmi"]

@@ -100,7 +100,7 @@ def check_print(project, variant):
     data = project.text("model.xmi")
     encoding = model.documents[0].encoding
     assert (b"\r\n" in data) == (b"\r\n" in saved)
-    ours, theirs = (each.decode(encoding).replace("\r\n", "\n") for each in (data, saved))
+    ours, theirs = (written.decode(encoding).replace("\r\n", "\n") for written in (data, saved))
     assert comments_gone(ours).splitlines() == theirs.splitlines()
 
 
@@ -111,7 +111,7 @@ def comments_gone(text):
 
 def check_comments(before, after, command):
     """A comment goes with what it is of, and at no other time."""
-    before, after = (each.replace(b"\0", b"").count(b"<!--") for each in (before, after))
+    before, after = (data.replace(b"\0", b"").count(b"<!--") for data in (before, after))
     if not isinstance(command, Remove) and not (isinstance(command, Set) and not command.values):
         assert before == after, command
 
@@ -128,7 +128,7 @@ def do_any(project, chance):
     try:
         return command, project.do([command], "any")
     except EditError as error:
-        if any(each in str(error) for each in OUR_FAULTS):
+        if any(our_fault in str(error) for our_fault in OUR_FAULTS):
             raise
         return command, None
 
@@ -156,12 +156,14 @@ def test_a_difference_shows_the_edit_and_nothing_else(seed):
             return
         after = project.text("model.xmi").decode().splitlines(keepends=True)
         matcher = difflib.SequenceMatcher(None, before, after, autojunk=False)
-        changed = [each for each in matcher.get_opcodes() if each[0] != "equal"]
+        changed = [opcode for opcode in matcher.get_opcodes() if opcode[0] != "equal"]
         gone = [at for _, start, end, _, _ in changed for at in range(start + 1, end + 1)]
         own = lines_of_element(before, line)
         if isinstance(command, Add):
             # The tag of an owner of nothing is opened, and references by position shift.
-            own |= {at for at, each in enumerate(before, 1) if "@" in each} | namespaces(before)
+            own |= {at for at, text_line in enumerate(before, 1) if "@" in text_line} | namespaces(
+                before
+            )
         assert set(gone) <= own | namespaces(before), (command, [before[at - 1] for at in gone])
 
 
@@ -184,4 +186,4 @@ def is_closed_by(text, tag):
 
 
 def namespaces(lines):
-    return {at for at, each in enumerate(lines, 1) if "xmlns" in each}
+    return {at for at, line in enumerate(lines, 1) if "xmlns" in line}

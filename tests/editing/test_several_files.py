@@ -41,7 +41,7 @@ def folder(tmp_path):
 
 
 def contents(folder):
-    return {each: each.read_bytes() for each in folder.rglob("*") if each.is_file()}
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("seed", range(SEEDS))
@@ -53,14 +53,14 @@ def test_references_follow_over_files_and_undo_gives_the_same_bytes(folder, seed
     for _ in range(8):
         commands = Commands(project, "service.xmi", chance)
         kinds = ("Service", "MessageDef", "ServiceSet")
-        commands.own = [each for each in commands.own if each.eClass.name in kinds]
+        commands.own = [element for element in commands.own if element.eClass.name in kinds]
         command = chance.choice([commands.rename, commands.move, commands.remove, commands.add])()
         if command is None:
             continue
         try:
             several += len(project.do([command], "any").files) > 1
         except EditError as error:
-            if any(each in str(error) for each in OUR_FAULTS):
+            if any(our_fault in str(error) for our_fault in OUR_FAULTS):
                 raise
     while project.undo():
         pass
@@ -75,15 +75,15 @@ def test_a_text_and_an_xmi_file_follow_what_they_refer_to(folder):
     text = (folder / "text.ros2jaus").read_text()
     assert "ReportState" in text
     assert "ReportWinchState" not in text
-    found = {each.element.partition("#")[0] for each in project.referrers(message)}
+    found = {referrer.element.partition("#")[0] for referrer in project.referrers(message)}
     assert {"text.ros2jaus", "below/winch.xmi"} <= found
     removed = project.do([Remove(message)], "remove")
     assert set(removed.files) == {"service.xmi", "text.ros2jaus", "below/winch.xmi"}
-    assert not any(project.model(each.path).has_errors for each in project.files)
+    assert not any(project.model(file.path).has_errors for file in project.files)
 
 
 def test_what_moves_between_owners_is_found_by_all(folder):
     project = Project(folder)
     owner = "service.xmi#Winch"
     project.do([Move("service.xmi#Winch.ReportWinchState", owner, "inputs", 0)], "move")
-    assert not any(project.model(each.path).has_errors for each in project.files)
+    assert not any(project.model(file.path).has_errors for file in project.files)

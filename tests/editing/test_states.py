@@ -33,7 +33,7 @@ def project(request, tmp_path):
 
 def states(project, file):
     model = project.model(file).model
-    return {each.name: each for each in model.instances(jaus.State, library=False)}
+    return {state.name: state for state in model.instances(jaus.State, library=False)}
 
 
 def targets(project, file):
@@ -47,7 +47,7 @@ def ref(project, file, name):
 
 def errors(project, file):
     found = check(project.model(file)).diagnostics
-    return [each for each in found if each.severity.value == "error"]
+    return [diagnostic for diagnostic in found if diagnostic.severity.value == "error"]
 
 
 @pytest.mark.parametrize(
@@ -89,7 +89,7 @@ def test_transitions_into_a_state_go_with_it_and_are_told_before(project):
     project, file = project
     remove = [Remove(ref(project, file, "Locked"))]
     told = project.preview(remove).referrers
-    assert len([each for each in told if "Transition" in each.label]) == 2
+    assert len([referrer for referrer in told if "Transition" in referrer.label]) == 2
     project.do(remove, "remove")
     assert "Locked" not in targets(project, file)
     assert errors(project, file) == []
@@ -100,7 +100,7 @@ def test_a_box_that_was_placed_keeps_its_place_when_its_state_is_renamed(project
 
     def key(title):
         graph = graph_of(project.model(file).model, "machine:ReceiveFSM")
-        return next(each.key for each in graph.nodes if each.title == title)
+        return next(node.key for node in graph.nodes if node.title == title)
 
     view = "machine:Winch.ReceiveFSM"
     project.do([Place(file, view, {key("Idle"): (30, 40)})], "place")

@@ -74,11 +74,11 @@ def test_positional_references_follow_in_all_files(project):
 
 def test_what_refers_to_what_goes_is_told_and_goes_too(project):
     seen = project.preview([Remove("robot.xmi#//@components.0")])
-    assert [(each.element, each.feature) for each in seen.referrers] == [
+    assert [(referrer.element, referrer.feature) for referrer in seen.referrers] == [
         ("robot.xmi#//@components.1", "controls")
     ]
     found = project.referrers("robot.xmi#//@components.0")
-    assert [each.label for each in found] == ["Component 'leg'"]
+    assert [referrer.label for referrer in found] == ["Component 'leg'"]
     project.do([Remove("robot.xmi#//@components.0")], "remove")
     wanted = ROBOT.replace('  <components name="arm" address="1.1.1"/>\n', "")
     assert text(project) == wanted.replace(' controls="//@components.0"', "")
@@ -211,7 +211,7 @@ def test_a_new_file_is_made_and_unmade(project, file):
     made = project.do([Create(file, "system.System", {"name": ("fresh",)})], "create")
     assert project.model(file).model.root.name == "fresh"
     assert made.created == (f"{file}#/",)
-    assert file in [each.path for each in project.files]
+    assert file in [model_file.path for model_file in project.files]
     project.undo()
     assert not (project.root / file).exists()
     project.redo()

@@ -20,7 +20,7 @@ def project(tmp_path):
 
 
 def names(project):
-    return [each.name for each in project.model(FILE).model.root.components]
+    return [component.name for component in project.model(FILE).model.root.components]
 
 
 def write(project, text):
@@ -37,12 +37,12 @@ def test_a_broken_text_is_written_and_its_model_stays(project):
     write(project, TEXT + "component leg {")
     assert (project.root / FILE).read_text() == TEXT + "component leg {"
     assert names(project) == ["arm"]
-    assert [(each.is_stale, each.is_dirty) for each in project.files] == [(True, True)]
+    assert [(file.is_stale, file.is_dirty) for file in project.files] == [(True, True)]
     with pytest.raises(EditError, match="fix it first"):
         project.do([Set(f"{FILE}#//@components.0", "address", ("1.1.9",))], "edit")
     write(project, TEXT + "component leg {}")
     assert names(project) == ["arm", "leg"]
-    assert [each.is_stale for each in project.files] == [False]
+    assert [file.is_stale for file in project.files] == [False]
 
 
 def test_what_is_typed_without_a_pause_is_one_entry(project):

@@ -42,11 +42,11 @@ class Client:
     def problems(self, uri, version, *, some=False):
         """Returns the next problems published for a version of a text; with `some`, not none."""
         while True:
-            for each in self._published:
-                is_meant = (each["uri"], each.get("version")) == (uri, version)
-                if is_meant and (each["diagnostics"] or not some):
-                    self._published.remove(each)
-                    return each["diagnostics"]
+            for notification in self._published:
+                is_meant = (notification["uri"], notification.get("version")) == (uri, version)
+                if is_meant and (notification["diagnostics"] or not some):
+                    self._published.remove(notification)
+                    return notification["diagnostics"]
             self._receive()
 
     def end(self):

@@ -50,7 +50,7 @@ def offered(bench, at):
 
     def labels(text):
         path, place = at(text)
-        return [each.label for each in complete(bench, path, place).completions]
+        return [completion.label for completion in complete(bench, path, place).completions]
 
     return labels
 
@@ -178,12 +178,12 @@ def renamed(bench, text_at, name):
     path, place = text_at
     edits = rename(bench, path, place, name)
     texts = {}
-    for file in {each.path for each in edits}:
+    for file in {edit.path for edit in edits}:
         lines = bench.text(file).split("\n")
-        own = (each for each in edits if each.path == file)
-        for each in sorted(own, key=lambda e: (e.span.line, -e.span.column), reverse=False):
-            line, span = lines[each.span.line - 1], each.span
-            lines[span.line - 1] = line[: span.column - 1] + each.text + line[span.end_column - 1 :]
+        own = (edit for edit in edits if edit.path == file)
+        for edit in sorted(own, key=lambda e: (e.span.line, -e.span.column), reverse=False):
+            line, span = lines[edit.span.line - 1], edit.span
+            lines[span.line - 1] = line[: span.column - 1] + edit.text + line[span.end_column - 1 :]
         texts[file.name] = "\n".join(lines)
     return texts
 
@@ -258,10 +258,10 @@ def test_renames_that_cannot_be(bench, at, text, name, reason):
 def test_outline():
     (velocity, other) = outline(to_ros("a -> b"))
     assert (velocity.name, velocity.kind) == ("velocity", "attribute_map")
-    inner = [(each.name, each.kind) for each in velocity.children]
+    inner = [(child.name, child.kind) for child in velocity.children]
     joins = [("imu", "join"), ("local", "report_join")]
     assert inner == [("gear", "value_table"), ("top", "quantity"), *joins]
-    assert [each.name for each in other.children] == ["other gear"]
+    assert [child.name for child in other.children] == ["other gear"]
 
 
 def test_positions_in_units_of_the_editor():
@@ -300,10 +300,12 @@ def test_what_is_typed_gives_the_text_that_the_editor_has(text, changes):
     for encoding in ("utf-16", "utf-32"):
         shown, columns = text, Columns(text, encoding)
         for first, last, new in changes:
-            start, end = sorted(min(each, len(shown)) for each in (first, last))
+            start, end = sorted(min(offset, len(shown)) for offset in (first, last))
             # No place is within the end of a line.
-            start, end = (each - (shown[each - 1 : each + 1] == "\r\n") for each in (start, end))
-            where = [told_at(shown, each, encoding) for each in (start, end)]
+            start, end = (
+                offset - (shown[offset - 1 : offset + 1] == "\r\n") for offset in (start, end)
+            )
+            where = [told_at(shown, offset, encoding) for offset in (start, end)]
             columns = columns.edited(*where, new)
             shown = shown[:start] + new + shown[end:]
             assert columns.text == shown
@@ -323,13 +325,15 @@ def test_names_in_parts_are_found_where_they_have_moved_to(bench, at):
     for above in ("", "\n", "\n\n\n", "\n"):
         text = f"system s {{\n{above}{''.join(parts)}{bridge}}}\n"
         path, place = at(text)
-        assert "c59" in [each.label for each in complete(bench, path, place).completions]
+        assert "c59" in [
+            completion.label for completion in complete(bench, path, place).completions
+        ]
         where = define(bench, path, place)
         declared = 2 + len(above) + 4 * 3
         assert where.span.line == declared
         (system,) = outline(bench.text(path))
         assert system.children[4].span.line == declared
-        assert [each.name for each in system.children[-1].children] == ["c"]
+        assert [child.name for child in system.children[-1].children] == ["c"]
 
 
 def test_answers_anywhere_in_a_text_whole_or_broken(bench, at):
@@ -346,7 +350,7 @@ def test_answers_anywhere_in_a_text_whole_or_broken(bench, at):
 
 def candidates(bench, at, text):
     path, place = at(text)
-    return {each.label: each for each in complete(bench, path, place).completions}
+    return {completion.label: completion for completion in complete(bench, path, place).completions}
 
 
 @pytest.mark.parametrize(
@@ -367,8 +371,12 @@ def test_services_of_the_library_are_offered(bench, at, text):
 
 def test_service_of_two_versions_brings_the_import_that_tells_which(bench, at):
     path, place = at("component c { provides: Disc¦ }")
-    found = [each for each in complete(bench, path, place).completions if each.label == "Discovery"]
-    assert [each.module for each in found] == ["jaus.core-1.0", "jaus.core-1.1"]
+    found = [
+        completion
+        for completion in complete(bench, path, place).completions
+        if completion.label == "Discovery"
+    ]
+    assert [completion.module for completion in found] == ["jaus.core-1.0", "jaus.core-1.1"]
     imported = candidates(bench, at, "import `jaus.core-1.1`\ncomponent c { provides: Disc¦ }")
     assert imported["Discovery"].module == ""
 
@@ -383,7 +391,7 @@ bridge front {
 }
 """
     found = candidates(bench, at, text)
-    first = {name for name, each in found.items() if each.is_first}
+    first = {name for name, candidate in found.items() if candidate.is_first}
     assert first >= {"velocity_state", "wrench_effort"}
     assert "global_pose" in found.keys() - first
     assert found["velocity_state"].module == "mappings.velocity_state_sensor"
@@ -441,15 +449,17 @@ two { JAUS ReportLocalPose  ROS geometry_msgs/Pose  openDecisions: { text: "b" b
 def text_after(bench, path, edits):
     """What a text is after edits, the last of it first."""
     text, lines = bench.text(path), bench.text(path).splitlines(keepends=True)
-    for each in sorted(edits, key=lambda each: (each.span.line, each.span.column), reverse=True):
+    for edit in sorted(
+        edits, key=lambda text_edit: (text_edit.span.line, text_edit.span.column), reverse=True
+    ):
         start, end = (
             sum(map(len, lines[: line - 1])) + column - 1
             for line, column in (
-                (each.span.line, each.span.column),
-                (each.span.end_line, each.span.end_column),
+                (edit.span.line, edit.span.column),
+                (edit.span.end_line, edit.span.end_column),
             )
         )
-        text = text[:start] + each.text + text[end:]
+        text = text[:start] + edit.text + text[end:]
     return text
 
 
@@ -468,8 +478,11 @@ def test_commands_that_follow_each_other_are_one_change_of_a_text(bench, at):
     path, _ = at(TWO_OPEN)
     held = unsaved(bench, path)
     model = held.read(path).model
-    refs = [ref_of(each, model, held.root) for each in model.instances(bridge.OpenDecision)]
-    edits = held.edits(path, [Remove(each) for each in refs])
+    refs = [
+        ref_of(open_decision, model, held.root)
+        for open_decision in model.instances(bridge.OpenDecision)
+    ]
+    edits = held.edits(path, [Remove(ref) for ref in refs])
     after = text_after(bench, path, edits)
     assert "openDecisions" not in after
     assert after.startswith("/** 🚜 */\none {")

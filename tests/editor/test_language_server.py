@@ -79,8 +79,15 @@ def ask(client, uri, method, word, behind=0, text=TEXT, **more):
 def test_it_says_what_it_can(client):
     known = client.capabilities["capabilities"]
     assert known["positionEncoding"] == "utf-16"
-    for each in ("completion", "hover", "definition", "rename", "codeAction", "documentFormatting"):
-        assert f"{each}Provider" in known
+    for feature in (
+        "completion",
+        "hover",
+        "definition",
+        "rename",
+        "codeAction",
+        "documentFormatting",
+    ):
+        assert f"{feature}Provider" in known
 
 
 def test_a_sound_text_has_no_problems(opened, uri):
@@ -89,7 +96,7 @@ def test_a_sound_text_has_no_problems(opened, uri):
 
 def test_completion(opened, uri):
     answer = ask(opened, uri, "completion", "linear.y", len("linear."))
-    labels = [each["label"] for each in answer["items"]]
+    labels = [item["label"] for item in answer["items"]]
     assert labels == ["twist.twist.linear.x", "twist.twist.linear.y", "twist.twist.linear.z"]
     edit = answer["items"][0]["textEdit"]["range"]
     assert edit["start"] == position(TEXT, "twist.twist.linear.y")
@@ -146,7 +153,7 @@ def test_an_open_decision_is_taken_away_by_who_has_decided_it(client, folder):
     [action] = client.ask("textDocument/codeAction", **where, context={"diagnostics": [problem]})
     assert (action["kind"], action["diagnostics"]) == ("quickfix", [problem])
     [edit] = action["edit"]["changes"][uri]
-    start, end = (edit["range"][each]["line"] for each in ("start", "end"))
+    start, end = (edit["range"][boundary]["line"] for boundary in ("start", "end"))
     lines = OPEN.splitlines(keepends=True)
     assert "openDecisions" in "".join(lines[start : end + 1])
     assert edit["newText"].strip() == ""
@@ -162,7 +169,7 @@ def test_a_rename_that_cannot_be_is_refused_with_the_reason(opened, uri):
 def test_symbols(opened, uri):
     (answer,) = opened.ask("textDocument/documentSymbol", textDocument={"uri": uri})
     assert (answer["name"], answer["detail"]) == ("velocity", "attribute_map")
-    assert [each["name"] for each in answer["children"]] == ["gear"]
+    assert [symbol["name"] for symbol in answer["children"]] == ["gear"]
 
 
 def test_formatting_of_a_text_with_characters_of_two_units(opened, uri):
@@ -182,7 +189,7 @@ def test_a_broken_text_has_located_problems_and_still_completes(opened, uri):
     assert first["range"]["start"] == position(broken, '-> "🚜"', 3)
     assert first["message"].startswith("expected a path behind '->', found \"🚜\"")
     answer = ask(opened, uri, "completion", "twist.\n", len("twist."), text=broken)
-    assert [each["label"] for each in answer["items"]] == ["twist.twist", "twist.covariance"]
+    assert [item["label"] for item in answer["items"]] == ["twist.twist", "twist.covariance"]
     assert laid_out(opened, uri) is None
 
 
@@ -190,9 +197,9 @@ def test_problems_of_the_model_in_an_unsaved_text(opened, uri):
     wrong = TEXT.replace("linear.x", "linear.w").replace(" : negate", "")
     change(opened, uri, 4, wrong)
     problems = opened.problems(uri, 4, some=True)
-    messages = [each["message"] for each in problems]
-    assert any("linear.w" in each or "'w'" in each for each in messages)
-    found = next(each for each in problems if "'w'" in each["message"])
+    messages = [problem["message"] for problem in problems]
+    assert any("linear.w" in message or "'w'" in message for message in messages)
+    found = next(problem for problem in problems if "'w'" in problem["message"])
     assert found["range"]["start"]["line"] == position(wrong, "linear.w")["line"]
 
 
@@ -203,9 +210,9 @@ def test_other_open_texts_count_as_they_are_open(opened, uri, folder):
     opened.tell("textDocument/didOpen", textDocument=document)
     bridge = "bridge b { address: 100.1.20 connection c { map: unsaved } }"
     change(opened, uri, 5, TEXT + bridge)
-    assert not any("'unsaved'" in each["message"] for each in opened.problems(uri, 5))
+    assert not any("'unsaved'" in problem["message"] for problem in opened.problems(uri, 5))
     opened.tell("textDocument/didClose", textDocument={"uri": beside})
-    assert any("'unsaved'" in each["message"] for each in opened.problems(uri, 5))
+    assert any("'unsaved'" in problem["message"] for problem in opened.problems(uri, 5))
     change(opened, uri, 6, TEXT)
     assert opened.problems(uri, 6) == []
 
@@ -267,6 +274,6 @@ def test_what_is_typed_comes_as_changes(client, folder):
         "textDocument/didChange", textDocument={"uri": uri, "version": 2}, contentChanges=changes
     )
     edits = client.ask("textDocument/formatting", textDocument={"uri": uri}, options=OPTIONS)
-    (laid_out,) = [each["newText"] for each in edits]
+    (laid_out,) = [edit["newText"] for edit in edits]
     assert laid_out == 'component a { documentation: "two"  address: 1.2.3 }\n'
     client.tell("textDocument/didClose", textDocument={"uri": uri})

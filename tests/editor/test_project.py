@@ -16,7 +16,7 @@ MAP = "tanks {\n    JAUS ReportStatus\n    ROS abyss_msgs/¦\n}\n"
 
 
 def offered(bench, path, place):
-    return {each.label: each for each in complete(bench, path, place).completions}
+    return {completion.label: completion for completion in complete(bench, path, place).completions}
 
 
 def test_types_of_other_files_bring_their_import(bench, at, tmp_path):

@@ -30,8 +30,8 @@ def patterns(node):
                 yield value
             yield from patterns(value)
     elif isinstance(node, list):
-        for each in node:
-            yield from patterns(each)
+        for child in node:
+            yield from patterns(child)
 
 
 def coloured(name, line):
@@ -50,7 +50,7 @@ def test_the_patterns_are_regular_expressions(pattern):
 
 
 def test_what_is_included_is_there():
-    included = {each["include"].removeprefix("#") for each in GRAMMAR["patterns"]}
+    included = {pattern["include"].removeprefix("#") for pattern in GRAMMAR["patterns"]}
     assert included == set(GRAMMAR["repository"])
 
 
@@ -71,7 +71,7 @@ def test_the_conversions_of_the_grammar_are_written_by_their_table():
 
 
 def test_classes_are_coloured():
-    classes = {each for each in keywords() if "." not in each}
+    classes = {keyword for keyword in keywords() if "." not in keyword}
     pattern = GRAMMAR["repository"]["elements"]["match"]
     assert set(re.search(r"\(([\w|]+)\)", pattern).group(1).split("|")) == classes
     assert coloured("elements", "bridge front {") == ["bridge"]

@@ -26,7 +26,7 @@ def bench():
     return Workbench()
 
 
-@pytest.mark.parametrize("path", TEXTS, ids=lambda each: each.stem)
+@pytest.mark.parametrize("path", TEXTS, ids=lambda text_path: text_path.stem)
 def test_reading_leaves_the_tree_as_it_was_parsed(bench, path):
     text = path.read_text(encoding="utf-8")
     bench.texts[path.resolve()] = text
@@ -52,7 +52,7 @@ def test_a_text_is_parsed_once_for_all_that_is_asked(bench, tmp_path):
         outline(text)
     finally:
         sys.setprofile(None)
-    assert any(each.startswith("// This text alone.") for each in parsed)
+    assert any(source.startswith("// This text alone.") for source in parsed)
     assert set(parsed.values()) == {1}
 
 
@@ -60,11 +60,13 @@ def test_a_letter_has_nothing_of_the_library_read_again(bench, tmp_path, monkeyp
     monkeypatch.setitem(read_models.__kwdefaults__, "cache", None)  # which tests share
     path, found, libraries = tmp_path / "robot.ros2jaus", [], []
     text = TEXTS[0].read_text(encoding="utf-8")
-    for each in (text, f"{text}// a", f"{text}// ab"):
-        bench.texts[path] = each
+    for version in (text, f"{text}// a", f"{text}// ab"):
+        bench.texts[path] = version
         found.append(all_problems(bench, path))
         documents = bench._models[path].documents
-        libraries.append({each for each in documents if each.is_library and each.is_xml})
+        libraries.append(
+            {document for document in documents if document.is_library and document.is_xml}
+        )
     assert libraries[0]
     assert libraries[0] == libraries[1] == libraries[2]
     assert found[0] == found[1] == found[2]

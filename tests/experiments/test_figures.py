@@ -29,7 +29,9 @@ def drive(offset=0.0, wiggle=0.0):
 
 def texts(figure):
     """All words of a figure."""
-    return " ".join(each.get_text() for each in figure.findobj(lambda it: hasattr(it, "get_text")))
+    return " ".join(
+        artist.get_text() for artist in figure.findobj(lambda it: hasattr(it, "get_text"))
+    )
 
 
 def turn_figure():

@@ -98,7 +98,7 @@ def test_a_delay_of_20_ms_is_shown_to_differ() -> None:
 def test_rare_long_delays_are_shown_to_differ() -> None:
     # Two of a hundred messages wait 50 ms each way: no median tells of them.
     def with_tail(run: Run) -> Run:
-        ways = {way: [each[0]] * 98 + [0.05] * 2 for way, each in run.latencies.items()}
+        ways = {way: [series[0]] * 98 + [0.05] * 2 for way, series in run.latencies.items()}
         return replace(run, latencies=ways)
 
     good = drives(0.0002, 1, 4)

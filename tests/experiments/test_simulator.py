@@ -50,7 +50,7 @@ def test_events_keep_the_pace_of_the_simulation(tmp_path) -> None:
     assert wall_clock.segments[0].simulated_rate > 30
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
     assert summary["runs"]["half"]["name"] == "half"
-    claims = {each["text"].split(":")[0]: each["holds"] for each in summary["claims"]}
+    claims = {claim["text"].split(":")[0]: claim["holds"] for claim in summary["claims"]}
     assert claims["simulator, wall_clock"] is True
     assert draw(tmp_path).axes
     assert results.Result.read(tmp_path / "half") == half
@@ -82,11 +82,11 @@ def test_has_the_topics_that_gazebo_has_behind_its_bridge(tmp_path, monkeypatch)
     node = rclpy.create_node("looks", context=context)
     with Processes(tmp_path, {"ROS_DOMAIN_ID": "78"}) as processes:
         processes.start("simulator", STAND_IN)
-        for each in wanted:
-            if importlib.util.find_spec(each["ros_type_name"].partition("/")[0]) is None:
+        for bridged_topic in wanted:
+            if importlib.util.find_spec(bridged_topic["ros_type_name"].partition("/")[0]) is None:
                 continue
-            name, type_name = each["ros_topic_name"], each["ros_type_name"]
-            to_ros = each["direction"] == "GZ_TO_ROS"
+            name, type_name = bridged_topic["ros_topic_name"], bridged_topic["ros_type_name"]
+            to_ros = bridged_topic["direction"] == "GZ_TO_ROS"
             look = node.get_publishers_info_by_topic
             if not to_ros:
                 look = node.get_subscriptions_info_by_topic

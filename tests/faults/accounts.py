@@ -49,8 +49,8 @@ def books(system: System) -> Books | None:
     closed = time.monotonic()
 
     def latest() -> dict[str, dict[str, Any]] | None:
-        told = {each["pair"]: each for each in system.accounts()}
-        is_known = all(told.get(each, {"at": 0.0})["at"] > closed + UNDER_WAY for each in PAIRS)
+        told = {account["pair"]: account for account in system.accounts()}
+        is_known = all(told.get(pair, {"at": 0.0})["at"] > closed + UNDER_WAY for pair in PAIRS)
         return told if is_known else None
 
     accounts = wait_for(latest, "accounts of all")
@@ -94,7 +94,7 @@ def adds_up(before: Books, after: Books, unread: str = "") -> dict[str, dict[str
             continue
         lost = "lost on the way, at most"
         seen = {"came": told["came"] - former["came"], "lost": told[lost] - former[lost]}
-        real = {each: truth[each] - former_truth[each] for each in seen}
+        real = {figure: truth[figure] - former_truth[figure] for figure in seen}
         if receiver == unread:
             thrown = real["came"] - seen["came"]
             assert thrown >= 0, f"{pair}: {seen} came of {real}"

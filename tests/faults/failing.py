@@ -149,21 +149,21 @@ def suffer(system, fault):
     began = time.monotonic()
     with fault.during(system):
         lasts = time.monotonic() + fault.seconds
-        stopped = {each: system.stops(each, began) for each in fault.stops}
+        stopped = {stop: system.stops(stop, began) for stop in fault.stops}
         if fault.flows:
             system.flows(time.monotonic())
         time.sleep(max(0.0, lasts - time.monotonic()))
-        standing = [each for each in fault.stops if system.arrivals(each)[-1]["value"]]
+        standing = [stop for stop in fault.stops if system.arrivals(stop)[-1]["value"]]
         assert not standing, "moves again while the fault lasts"
     ended_at = time.monotonic()
     recovered = system.flows(ended_at)
-    stale = {each: system.oldest(each, began) for each in COMMANDS}
+    stale = {command: system.oldest(command, began) for command in COMMANDS}
     assert max(stale.values()) < STALE, stale
     after = None if before is None else books(system)
     packets = {} if before is None or after is None else adds_up(before, after, fault.unread)
     return {
         "packets": packets,
-        "oldest": {each: round(system.oldest(each, began), 2) for each in COMMANDS},
-        "stopped": {each: round(seconds, 2) for each, seconds in stopped.items()},
-        "recovered": {each: round(seconds, 2) for each, seconds in recovered.items()},
+        "oldest": {command: round(system.oldest(command, began), 2) for command in COMMANDS},
+        "stopped": {connection: round(seconds, 2) for connection, seconds in stopped.items()},
+        "recovered": {connection: round(seconds, 2) for connection, seconds in recovered.items()},
     }

@@ -91,7 +91,7 @@ class Proxy:
     def run(self):
         poll = select.poll()
         poll.register(sys.stdin, select.POLLIN | select.POLLHUP)
-        by_number = {each.fileno(): each for each in self.routes}
+        by_number = {route.fileno(): route for route in self.routes}
         for number in by_number:
             poll.register(number, select.POLLIN)
         while True:
@@ -112,7 +112,7 @@ class Proxy:
         if not line:
             return False
         self.fate = json.loads(line)
-        truths = {pair: each.truth() for pair, each in self.pairs.items()}
+        truths = {pair: flow.truth() for pair, flow in self.pairs.items()}
         sys.stdout.write(json.dumps({"kind": "counts", **self.counts, "pairs": truths}) + "\n")
         return True
 
@@ -157,5 +157,5 @@ def name(address):
 if __name__ == "__main__":
     Proxy(
         int(sys.argv[1]),
-        [tuple(map(int, each.replace("=", ":").split(":"))) for each in sys.argv[2:]],
+        [tuple(map(int, argument.replace("=", ":").split(":"))) for argument in sys.argv[2:]],
     ).run()

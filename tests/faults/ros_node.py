@@ -52,7 +52,7 @@ class Peer(Node):
             if peer:
                 counts = {e.key: int(e.value) for e in status.values if e.value.isdecimal()}
                 say_counts(peer, status.hardware_id, counts)
-            values = {each.key: each.value for each in status.values}
+            values = {value.key: value.value for value in status.values}
             if "messages taken" in values:
                 say_connection(status.name, values)
 

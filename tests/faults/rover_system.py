@@ -71,7 +71,7 @@ class System:
         self._all: dict[str, list[Process]] = {role: [] for role in ROLES}
         self.running: dict[str, Process] = {}
         first = self.network.first
-        for role in sorted(ROLES, key=lambda each: each != first):
+        for role in sorted(ROLES, key=lambda role_name: role_name != first):
             self.start(role)
             if role == first:
                 self.begins(role)
@@ -153,10 +153,10 @@ class System:
         found: dict[str, float] = {}
         end = time.monotonic() + seconds
         while lacking := CONNECTIONS.keys() - found.keys():
-            for each in lacking:
-                came = self.fresh(each, since)
+            for connection in lacking:
+                came = self.fresh(connection, since)
                 if came is not None:
-                    found[each] = came - since
+                    found[connection] = came - since
             assert time.monotonic() < end, f"nothing came by {sorted(lacking)} in {seconds} s"
             time.sleep(0.02)
         return found

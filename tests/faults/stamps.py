@@ -63,8 +63,8 @@ def say_accounts(component: JausComponent) -> None:
     from jausml_runtime.transports.transport import accounts_of  # ROS nodes have no runtime
 
     component.loop.call_later(ACCOUNT_PERIOD, lambda: say_accounts(component))
-    for each in accounts_of(component):
-        say_counts(each.traffic.peer, component.address, each.counts())
+    for account in accounts_of(component):
+        say_counts(account.traffic.peer, component.address, account.counts())
 
 
 def say(kind: str, value: float, **more: object) -> None:

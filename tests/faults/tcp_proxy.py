@@ -100,10 +100,10 @@ class TcpProxy:
             data = b""
         self.passed += len(data)
         if not data:
-            for each in (sock, other):
-                self.others.pop(each, None)
-                self.forget(each)
+            for endpoint in (sock, other):
+                self.others.pop(endpoint, None)
+                self.forget(endpoint)
 
 
 if __name__ == "__main__":
-    TcpProxy(tuple(map(int, each.split("="))) for each in sys.argv[1:]).run()
+    TcpProxy(tuple(map(int, argument.split("="))) for argument in sys.argv[1:]).run()

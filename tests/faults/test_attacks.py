@@ -132,11 +132,11 @@ def stranger(port):
 
 def counted(*operators):
     """Has operators count; returns the share of its reports that each one got."""
-    for each in operators:
-        each.count()
-    for each in operators:
-        wait_for(lambda each=each: each.ticks == TICKS, "end of the count", 60)
-    return [each.reports / each.ticks for each in operators]
+    for operator in operators:
+        operator.count()
+    for operator in operators:
+        wait_for(lambda each=operator: each.ticks == TICKS, "end of the count", 60)
+    return [operator.reports / operator.ticks for operator in operators]
 
 
 @pytest.mark.parametrize("attack", ATTACKS)
@@ -147,8 +147,8 @@ def test_events_of_invented_ids(robot, start, stranger, attack):
     before.watch()
     wait_for(lambda: before.reports, "first report")
     attacker = stranger(host, acknowledges=acknowledges)
-    for number, each in enumerate(IDENTITIES):
-        attacker.send(each, event(1092.0), number)
+    for number, address in enumerate(IDENTITIES):
+        attacker.send(address, event(1092.0), number)
     wait_for(lambda: len(robot.transport.address_book) > 200, "arrival of the attack")
     late = start(LATE, HOSTS[LATE], Operator)
     late.watch()
@@ -176,8 +176,8 @@ def test_more_ids_than_an_address_book_holds(start, stranger, fixed):
         while not ended.wait(0.05):
             for _ in range(100):
                 number += 1
-                each = JausAddress(1000 + number % 1100, 1, 1)
-                attacker.send(each, QueryStatus().encode(), number & 0xFFFF)
+                address = JausAddress(1000 + number % 1100, 1, 1)
+                attacker.send(address, QueryStatus().encode(), number & 0xFFFF)
 
     flooding = threading.Thread(target=flood)
     flooding.start()

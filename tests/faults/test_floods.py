@@ -94,8 +94,8 @@ def gone_wild(system, *, is_capped):
     flooded = arrived(system, WILD_SECONDS)
     used = processor_seconds(system) - used
     if is_capped:
-        passed = [each for each in system.arrivals("cruise") if each["value"]]
-        recent = [each for each in passed if each["at"] > passed[-1]["at"] - WILD_SECONDS]
+        passed = [arrival for arrival in system.arrivals("cruise") if arrival["value"]]
+        recent = [arrival for arrival in passed if arrival["at"] > passed[-1]["at"] - WILD_SECONDS]
         assert len(recent) <= CAP * (WILD_SECONDS + 2)
     # How the others fare is asked.
     del alone["cruise"]
@@ -135,7 +135,7 @@ def flood(system, name, tmp_path):
 
 def told(alone, flooded, processor):
     """Returns the figures of a flood: what arrived, beside the same time without it."""
-    share = min(len(flooded[each]) / len(alone[each]) for each in alone)
+    share = min(len(flooded[connection]) / len(alone[connection]) for connection in alone)
     return {
         "rate": round(share, 2),
         "processor": round(processor, 2),
@@ -156,16 +156,16 @@ def arrived(system, seconds):
     start = time.monotonic()
     time.sleep(seconds)
     return {
-        each: [
+        connection: [
             age(fact["value"], fact["at"])
-            for fact in system.arrivals(each)
+            for fact in system.arrivals(connection)
             if fact["at"] > start and fact["value"]
         ]
-        for each in CONNECTIONS
+        for connection in CONNECTIONS
     }
 
 
 def late(ages):
     """The 99th percentile of the ages of all connections, in seconds."""
-    ordered = sorted(each for some in ages.values() for each in some)
+    ordered = sorted(message_age for some in ages.values() for message_age in some)
     return round(ordered[math.ceil(0.99 * len(ordered)) - 1], 4) if ordered else None

@@ -35,7 +35,7 @@ CONTROL = 9
 def speeches(system):
     """Returns what guardians have said that they do."""
     logs = sorted(system.logs.glob("bridge-*.log"))
-    return [each for log in logs for each in SPEECH.findall(log.read_text(errors="replace"))]
+    return [match for log in logs for match in SPEECH.findall(log.read_text(errors="replace"))]
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def _whole(request):
 
 def stopped(system, began):
     """Waits until the stops of the guardian stand, and returns when they came."""
-    found = {each: system.stops(each, began) for each in COMMANDS}
+    found = {command: system.stops(command, began) for command in COMMANDS}
     first = next(x for x in system.arrivals("drive") if x["at"] > began and not x["value"])
     assert "why" not in first, "the vehicle has stopped by itself"
     return found

@@ -42,15 +42,24 @@ def halt(system, seconds):
     ended_at = time.monotonic()
     system.signal("bridge", signal.SIGCONT)
     system.flows(ended_at)
-    return {each: system.oldest(each, ended_at) for each in COMMANDS}
+    return {command: system.oldest(command, ended_at) for command in COMMANDS}
 
 
 @pytest.mark.parametrize(
     "seconds",
-    [pytest.param(each, marks=() if each in QUICK else pytest.mark.faults) for each in HALTS],
+    [
+        pytest.param(duration, marks=() if duration in QUICK else pytest.mark.faults)
+        for duration in HALTS
+    ],
 )
 def test_what_waited_while_the_bridge_was_halted_is_not_obeyed(system, seconds, record):
     ages = halt(system, seconds)
-    record("halts", f"{seconds:g} s", {each: round(age, 2) for each, age in ages.items()})
-    late = {each: age for each, age in ages.items() if age > SILENCE[each] + ON_THE_WAY}
+    record(
+        "halts", f"{seconds:g} s", {connection: round(age, 2) for connection, age in ages.items()}
+    )
+    late = {
+        connection: age
+        for connection, age in ages.items()
+        if age > SILENCE[connection] + ON_THE_WAY
+    }
     assert not late, late

@@ -95,7 +95,10 @@ FAULTS = [
 
 @pytest.mark.parametrize(
     "fault",
-    [pytest.param(each, marks=each.marks, id=each.name.replace(" ", "_")) for each in FAULTS],
+    [
+        pytest.param(fault_case, marks=fault_case.marks, id=fault_case.name.replace(" ", "_"))
+        for fault_case in FAULTS
+    ],
 )
 def test_fault(system, fault, record):
     record("faults", fault.name, suffer(system, fault))

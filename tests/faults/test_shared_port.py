@@ -30,7 +30,8 @@ SHARED = [
 
 @pytest.mark.faults
 @pytest.mark.parametrize(
-    "fault", [pytest.param(each, id=each.name.replace(" ", "_")) for each in SHARED]
+    "fault",
+    [pytest.param(fault_case, id=fault_case.name.replace(" ", "_")) for fault_case in SHARED],
 )
 def test_fault_on_a_shared_port(shared_system, fault, record):
     record("faults", fault.name, suffer(shared_system, fault))

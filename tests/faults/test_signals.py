@@ -44,8 +44,8 @@ def catches_signals(process):
 
 
 def fast_dds():
-    return {each.name for each in SHARED_MEMORY.glob("*fastdds*")} | {
-        each.name for each in SHARED_MEMORY.glob("*fastrtps*")
+    return {segment.name for segment in SHARED_MEMORY.glob("*fastdds*")} | {
+        segment.name for segment in SHARED_MEMORY.glob("*fastrtps*")
     }
 
 
@@ -116,8 +116,8 @@ def test_signals_at_any_moment(path, tmp_path, rounds):
                 wait_for(lambda: catches_signals(process), "first line")  # noqa: B023
                 time.sleep(chance.uniform(0.0, LONGEST))
                 kinds = chance.choices((signal.SIGINT, signal.SIGTERM), k=chance.choice((1, 2)))
-                for each in kinds:
-                    process.send_signal(each)
+                for kind in kinds:
+                    process.send_signal(kind)
                     time.sleep(chance.uniform(0.0, 0.1))
                 code = process.wait(PATIENCE)
             finally:

@@ -58,9 +58,11 @@ def joined(request, path, tmp_path_factory):
 @pytest.mark.parametrize(
     ("joined", "fault"),
     [
-        pytest.param(network, each, marks=each.marks, id=each.name.replace(" ", "_"))
+        pytest.param(
+            network, fault_case, marks=fault_case.marks, id=fault_case.name.replace(" ", "_")
+        )
         for network, faults in ((Tcp, TCP), (NodeManager, MANAGER))
-        for each in faults
+        for fault_case in faults
     ],
     indirect=["joined"],
 )

@@ -55,7 +55,7 @@ class Vehicle(JausComponent):
 
 
 if __name__ == "__main__":
-    numbers = list(takewhile(lambda each: not each.startswith("--"), sys.argv[1:]))
+    numbers = list(takewhile(lambda argument: not argument.startswith("--"), sys.argv[1:]))
     del sys.argv[1 : 1 + len(numbers)]
     wrong, control = (*map(float, numbers), *(0.0, 2.0)[len(numbers) :])
     OFFSET = timedelta(seconds=wrong)

@@ -17,7 +17,7 @@ LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 names = st.builds(
     lambda letter, length: letter * length,
-    st.sampled_from([each for each in LETTERS if each not in "bfrtu"]),
+    st.sampled_from([letter for letter in LETTERS if letter not in "bfrtu"]),
     st.integers(2, 14),
 )
 paths = st.lists(names, min_size=1, max_size=3).map(".".join)

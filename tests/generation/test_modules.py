@@ -39,8 +39,8 @@ words = st.one_of(
 
 def module(names: list[str], ending: str = "") -> str:
     """Returns a module with a method and a test for each name."""
-    methods = "".join(METHOD.format(each, ending) for each in names)
-    tests = "".join(TEST.format(each, ending) for each in names)
+    methods = "".join(METHOD.format(name, ending) for name in names)
+    tests = "".join(TEST.format(name, ending) for name in names)
     return f"{HEAD}{CLASS}{methods}{tests}"
 
 
@@ -92,7 +92,7 @@ def test_pieces_that_differ_in_a_word_are_parsed_once(parses):
 def test_pieces_that_differ_in_strings_are_parsed_once(parses):
     text = 'def test_{0}() -> None:\n    assert frame_of({0}) == "link_{1}"\n\n\n'
     names = [f"c{number}" for number in range(10, 90)]
-    made = "".join(text.format(each, 150 - number) for number, each in enumerate(names))
+    made = "".join(text.format(name, 150 - number) for number, name in enumerate(names))
 
     assert Modules().finished(made, None, names) == made
     assert len(parses) < 5
@@ -101,7 +101,7 @@ def test_pieces_that_differ_in_strings_are_parsed_once(parses):
 def test_a_word_counts_in_attributes_of_anything(parses):
     text = "def make(bridge: object) -> object:\n    return bridge.{0}_speed\n\n\n"
     names = [f"c{number}" for number in range(10, 60)]
-    Modules().finished("".join(text.format(each) for each in names), None, names)
+    Modules().finished("".join(text.format(name) for name in names), None, names)
 
     assert len(parses) < 5
 
@@ -118,7 +118,7 @@ def test_statements_that_differ_in_a_word_are_laid_out_once(monkeypatch):
     statement = (
         "    self.{0} = Event('{0}', self.translate_{0}, ['one', 'other'], rate=10, limit={1})"
     )
-    long = "\n".join(statement.format(each, "1" * 30) for each in names)
+    long = "\n".join(statement.format(name, "1" * 30) for name in names)
     found = Modules().finished(f"def make(self: object) -> None:\n{long}\n", None, names)
 
     assert found.count("self.translate_") == len(names)
@@ -129,7 +129,7 @@ def test_each_piece_is_parsed_once_and_again_where_it_was_broken(parses):
     names = ["one", "other"]
     Modules().finished(module(names), IMPORTS)
 
-    whole = [each for each in parses if "translate_one" in each and "translate_other" in each]
+    whole = [parse for parse in parses if "translate_one" in parse and "translate_other" in parse]
     assert not whole
     assert len(parses) <= 2 * len(names) * 2 + 3
 

@@ -26,4 +26,4 @@ def test_the_error_is_told_and_not_where_it_is(tmp_path: Path) -> None:
     assert "error: " in built.reason
     assert "fast" in built.reason
     assert not library_of(source).exists()
-    assert [each.name for each in (tmp_path / "front").iterdir() if "core" in each.name] == ["core"]
+    assert [path.name for path in (tmp_path / "front").iterdir() if "core" in path.name] == ["core"]

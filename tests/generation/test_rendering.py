@@ -303,7 +303,7 @@ def test_more_files_than_a_workspace_can_have_are_refused_before_they_are_made(
 
 
 def test_files_that_are_too_much_together_are_refused(workspace, vehicle, arm, monkeypatch):
-    size = sum(len(each.text) for each in workspace.render([vehicle, arm]))
+    size = sum(len(file.text) for file in workspace.render([vehicle, arm]))
     monkeypatch.setattr("jausml.generation.rendering.MAX_CHARACTERS", size)
     workspace.render([vehicle, arm])
     monkeypatch.setattr("jausml.generation.rendering.MAX_CHARACTERS", size - 1)

@@ -236,7 +236,7 @@ def test_what_a_killed_run_of_another_model_left_is_tidied_up(
 
     mine = {path for path in workspace.files() if path.endswith(("arm.py", "rear.py"))}
     assert set(workspace.files()) == kept | mine | {gen.MANIFEST_PATH}
-    assert {each.path for each in workspace.plan([vehicle]).orphans} >= mine
+    assert {orphan.path for orphan in workspace.plan([vehicle]).orphans} >= mine
     assert workspace.plan([vehicle]).is_up_to_date
 
 
@@ -263,7 +263,7 @@ def test_an_edit_after_the_plan_is_kept(workspace, vehicle, rename):
     workspace.write([vehicle])
     plan = workspace.plan([rename(vehicle, doc="Changed.")])
     base = workspace.path("vehicle/vehicle_base.py")
-    new = next(each.new for each in plan.actions if each.path.endswith("vehicle_base.py"))
+    new = next(action.new for action in plan.actions if action.path.endswith("vehicle_base.py"))
     base.write_text("mine", encoding="utf-8")
     workspace.path("vehicle/vehicle_base.py.orig").write_text("older", encoding="utf-8")
 
@@ -292,4 +292,4 @@ def test_a_manifest_that_is_a_pipe_is_refused_and_not_read(workspace, vehicle):
 
     plan = workspace.plan([vehicle])
 
-    assert [each.path for each in plan.refused] == [gen.MANIFEST_PATH]
+    assert [refusal.path for refusal in plan.refused] == [gen.MANIFEST_PATH]

@@ -87,10 +87,14 @@ def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
     path = folder / f"{name}.ros2jaus"
     path.write_text(text, encoding="utf-8")
     result = check_project([path])
-    errors = [each for each in result.diagnostics if each.severity.name == "ERROR"]
+    errors = [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name == "ERROR"
+    ]
     # The bridges here have nobody to talk to; all else must be accepted.
-    refusals = [each for each in errors if each.rule not in {"JML422", "JML423"}]
-    assert not refusals, "\n".join(f"{each.location.line}: {each.message}" for each in refusals)
+    refusals = [error for error in errors if error.rule not in {"JML422", "JML423"}]
+    assert not refusals, "\n".join(
+        f"{refusal.location.line}: {refusal.message}" for refusal in refusals
+    )
     made = {
         artifact.path: artifact for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME])
     }

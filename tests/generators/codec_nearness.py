@@ -32,7 +32,9 @@ def coded_values(view: MessageView, message: Any) -> list[tuple[Fixed, Any]]:
 
 def _coded_in(part: Any, message: Any) -> Iterator[tuple[Fixed, Any]]:
     if isinstance(part, VariableFieldClass):
-        chosen = next(each for each in part.alternatives if each.index == message.index)
+        chosen = next(
+            alternative for alternative in part.alternatives if alternative.index == message.index
+        )
         yield from _coded_of(chosen.value, message.value)
         return
     for member in part.members:
@@ -87,7 +89,9 @@ def _part(part: Any, sent: Any, received: Any, place: str) -> list[str]:
         return _container(part, sent, received, place)
     if sent.index != received.index:
         return [f"{place}: index {sent.index} became {received.index}"]
-    chosen = next(each for each in part.alternatives if each.index == sent.index)
+    chosen = next(
+        alternative for alternative in part.alternatives if alternative.index == sent.index
+    )
     return _value(chosen.value, sent.value, received.value, place)
 
 

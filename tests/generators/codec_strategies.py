@@ -68,7 +68,8 @@ class _Strategies:
         cls = self.nested(part.path)
         if isinstance(part, VariableFieldClass):
             return st.one_of(
-                st.builds(cls, st.just(each.index), fixed(each.value)) for each in part.alternatives
+                st.builds(cls, st.just(alternative.index), fixed(alternative.value))
+                for alternative in part.alternatives
             )
         return self.container(part, cls)
 

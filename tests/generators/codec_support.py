@@ -43,7 +43,10 @@ def render(messages: tuple[MessageView, ...], summary: str = "Messages of a test
     """Returns the text of a module with the codecs."""
     view = MessagesModule(summary, "jausml.runtime", messages, "test.xmi", "test")
     task = FileTask(
-        "messages.py.j2", [view], lambda _: "messages.py", imports=lambda each: each.imports
+        "messages.py.j2",
+        [view],
+        lambda _: "messages.py",
+        imports=lambda messages_module: messages_module.imports,
     )
     target = Target("messages", "", lambda _: [task], template_folders=(TEMPLATES,))
     (artifact,) = render_targets(None, [target])

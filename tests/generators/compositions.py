@@ -82,8 +82,12 @@ def ready_maps() -> tuple[ReadyMap, ...]:
     result = read_models(sorted(folder.glob("*.ros2jaus")), notations=NOTATIONS)
     assert not result.has_errors, result.diagnostics
     maps = result.model.instances(bridge.AttributeMap)
-    for_topics = (each for each in maps if not isinstance(each.type.eContainer(), ros.ServiceType))
-    return tuple(_ready_map(each, result.model) for each in for_topics)
+    for_topics = (
+        attribute_map
+        for attribute_map in maps
+        if not isinstance(attribute_map.type.eContainer(), ros.ServiceType)
+    )
+    return tuple(_ready_map(for_topic, result.model) for for_topic in for_topics)
 
 
 def _ready_map(each: Any, model: Any) -> ReadyMap:
@@ -96,7 +100,7 @@ def _ready_map(each: Any, model: Any) -> ReadyMap:
         is_command=is_command(each.message),
         ways=tuple(way for way, assignments, _ in ways if assignments),
         joins=tuple(join.name for join in each.joins),
-        quantities=tuple((each.name, each.units) for each in each.quantities),
+        quantities=tuple((quantity.name, quantity.units) for quantity in each.quantities),
         undecided=tuple(way for way, _, stop in ways if stop is None and each.message.moves),
     )
 
@@ -109,9 +113,11 @@ def composition(choose: Choose) -> str:
     """
     counts = range(choose((1, 1, 1, 2)))
     bridges = [_Bridge(choose, f"{choose(_NAMES)}_{n}" if n else choose(_NAMES)) for n in counts]
-    lines = [line for n, each in enumerate(bridges) for line in each.lines(f"10.{n + 1}")]
-    files = sorted({ready.file for each in bridges for ready in each.maps})
-    return "\n".join([*(f"import mappings.{each}" for each in files), *lines, ""])
+    lines = [
+        line for n, drawn_bridge in enumerate(bridges) for line in drawn_bridge.lines(f"10.{n + 1}")
+    ]
+    files = sorted({ready.file for drawn_bridge in bridges for ready in drawn_bridge.maps})
+    return "\n".join([*(f"import mappings.{file}" for file in files), *lines, ""])
 
 
 def often(choose: Choose, things: tuple[str, ...], usual: str = "") -> str:
@@ -132,13 +138,15 @@ class _Bridge:
 
     def lines(self, area: str) -> Iterator[str]:
         """Yields the bridge and the component that it speaks with; area is the subsystem."""
-        connections = [line for n, each in enumerate(self.maps) for line in self._talk(n, each)]
+        connections = [
+            line for n, ready_map in enumerate(self.maps) for line in self._talk(n, ready_map)
+        ]
         yield from (f"bridge `{self.name}` {{", f"  address: {area}.1")
         yield from self._feature("namespace", ("fleet", "a/b", "class"))
         yield from self._feature("frequency", ("1", "10", "1000", "0.001"))
         yield from self._named("provides", self.given)
         yield from self._named("uses", self.used)
-        quantities = {pair for each in self.maps for pair in each.quantities}
+        quantities = {pair for ready_map in self.maps for pair in ready_map.quantities}
         for name, units in sorted(quantities):
             if self.choose((True, False)):
                 value = self.choose(("1", "0.001", "8.5", "1e9", "-3", "0"))
@@ -214,4 +222,4 @@ class _Bridge:
         if self.choose((True, True, False)):
             return ""
         parts = [f"{name}: {often(self.choose, values)}" for name, values in _QOS]
-        return f"qos: {{ {'  '.join(each for each in parts if not each.endswith(': '))} }}"
+        return f"qos: {{ {'  '.join(part for part in parts if not part.endswith(': '))} }}"

@@ -49,4 +49,4 @@ def main(package: Path, module: str, replacements: list[Path]) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2], [Path(each) for each in sys.argv[3:]])
+    main(Path(sys.argv[1]), sys.argv[2], [Path(argument) for argument in sys.argv[3:]])

@@ -29,7 +29,11 @@ def services(*numbers):
     """The query for services of nodes or components."""
     node, component = core.QueryServices.NodeRec, core.QueryServices.ComponentRec
     return core.QueryServices(
-        [core.QueryServices.NodeSeq(node(numbers[0]), [component(each) for each in numbers[1:]])]
+        [
+            core.QueryServices.NodeSeq(
+                node(numbers[0]), [component(number) for number in numbers[1:]]
+            )
+        ]
     )
 
 
@@ -51,7 +55,7 @@ def elements(*uids):
 
 def deleted(*uids):
     record = core.DeleteElement.DeleteElementRec
-    return core.DeleteElement(core.DeleteElement.RequestIDRec(2), [record(each) for each in uids])
+    return core.DeleteElement(core.DeleteElement.RequestIDRec(2), [record(uid) for uid in uids])
 
 
 def near(**values):
@@ -67,7 +71,10 @@ def says(**values):
 
 
 DISCOVERY = [
-    *((core.QueryIdentification(each), core.ReportIdentification) for each in (1, 2, 3, 4)),
+    *(
+        (core.QueryIdentification(query_type), core.ReportIdentification)
+        for query_type in (1, 2, 3, 4)
+    ),
     (services(255, 255), core.ReportServices),
     (services(1, 1), core.ReportServices),
     (listed(), core.ReportServiceList),
@@ -179,7 +186,7 @@ def unit():
 
 
 def test_a_judge_has_every_answer(unit):
-    assert sum(len(each) for each in TASKS) == 80
+    assert sum(len(task_group) for task_group in TASKS) == 80
     wrong, event = [], 0
     for task in TASKS:
         for message, expected, *checks in task:
@@ -199,4 +206,4 @@ def test_a_judge_has_every_answer(unit):
                     break
             else:
                 wrong.append((message, None))
-    assert not wrong, "\n".join(str(each) for each in wrong)
+    assert not wrong, "\n".join(str(failure) for failure in wrong)

@@ -67,7 +67,9 @@ class Made:
 def light_module(paths, name):
     """Returns the module of the light classes of all message types in some files."""
     result = read_models(list(paths))
-    assert [each for each in result.diagnostics if each.severity.name == "ERROR"] == []
+    assert [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name == "ERROR"
+    ] == []
     packages = list(result.model.instances(ros.InterfacePackage))
     light = LightModule([message for package in packages for message in package.messages])
     target = Target(
@@ -89,7 +91,10 @@ def light_module(paths, name):
     sys.modules[name] = module
     exec(compile(text, name, "exec"), vars(module))  # noqa: S102
     return Made(
-        module, {ros_type(each).full_name: each for each in light.types}, light, artifact.text
+        module,
+        {ros_type(message_type).full_name: message_type for message_type in light.types},
+        light,
+        artifact.text,
     )
 
 
@@ -120,7 +125,7 @@ def real_class(message):
 @functools.cache
 def values_of(message):
     """Returns a strategy for the values of a message, as dict by field."""
-    return st.fixed_dictionaries({each.name: _field(each) for each in fields_of(message)})
+    return st.fixed_dictionaries({field.name: _field(field) for field in fields_of(message)})
 
 
 def _field(field):
@@ -171,7 +176,7 @@ def _object(message, values, class_of, *, is_real):
     made = class_of(message)()
     for field in fields_of(message):
         value = values[field.name]
-        value = one(field, value) if field.is_single else [one(field, each) for each in value]
+        value = one(field, value) if field.is_single else [one(field, entry) for entry in value]
         setattr(made, field.name, value)
     return made
 
@@ -203,8 +208,8 @@ class Writer:
             value = values[field.name]
             if not (field.is_single or field.is_fixed):
                 self.number("I", len(value))
-            for each in [value] if field.is_single else value:
-                self._one(field, each)
+            for entry in [value] if field.is_single else value:
+                self._one(field, entry)
 
     def _one(self, field, value):
         if field.message is not None:

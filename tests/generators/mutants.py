@@ -92,7 +92,7 @@ def mutant(choose: Choose, texts: Sequence[str]) -> str:
 def _written(root: Element) -> str:
     """Returns the document; values of xsi:type need prefixes that no tag may use."""
     packages = load_metamodels().packages
-    names = {XMI: "xmi", XSI: "xsi", **{uri: each.name for uri, each in packages.items()}}
+    names = {XMI: "xmi", XSI: "xsi", **{uri: package.name for uri, package in packages.items()}}
     for uri, prefix in names.items():
         ElementTree.register_namespace(prefix, uri)
     text = ElementTree.tostring(root, encoding="unicode")
@@ -108,7 +108,7 @@ def _places(root: Element) -> Iterator[tuple[Element, Element | None, ClassTable
     pending: list[tuple[Element, Element | None, ClassTable | None]] = []
     pending = [(root, None, _root_class(root))]
     if pending[0][2] is None:
-        pending = [(each, root, _root_class(each)) for each in root]
+        pending = [(top_element, root, _root_class(top_element)) for top_element in root]
     while pending:
         element, owner, table = pending.pop()
         if table is None:
@@ -132,7 +132,7 @@ def _root_class(element: Element) -> ClassTable | None:
 def _value(choose: Choose, root: Element, feature: FeatureTable) -> str:
     data_type = feature.data_type
     if data_type is None:
-        ids = [each.get(_ID) for each in root.iter() if each.get(_ID)]
+        ids = [element.get(_ID) for element in root.iter() if element.get(_ID)]
         return choose([*ids, "", "nobody"])
     if data_type.kind is ValueKind.ENUMERATION:
         return choose(data_type.legal)
@@ -143,7 +143,7 @@ def _value(choose: Choose, root: Element, feature: FeatureTable) -> str:
         return str(choose([n for n in (*INTEGERS, *ends) if ends[0] <= n <= ends[1]]))
     if data_type.kind is ValueKind.REAL:
         return choose(REALS)
-    others = {each.get(feature.name) for each in root.iter()} - {None}
+    others = {element.get(feature.name) for element in root.iter()} - {None}
     return choose([*TEXTS, *sorted(others), *sorted(others)])
 
 
@@ -151,11 +151,13 @@ def _assign(choose: Choose, root: Element, places: list) -> None:
     """Changes an attribute, written or not."""
     element, _, table = choose(places)
     settable = [
-        each
-        for each in table.features.values()
-        if each.settable and each.kind is not FeatureKind.CONTAINMENT and not each.many
+        candidate
+        for candidate in table.features.values()
+        if candidate.settable
+        and candidate.kind is not FeatureKind.CONTAINMENT
+        and not candidate.many
     ]
-    written = [each for each in settable if element.get(each.name) is not None]
+    written = [candidate for candidate in settable if element.get(candidate.name) is not None]
     feature = choose([*settable, *written, *written])
     element.set(feature.name, _value(choose, root, feature))
 
@@ -198,9 +200,9 @@ def _double(choose: Choose, _root: Element, places: list) -> None:
     if owner is None:
         return
     twin = copy.deepcopy(element)
-    for number, each in enumerate(twin.iter()):
-        if each.get(_ID):
-            each.set(_ID, f"{each.get(_ID)}.twin{number}.{len(owner)}")
+    for number, descendant in enumerate(twin.iter()):
+        if descendant.get(_ID):
+            descendant.set(_ID, f"{descendant.get(_ID)}.twin{number}.{len(owner)}")
     if choose((True, True, False)) and twin.get("name"):
         twin.set("name", f"{twin.get('name')}_2")
     owner.insert(list(owner).index(element) + choose((0, 1)), twin)
@@ -209,7 +211,9 @@ def _double(choose: Choose, _root: Element, places: list) -> None:
 def _exchange(choose: Choose, _root: Element, places: list) -> None:
     """Exchanges what two elements of one class hold, or their order."""
     element, _owner, table = choose(places)
-    others = [each for each, _, kind in places if kind is table and each is not element]
+    others = [
+        candidate for candidate, _, kind in places if kind is table and candidate is not element
+    ]
     if not others:
         return
     other = choose(others)
@@ -218,16 +222,16 @@ def _exchange(choose: Choose, _root: Element, places: list) -> None:
     else:
         name = choose(sorted({*element.attrib, *other.attrib} - {_ID}) or ["name"])
         one, two = element.get(name), other.get(name)
-        for each, value in ((element, two), (other, one)):
+        for receiver, value in ((element, two), (other, one)):
             if value is None:
-                each.attrib.pop(name, None)
+                receiver.attrib.pop(name, None)
             else:
-                each.set(name, value)
+                receiver.set(name, value)
 
 
 def _point(choose: Choose, root: Element, _places: list) -> None:
     """Lets a reference point at what another one points at."""
-    found = [each for each in root.iter() if each.get("href")]
+    found = [referrer for referrer in root.iter() if referrer.get("href")]
     if found:
         element = choose(found)
         element.set("href", choose(found).get("href") or "")

@@ -54,7 +54,7 @@ for name in sys.argv[1:]:
 @pytest.fixture(scope="module")
 def targets():
     """Returns every target, with that of dissectors."""
-    return [each for each in load_targets().values() if each.name != "declared_interfaces"]
+    return [target for target in load_targets().values() if target.name != "declared_interfaces"]
 
 
 @pytest.mark.slow
@@ -90,16 +90,18 @@ def make_a_workspace(targets, choose, text, file_name):
         if report.has_errors:
             return
         try:
-            artifacts = render(report.model, [each for each in targets if each is not DEPLOYMENT])
+            artifacts = render(
+                report.model, [target for target in targets if target is not DEPLOYMENT]
+            )
         except NoSystemError:
             return  # a mutant of several systems, or none
         with suppress(GenerationError):  # it asks for hosts, and for such as can meet
             artifacts += render(report.model, [DEPLOYMENT])
         assert find_problems(artifacts) == {}
-        for each in artifacts:
-            read_as_its_format(each)
-            (folder / "ws" / each.path).parent.mkdir(parents=True, exist_ok=True)
-            (folder / "ws" / each.path).write_bytes(each.text.encode("utf-8"))
+        for artifact in artifacts:
+            read_as_its_format(artifact)
+            (folder / "ws" / artifact.path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / "ws" / artifact.path).write_bytes(artifact.text.encode("utf-8"))
         read_by_python(folder / "ws", runs_tests=choose((True, *[False] * 9)))
 
 
@@ -118,7 +120,7 @@ def read_as_its_format(artifact):
 def read_by_python(workspace, *, runs_tests):
     """Imports the packages, and runs their tests where the ROS packages are that they need."""
     needs.ask("rclpy")
-    names = [Path(each).name for each in packages_of(workspace)]
+    names = [Path(package).name for package in packages_of(workspace)]
     environment = {**os.environ, "PYTHONPATH": python_path(workspace)}
     run = {"env": environment, "capture_output": True, "text": True, "check": False}
     done = subprocess.run([sys.executable, "-c", _IMPORT, *names], timeout=300, **run)
@@ -156,6 +158,6 @@ def test_compositions_can_be_made_again():
 def test_compositions_use_every_ready_map():
     choose = random.Random(0).choice
     drawn = "\n".join(compositions.composition(choose) for _ in range(200))
-    assert {each.name for each in compositions.ready_maps()} == set(
+    assert {ready_map.name for ready_map in compositions.ready_maps()} == set(
         re.findall(r"^    map: (\w+)$", drawn, flags=re.MULTILINE)
     )

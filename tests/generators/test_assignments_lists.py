@@ -165,19 +165,21 @@ def route(*points):
 
 def test_elements_carry_whole_messages(made):
     target = made.bridge.translate_elements_out(route((1.0, 2.0), (3.0, -4.0)))
-    assert [each.element_uid for each in target.element_list] == [2, 12]
-    assert {each.element_data.format_index for each in target.element_list} == {0}
+    assert [element.element_uid for element in target.element_list] == [2, 12]
+    assert {element.element_data.format_index for element in target.element_list} == {0}
     waypoint = made.messages.SetLocalWaypoint
-    found = [waypoint.decode(each.element_data.data) for each in target.element_list]
-    assert [each.x for each in found] == pytest.approx([1.0, 3.0], abs=1e-3)
-    assert [each.y for each in found] == pytest.approx([-2.0, 4.0], abs=1e-3)
+    found = [waypoint.decode(element.element_data.data) for element in target.element_list]
+    assert [decoded_waypoint.x for decoded_waypoint in found] == pytest.approx([1.0, 3.0], abs=1e-3)
+    assert [decoded_waypoint.y for decoded_waypoint in found] == pytest.approx(
+        [-2.0, 4.0], abs=1e-3
+    )
 
 
 def test_there_and_back(made):
     message = made.bridge.translate_elements_out(route((1.0, 2.0), (3.0, -4.0)))
     target = made.bridge.translate_elements(type(message).decode(message.encode()))
     assert target.header.frame_id == "odom"
-    points = [(each.pose.position.x, each.pose.position.y) for each in target.poses]
+    points = [(pose.pose.position.x, pose.pose.position.y) for pose in target.poses]
     assert points == [pytest.approx((1.0, 2.0), abs=1e-3), pytest.approx((3.0, -4.0), abs=1e-3)]
     assert made.bridge.translate_elements(type(message)()).poses == []
 
@@ -226,7 +228,7 @@ def positions(**joints):
 
 
 def values_of(report):
-    return [each.joint_position.value for each in report.joint_position_list]
+    return [joint.joint_position.value for joint in report.joint_position_list]
 
 
 def test_elements_are_found_by_name(made):
@@ -249,7 +251,7 @@ def test_names_without_values_are_missing(made):
 
 def joint_report(made, *values):
     report = made.messages.ReportJointPositions
-    elements = [report.JointPositionRec(report.JointPosition(1, each)) for each in values]
+    elements = [report.JointPositionRec(report.JointPosition(1, value)) for value in values]
     return report(joint_position_list=elements)
 
 
@@ -278,7 +280,7 @@ def test_rows_change_their_order_and_options_are_chosen(made):
     source.info.origin.position.x = 7.0
     source.data = [0, 50, 100, -1, 0, 100]
     target = made.bridge.translate_grid_out(source)
-    costs = [each.cost for each in target.cost_map2d_data_var.cost_data_list]
+    costs = [cell.cost for cell in target.cost_map2d_data_var.cost_data_list]
     assert costs == [255, 0, 254, 0, 127, 254]
     assert isinstance(target.cost_map2d_pose_var, type(target).CostMap2DLocalPoseRec)
     back = made.bridge.translate_grid(type(target).decode(target.encode()))
@@ -316,5 +318,9 @@ def test_joins_are_arguments_and_dependencies(made):
     assert f'"scan", LaserScan, [Topic("scan", {hearing}))], freshness=2.0, drop=True' in base
     assert "<exec_depend>sensor_msgs</exec_depend>" in made.artifacts["listed/package.xml"].text
     contract = made.skeleton.contract
-    (method,) = [each for each in contract.methods if each.name == "translate_joined"]
+    (method,) = [
+        contract_method
+        for contract_method in contract.methods
+        if contract_method.name == "translate_joined"
+    ]
     assert method.parameters == ("source", "imu", "scan")

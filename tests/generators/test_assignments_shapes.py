@@ -115,7 +115,7 @@ def test_text_is_clean(made):
 
 def numbers(made, *values, scale=1.0, codes=(0,) * 9):
     report = made.messages.ReportNumbers
-    listed = [report.NumberRec(each) for each in values]
+    listed = [report.NumberRec(value) for value in values]
     return report(numbers=listed, rest=report.Rest(scale, list(codes)))
 
 
@@ -133,7 +133,7 @@ def test_an_absent_list_leaves_the_target(made):
 
 def test_numbers_become_records(made):
     target = made.bridge.translate_numbers_out(Float64MultiArray(data=[0.5, 1.5]))
-    assert [each.number for each in target.numbers] == [0.5, 1.5]
+    assert [number.number for number in target.numbers] == [0.5, 1.5]
     assert target.rest.scale == 0.5
     assert made.bridge.translate_numbers_out(Float64MultiArray()).numbers == []
 
@@ -161,9 +161,9 @@ def test_queries_ask_for_the_lists_that_are_read(made):
 
 def test_arrays_keep_their_order(made):
     source = Imu()
-    source.angular_velocity_covariance = [10.0 * each for each in range(9)]
+    source.angular_velocity_covariance = [10.0 * number for number in range(9)]
     target = made.bridge.translate_codes_out(source)
-    assert target.rest.codes == [11 * each for each in range(9)]
+    assert target.rest.codes == [11 * number for number in range(9)]
     assert type(target).decode(target.encode()) == target
 
 
@@ -172,7 +172,7 @@ def test_indices_count_from_0_and_the_first_dimension_varies_slowest(made):
     target = made.bridge.translate_codes(message)
     assert target.linear_acceleration.x == 5.0
     assert target.linear_acceleration.y == 8.0
-    assert list(target.angular_velocity_covariance) == [float(each) for each in range(9)]
+    assert list(target.angular_velocity_covariance) == [float(number) for number in range(9)]
 
 
 @pytest.mark.parametrize("values", [(), (1.0,)])
@@ -185,7 +185,7 @@ def test_elements_are_made_in_order(made):
     source = Imu()
     source.linear_acceleration.x, source.linear_acceleration.y = 1.0, 2.0
     target = made.bridge.translate_codes_out(source)
-    assert [each.number for each in target.numbers] == [1.0, 2.0]
+    assert [number.number for number in target.numbers] == [1.0, 2.0]
 
 
 # ------------------------------------------------------------------ lists in lists
@@ -197,4 +197,4 @@ def test_lists_in_lists(made):
     target = made.bridge.translate_rows_out(source)
     assert [[cell.height for cell in row.row] for row in target.rows] == [[1.0, 2.0], [], [3.0]]
     back = made.bridge.translate_rows(type(target).decode(target.encode()))
-    assert [list(each.echoes) for each in back.ranges] == [[1.0, 2.0], [], [3.0]]
+    assert [list(echo.echoes) for echo in back.ranges] == [[1.0, 2.0], [], [3.0]]

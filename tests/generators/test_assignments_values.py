@@ -236,7 +236,7 @@ def test_default_stands_for_each_absent_source_of_several(made):
 def test_last_value_stands_for_an_absent_source(made):
     bridge, report = type(made.bridge)(), made.messages.ReportLocalPose
     values = [report(), report(y=2.0), report(), report(y=-3.0), report()]
-    found = [bridge.translate_attitude(each).pose.pose.position.y for each in values]
+    found = [bridge.translate_attitude(value).pose.pose.position.y for value in values]
     assert found == [0.0, -2.0, -2.0, 3.0, 3.0]
 
 
@@ -245,7 +245,12 @@ def test_last_value_stands_for_an_absent_source(made):
 
 def test_tables_know_both_directions(made):
     to_ros, to_jaus = made.bridge.translate_gear, made.bridge.translate_gear_out
-    assert [to_ros(made.messages.Gearbox(gear=each)).data for each in range(4)] == [10, 20, 30, 30]
+    assert [to_ros(made.messages.Gearbox(gear=number)).data for number in range(4)] == [
+        10,
+        20,
+        30,
+        30,
+    ]
     with pytest.raises(NotImplementedError, match="convert_choose_mode is not written yet"):
         to_jaus(UInt8(data=30))
     assert "GEARS_TO_JAUS: dict[int, int] = {10: 0, 20: 1, 30: 2}\n" in made.base
@@ -261,7 +266,7 @@ def test_names_of_values_are_resolved(made):
     assert (target.status.status, target.status.service) == (1, 2)
     assert math.isnan(target.altitude)
     lamps = [
-        made.bridge.translate_lamps(UInt8(data=each)).illumination.headlights for each in (0, 1)
+        made.bridge.translate_lamps(UInt8(data=lamp)).illumination.headlights for lamp in (0, 1)
     ]
     assert lamps == [0, 1]
 
@@ -310,8 +315,10 @@ def test_integers_become_real_numbers_on_their_way_to_real_fields(made):
     target = made.bridge.translate_counts(source)
     assert (target.linear.x, target.linear.y, target.linear.z) == (7.0, 2.0**128, 3.0)
     assert (target.angular.x, target.angular.y, target.angular.z) == (math.inf, 2.0**64, 7.0)
-    numbers = [getattr(each, axis) for each in (target.linear, target.angular) for axis in "xyz"]
-    assert {type(each) for each in numbers} == {float}
+    numbers = [
+        getattr(vector, axis) for vector in (target.linear, target.angular) for axis in "xyz"
+    ]
+    assert {type(number) for number in numbers} == {float}
 
 
 def test_integers_keep_their_digits_on_their_way_to_integers(made):
@@ -361,7 +368,9 @@ def test_what_a_conversion_makes_fits_single_precision(made):
 
 
 def test_user_conversions_stand_in_the_skeleton(made):
-    methods = {each.name: each for each in made.skeleton.contract.methods}
+    methods = {
+        contract_method.name: contract_method for contract_method in made.skeleton.contract.methods
+    }
     method = methods["convert_choose_mode"]
     assert method.parameters == ("value",)
     assert not method.optional

@@ -29,7 +29,9 @@ LIBRARY = "http://www.jausml.org/library"
 
 def files_of(path):
     result = read_models([path])
-    assert [each for each in result.diagnostics if each.severity.name == "ERROR"] == []
+    assert [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name == "ERROR"
+    ] == []
     return {artifact.path: artifact for artifact in render(result.model, [TARGET])}
 
 
@@ -72,14 +74,14 @@ def test_files(loop_files):
         "loop_bridge/loop_bridge/ros_types.py",
         "loop_bridge/test/test_loop_bridge_translations.py",
     }
-    skeletons = [path for path, each in loop_files.items() if each.kind is Kind.SKELETON]
+    skeletons = [path for path, artifact in loop_files.items() if artifact.kind is Kind.SKELETON]
     assert skeletons == ["loop_bridge/loop_bridge/loop_bridge.py"]
 
 
 def test_same_model_gives_the_same_bytes(loop_files):
     again = files_of(CASE)
-    assert {path: each.text for path, each in again.items()} == {
-        path: each.text for path, each in loop_files.items()
+    assert {path: artifact.text for path, artifact in again.items()} == {
+        path: artifact.text for path, artifact in loop_files.items()
     }
 
 
@@ -218,7 +220,7 @@ def test_contract_names_each_translation(loop_files):
     assert [method.name for method in translations] == [
         f"translate_{name}" for name in ("odometry", "speed", "pose", "drive", "cruise", "estimate")
     ]
-    hooks = [each.name for each in (not_ready, control_lost, handoff)]
+    hooks = [hook.name for hook in (not_ready, control_lost, handoff)]
     assert hooks == ["on_not_ready", "on_control_lost", "on_handoff_requested"]
     assert all(method.optional for method in contract.methods)
     for method in translations:
@@ -267,7 +269,7 @@ def test_output_passes_the_type_checker(tmp_path):
     package = tmp_path / "loop_bridge" / "loop_bridge"
     path = python_path(tmp_path)
     folders = (package, package.parent / "test")
-    modules = sorted(str(each) for folder in folders for each in folder.glob("*.py"))
+    modules = sorted(str(module) for folder in folders for module in folder.glob("*.py"))
     done = subprocess.run(
         [sys.executable, "-m", "mypy", "--config-file", str(settings), *modules],
         env={**os.environ, "MYPYPATH": path},

@@ -105,7 +105,9 @@ def small(tmp_path, template=SYSTEM, **texts):
     path = tmp_path / "small.xmi"
     path.write_text(template.format(**{**DEFAULTS, **texts}), encoding="utf-8")
     result = read_models([path], project_root=tmp_path)
-    assert [each for each in result.diagnostics if each.severity.name == "ERROR"] == []
+    assert [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name == "ERROR"
+    ] == []
     return result.model
 
 
@@ -221,7 +223,7 @@ def test_policy_of_the_field_comes_before_that_of_the_connection(
 )
 def test_examples_are_values_that_the_target_carries(tmp_path, target, conversion, expected):
     kind, *arguments = conversion.split() or [""]
-    inner = "".join(f"<arguments>{each}</arguments>" for each in arguments)
+    inner = "".join(f"<arguments>{argument}</arguments>" for argument in arguments)
     conversions = f'<conversions kind="{kind}">{inner}</conversions>' if kind else ""
     line = assignment("FieldAssignment", "toJaus", target, source="real", conversions=conversions)
     model = small(tmp_path, assignments=line, direction="rosToJaus")

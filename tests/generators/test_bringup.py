@@ -127,14 +127,14 @@ class Launch:
         self.entities = json.loads(done.stdout)
         self.arguments = {e["argument"]: e["default"] for e in self.entities if "argument" in e}
         self.variables = {e["variable"]: e["value"] for e in self.entities if "variable" in e}
-        (group,) = (each["group"] for each in self.entities if "group" in each)
-        self.namespaces = [each["pushed"] for each in group if "pushed" in each]
-        self.parameters = {each["set"]: each["value"] for each in group if "set" in each}
+        (group,) = (entity["group"] for entity in self.entities if "group" in entity)
+        self.namespaces = [entity["pushed"] for entity in group if "pushed" in entity]
+        self.parameters = {entity["set"]: entity["value"] for entity in group if "set" in entity}
         self.entities += group
         self.commands = {e["name"]: e["command"] for e in self.entities if "command" in e}
         self.nodes = {e["name"]: e for e in self.entities if "node" in e}
         processes = [*self.nodes.values(), *(e for e in self.entities if "command" in e)]
-        assert all(each["output"] == "screen" for each in processes)
+        assert all(process["output"] == "screen" for process in processes)
 
 
 def launches(case, out, stand_in):
@@ -203,7 +203,7 @@ def test_simulated_time_is_an_argument_for_all_nodes(fleet):
 
 
 def test_a_host_starts_what_is_placed_there(fleet):
-    assert {name: [*each.commands, *each.nodes] for name, each in fleet.items()} == {
+    assert {name: [*launch.commands, *launch.nodes] for name, launch in fleet.items()} == {
         "fleet": ["arm", "operator", "camera", "display"],
         "fleet_eye": ["camera"],
         "fleet_fleet": ["operator", "display"],
@@ -228,7 +228,7 @@ def test_everything_on_one_computer_has_one_transport(fleet):
 
 def test_arguments_are_declared_before_they_are_used(fleet):
     for launch in fleet.values():
-        kinds = ["argument" in each for each in launch.entities]
+        kinds = ["argument" in entity for entity in launch.entities]
         assert kinds == sorted(kinds, reverse=True)
         assert launch.variables == {"ROS_DOMAIN_ID": "$ros_domain_id"}
 
@@ -313,13 +313,13 @@ def test_hostile_values_arrive_unchanged():
 
 def test_a_stop_of_the_map_is_not_taken_away_by_the_parameter_file():
     model = read_models([STOPS], notations=NOTATIONS, allow_outside=True).model
-    files = [each for each in render(model, [BRINGUP]) if each.path.endswith(".yaml")]
+    files = [artifact for artifact in render(model, [BRINGUP]) if artifact.path.endswith(".yaml")]
     seconds = {}
-    for each in files:
-        values = yaml.safe_load(each.text)["/**"]["ros__parameters"]
+    for file in files:
+        values = yaml.safe_load(file.text)["/**"]["ros__parameters"]
         for name, value in values.items():
             if name.endswith(".silence_timeout"):
-                seconds[Path(each.path).stem, name.partition(".")[0]] = value
+                seconds[Path(file.path).stem, name.partition(".")[0]] = value
     made = {
         (owner.name, connection.name): stops.silence_timeout(connection)
         for owner in model.instances(bridge.Bridge, library=False)
@@ -331,7 +331,9 @@ def test_a_stop_of_the_map_is_not_taken_away_by_the_parameter_file():
 
 def test_a_list_is_not_shaped():
     model = read_models([LISTS], notations=NOTATIONS).model
-    (robot,) = (each for each in render(model, [BRINGUP]) if each.path.endswith("robot.yaml"))
+    (robot,) = (
+        artifact for artifact in render(model, [BRINGUP]) if artifact.path.endswith("robot.yaml")
+    )
     values = yaml.safe_load(robot.text)["/**"]["ros__parameters"]
     assert {name for name in values if name.startswith("waypoints.")} == {
         "waypoints.action",
@@ -404,15 +406,17 @@ def test_processes_are_recorded_for_the_command_line():
 
 
 def test_a_file_is_passed_that_says_what_the_code_does_not():
-    entries = {each["name"]: each for each in BRINGUP.processes(model_of(CASES / "features.xmi"))}
-    files = {name: each.get("parameters") for name, each in entries.items()}
+    entries = {
+        process["name"]: process for process in BRINGUP.processes(model_of(CASES / "features.xmi"))
+    }
+    files = {name: process.get("parameters") for name, process in entries.items()}
     assert files["Odometry"] == "features_bringup/config/Odometry.yaml"  # it states use_sim_time
     assert files["everything"] is None
 
 
 def test_options_are_those_of_the_runtime():
     known = TransportSettings()
-    assert {each.option: each.default for each in SETTINGS} == {
+    assert {setting.option: setting.default for setting in SETTINGS} == {
         "--jaus-interface": known.interface,
         "--jaus-transport": known.transport.value,
         "--jaus-port": str(known.port),

@@ -47,7 +47,7 @@ pytestmark = pytest.mark.timeout(400)
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 MODELS = [
-    *sorted({ROOT / each["model"] for each in vectors()}),
+    *sorted({ROOT / vector["model"] for vector in vectors()}),
     HERE / "hostile_messages.xmi",
     HERE / "cpp_names.xmi",
 ]
@@ -124,18 +124,18 @@ class Messages:
     def read(cls) -> Messages:
         model = read_models(MODELS).model
         services = [
-            each
-            for each in model.instances(jaus.Service)
-            if Path(model.location(each).path).resolve() in MODELS
+            service
+            for service in model.instances(jaus.Service)
+            if Path(model.location(service).path).resolve() in MODELS
         ]
         found = build_message_map(m for s in services for m in (*s.inputs, *s.outputs))
         view = HeaderView("vectors", "vectors", services)
         module = load(render(view.messages), "messages_of_cpp")
         names = {
             (Path(model.location(element).path).resolve().name, element.name): FieldNames(
-                each, module
+                message, module
             )
-            for element, each in found.items()
+            for element, message in found.items()
         }
         return cls(view, names)
 
@@ -170,15 +170,15 @@ def statements(target: str, kind: Any, value: Any) -> Iterator[str]:
             if kind.count not in {0, len(value)}:
                 raise ValueError("another number of elements")
             yield from [] if kind.count else [f"{target}.resize({len(value)});"]
-            for at, each in enumerate(value[: kind.most or None]):
-                yield from statements(f"{target}[{at}]", kind.of, each)
+            for at, item in enumerate(value[: kind.most or None]):
+                yield from statements(f"{target}[{at}]", kind.of, item)
         case _:
             yield f"{target} = {literal(kind, value)};"
 
 
 def literal(kind: Any, value: Any) -> str:
     if isinstance(value, str):
-        data = "".join(f"\\{each:03o}" for each in value.encode("latin-1"))
+        data = "".join(f"\\{byte:03o}" for byte in value.encode("latin-1"))
         return f'std::string_view("{data}", {len(value)})'
     if kind.cpp in LETTERS:
         try:
@@ -193,11 +193,11 @@ def damaged(payload: bytes, chance: Random) -> Iterator[bytes]:
     yield from (payload[:size] for size in range(len(payload)))
     yield payload + b"\0"
     for _ in range(40):
-        each = bytearray(payload)
+        changed = bytearray(payload)
         for _ in range(chance.randrange(1, 4)):
-            at = chance.randrange(1, len(each))
-            each[at] = chance.choice([0, 1, 2, 0x7F, 0x80, 0xFF, chance.randrange(256)])
-        yield bytes(each)
+            at = chance.randrange(1, len(changed))
+            changed[at] = chance.choice([0, 1, 2, 0x7F, 0x80, 0xFF, chance.randrange(256)])
+        yield bytes(changed)
 
 
 @dataclass
@@ -265,8 +265,8 @@ def run(
         if payload is not None:
             add(names, payload)
         if payload is not None and "error" not in vector:
-            for each in damaged(payload, chance):
-                add(names, each)
+            for variant in damaged(payload, chance):
+                add(names, variant)
     for (file, _), names in messages.names.items():
         if file in {"hostile_messages.xmi", "cpp_names.xmi"}:
             add(names, example_bytes(names.view))
@@ -322,8 +322,8 @@ def test_the_vectors(messages: Messages, run: Run) -> None:
 
 
 def test_few_errors_are_excluded_by_the_types(run: Run) -> None:
-    encoded = [each for each in vectors() if fields(each) is not None]
-    left = [each["error"]["kind"] for each in encoded if each["name"] not in run.given]
+    encoded = [vector for vector in vectors() if fields(vector) is not None]
+    left = [vector["error"]["kind"] for vector in encoded if vector["name"] not in run.given]
     assert {"not Latin-1"} <= {*left} <= {"not Latin-1", "not legal", "number of elements"}
     assert len(run.given) > 0.8 * len(encoded)
 
@@ -363,18 +363,18 @@ def test_no_macro_of_the_standard_library_is_a_name() -> None:
 @pytest.mark.slow
 def test_the_whole_library_compiles_for_small_computers(program: str, tmp_path: Path) -> None:
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
-    for each in generation.render(model, [TARGET.for_whole_library()]):
-        path = tmp_path / Path(each.path).name
-        path.write_text(each.text, encoding="utf-8")
-        assert all(len(line) <= 100 for line in each.text.splitlines())
-        assert each.text.isascii()
+    for artifact in generation.render(model, [TARGET.for_whole_library()]):
+        path = tmp_path / Path(artifact.path).name
+        path.write_text(artifact.text, encoding="utf-8")
+        assert all(len(line) <= 100 for line in artifact.text.splitlines())
+        assert artifact.text.isascii()
     (tmp_path / "small.cpp").write_text(SMALL, encoding="utf-8")
     flags = (*STRICT, *BARE, "-Os", "-DJAUSML_NO_HEAP", "-c", "-o", tmp_path / "small.o")
     compiled(program, *flags, tmp_path / "small.cpp")
     needed = subprocess.run(
         ["nm", "-u", tmp_path / "small.o"], capture_output=True, text=True, check=True
     ).stdout.split()
-    assert not [each for each in needed if re.match("_Zn|_Zd|malloc|__cxa", each)]
+    assert not [symbol for symbol in needed if re.match("_Zn|_Zd|malloc|__cxa", symbol)]
 
 
 SMALL = """
@@ -428,4 +428,7 @@ def test_a_header_is_the_same_each_time() -> None:
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     first, second = (generation.render(model, [TARGET]) for _ in range(2))
     assert first == second
-    assert [each.path for each in first] == ["codec_cpp/catvehicle_jaus.hpp", "codec_cpp/jaus.hpp"]
+    assert [artifact.path for artifact in first] == [
+        "codec_cpp/catvehicle_jaus.hpp",
+        "codec_cpp/jaus.hpp",
+    ]

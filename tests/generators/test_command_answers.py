@@ -40,7 +40,10 @@ def files_of(folder: Path, **values: str) -> dict[str, str]:
     path.write_text(MODEL.format(**{"more": "", "others": "", **values}), encoding="utf-8")
     result = read_models([path], notations=NOTATIONS)
     assert not result.has_errors, result.diagnostics
-    return {each.path.rpartition("/")[2]: each.text for each in render(result.model, [TARGET])}
+    return {
+        artifact.path.rpartition("/")[2]: artifact.text
+        for artifact in render(result.model, [TARGET])
+    }
 
 
 def words(text: str) -> str:

@@ -107,7 +107,7 @@ def twist(frame: str = "base_link", order: str = "<", **parts: float) -> bytes:
     text = frame.encode() + b"\0"
     head = struct.pack(f"{order}iII", 5, 6, len(text)) + text
     head += bytes(-len(head) % 8)
-    numbers = [parts.get(each, 0.0) for each in "xyzabc"]
+    numbers = [parts.get(axis, 0.0) for axis in "xyzabc"]
     mark = b"\0\1\0\0" if order == "<" else b"\0\0\0\0"
     return mark + head + struct.pack(f"{order}6d", *numbers)
 
@@ -156,7 +156,7 @@ def test_both_forms_make_the_same(made: Generated) -> None:
 
 def attribute(made: Generated, name: str) -> str:
     """The name that a field has in Python."""
-    names = [each.rstrip("_") for each in made.messages.SetCore.__slots__]
+    names = [slot.rstrip("_") for slot in made.messages.SetCore.__slots__]
     return str(made.messages.SetCore.__slots__[names.index(name.rstrip("_"))])
 
 
@@ -174,7 +174,7 @@ def attribute(made: Generated, name: str) -> str:
         ("bytes that end too early", twist()[:-1]),
         ("nothing", b""),
     ],
-    ids=lambda each: each if isinstance(each, str) else "",
+    ids=lambda parameter: parameter if isinstance(parameter, str) else "",
 )
 def test_what_is_not_usual_is_left_to_python(made: Generated, what: str, data: bytes) -> None:
     counts = made.bridge.speed_down.statistics.out_of_range

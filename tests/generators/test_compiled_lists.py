@@ -167,8 +167,8 @@ LISTS = [
     [1.25],
     [0.0005, 0.0015, 0.0025, 32.7675, 65.535],
     [-0.0005, -0.0015, -3.0],
-    *([1.0, each, 2.0] for each in ODD),
-    [each * 0.01 for each in range(6)],
+    *([1.0, number, 2.0] for number in ODD),
+    [number * 0.01 for number in range(6)],
 ]
 
 
@@ -442,7 +442,7 @@ BEAMS = st.tuples(st.integers(0, 2**32 - 1), st.integers(0, 1), INTEGERS, st.int
 @settings(max_examples=60, deadline=None)
 @given(beams=st.lists(BEAMS, max_size=60), valid=st.integers(0, 255))
 def test_scans_to_ros(made: Generated, beams: list[Any], valid: int) -> None:
-    rows = b"".join(struct.pack("<IBHB", *each) for each in beams)
+    rows = b"".join(struct.pack("<IBHB", *beam) for beam in beams)
     if valid == 200 and rows:
         rows = rows[:4] + bytes([valid]) + rows[5:]
     check(made, "beams_up", struct.pack("<HB", 0xD106, len(beams)) + rows)

@@ -172,7 +172,7 @@ def test_a_renamed_message_is_told_where_it_is_imported_and_fixed_everywhere(yar
     assert told(result.drift) == []
     expected = CODE.replace("FoldBoom", "StowBoom").replace("on_fold_boom", "on_stow_boom")
     assert (yard.out / FOLDER / "boom.py").read_text() == expected
-    assert {(each.edit.old, each.edit.new) for each in result.fixed} == {
+    assert {(fix.edit.old, fix.edit.new) for fix in result.fixed} == {
         ("FoldBoom", "StowBoom"),
         ("on_fold_boom", "on_stow_boom"),
     }
@@ -449,7 +449,9 @@ def test_a_message_that_comes_back_is_forgotten(yard):
     assert former["yard_messages.boom.ReportBoom.State.UNFOLDED"] == "OPEN"
     assert told(yard().drift) == []
     assert not [
-        each for each in gen.read_manifest(yard.out).models["yard"]["former"] if "UNFOLDED" in each
+        qualified_name
+        for qualified_name in gen.read_manifest(yard.out).models["yard"]["former"]
+        if "UNFOLDED" in qualified_name
     ]
 
 
@@ -466,7 +468,7 @@ def test_a_damaged_memory_is_no_obstacle(yard, former):
 
 
 def jausml(*words: object):
-    return CliRunner().invoke(main, [str(each) for each in words])
+    return CliRunner().invoke(main, [str(word) for word in words])
 
 
 @pytest.mark.slow
@@ -494,8 +496,8 @@ def test_a_component_whose_service_is_gone_fails_the_check(tmp_path):
     fixed = jausml("generate", model, "-o", out, "--fix")
     assert f"{path}:{line}: fixed: took out QueryLocalPose," in fixed.stderr
     assert jausml("generate", model, "-o", out, "--check", "--strict").exit_code == 0
-    for each in ("QueryLocalPose", "ReportLocalPose", "SetLocalPose"):
-        written = written.replace(f"    {each},\n", "")
+    for message in ("QueryLocalPose", "ReportLocalPose", "SetLocalPose"):
+        written = written.replace(f"    {message},\n", "")
     assert path.read_text() == re.sub(
         r"\n    def report_local_pose.*", "", written, flags=re.DOTALL
     )
@@ -512,13 +514,13 @@ def test_a_difference_names_the_lines_that_break(tmp_path):
     done = jausml("diff", old, new, "--code", out, "--fail-on", "breaking")
     assert done.exit_code == 1
     lines = CODE.splitlines()
-    line = next(i for i, each in enumerate(lines, 1) if "State.UNFOLDED" in each)
+    line = next(i for i, code_line in enumerate(lines, 1) if "State.UNFOLDED" in code_line)
     lost = "error: JML906 ReportBoom.State has no UNFOLDED any more; it is SPREAD now"
     assert f"{path}:{line}:41: {lost}\n" in done.stdout
     assert "2 lines of your code to change\n" in done.stdout
     assert "GoneBefore" not in done.stdout
     told = json.loads(jausml("diff", old, new, "--code", out, "--format", "json").stdout)
-    assert [each["line"] for each in told["code"]] == [line, line + 2]
+    assert [finding["line"] for finding in told["code"]] == [line, line + 2]
     assert path.read_text().endswith("GoneBefore\n")
     # The same where the workspace is of the new state.
     assert jausml("generate", new, "-o", out, "-q").exit_code == 1

@@ -49,8 +49,8 @@ class Message:
         values = " ".join(f"enumerated_value {n} {{ value: {v} }}" for n, v in self.values)
         parts = [f"fixed_field State {{ values: {{ {values} }} }}"] if values else []
         parts += [
-            f'fixed_field {each} {{ type: uint16 units: "m" scale: {{ lower: 0 upper: {size} }} }}'
-            for size, each in enumerate(self.fields, 1)
+            f'fixed_field {field} {{ type: uint16 units: "m" scale: {{ lower: 0 upper: {size} }} }}'
+            for size, field in enumerate(self.fields, 1)
         ]
         body = f"record R {{ {' '.join(parts)} }}" if parts else ""
         side = "inputs" if self.is_input else "outputs"
@@ -105,7 +105,9 @@ def changed(messages: tuple[Message, ...], draw, number: int) -> tuple[Message, 
         "fields": [replace(one, fields=altered(one.fields, draw, f"Size{number}"))],
         "values": [replace(one, values=altered(one.values, draw, (f"v{number}", 50 + number)))],
     }
-    way = draw(st.sampled_from([each for each in ways if each != "remove" or len(messages) > 1]))
+    way = draw(
+        st.sampled_from([change for change in ways if change != "remove" or len(messages) > 1])
+    )
     return (*messages[:index], *ways[way], *messages[index + 1 :])
 
 
@@ -127,17 +129,17 @@ def altered(things: tuple, draw, new):
 def uses(messages: tuple[Message, ...]) -> list[tuple[str, str]]:
     """Returns all names that a user can use: a class, and an expression with `{}` for it."""
     found = []
-    for each in messages:
-        snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", each.name).lower()
-        found += [(each.name, "{}.CODE"), (each.name, "{}().encode()")]
-        found += [("BoomBase", f"{{}}.on_{snake}")] if each.is_input and each.fields else []
-        for name in map(str.lower, each.fields):
-            found += [(each.name, f"{{}}().{name}"), (each.name, f"{{}}({name}=1.0)")]
-        for name, _ in each.values:
+    for message in messages:
+        snake = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", message.name).lower()
+        found += [(message.name, "{}.CODE"), (message.name, "{}().encode()")]
+        found += [("BoomBase", f"{{}}.on_{snake}")] if message.is_input and message.fields else []
+        for name in map(str.lower, message.fields):
+            found += [(message.name, f"{{}}().{name}"), (message.name, f"{{}}({name}=1.0)")]
+        for name, _ in message.values:
             found += [
-                (each.name, f"{{}}.State.{name.upper()}"),
-                (each.name, f"{{}}.State[{name.upper()!r}]"),
-                (each.name, f"{{}}(state={{}}.State.{name.upper()})"),
+                (message.name, f"{{}}.State.{name.upper()}"),
+                (message.name, f"{{}}.State[{name.upper()!r}]"),
+                (message.name, f"{{}}(state={{}}.State.{name.upper()})"),
             ]
     return found
 
@@ -169,7 +171,7 @@ def written(style: str, name: str, use: str) -> str:
 def only_from(out: Path):
     """Has the packages of a workspace imported from there, and forgets them after."""
     path, known = list(sys.path), set(sys.modules)
-    sys.path[:0] = [str(each) for each in packages_of(out)]
+    sys.path[:0] = [str(package) for package in packages_of(out)]
     importlib.invalidate_caches()
     try:
         yield
@@ -196,11 +198,11 @@ def raised(out: Path, names: list[str]) -> dict[str, int]:
 def told(result, names) -> dict[str, int]:
     """Returns the modules of which errors are told, with the first line of each."""
     lines = {}
-    for each in result.drift:
-        name = Path(each.path).stem
+    for finding in result.drift:
+        name = Path(finding.path).stem
         if name in names:
-            assert each.severity is Severity.ERROR, each
-            lines.setdefault(name, each.line)
+            assert finding.severity is Severity.ERROR, finding
+            lines.setdefault(name, finding.line)
     return lines
 
 
@@ -234,7 +236,7 @@ def test_what_is_told_is_what_python_raises(workspace, tmp_path_factory, data):
     assert told(result, codes) == raised(out, list(codes))
     fixed = gen.generate(model_of(folder, messages), CODE, out, kept=None, fix=True)
     assert told(fixed, codes) == raised(out, list(codes))
-    assert not [each for each in fixed.drift if each.edits]
-    edited = {Path(each.path).stem for each in result.drift if each.edits}
+    assert not [finding for finding in fixed.drift if finding.edits]
+    edited = {Path(finding.path).stem for finding in result.drift if finding.edits}
     for name in codes.keys() - edited:
         assert (out / FOLDER / f"{name}.py").read_text() == codes[name]

@@ -65,11 +65,11 @@ GUARDS = (
 
 def tasks(model: Model) -> list[Task]:
     services = [
-        each
-        for each in model.instances(jaus.Service)
-        if each.urn in HANDOFF or str(each.urn).startswith(CORE)
+        service
+        for service in model.instances(jaus.Service)
+        if service.urn in HANDOFF or str(service.urn).startswith(CORE)
     ]
-    messages = [each for one in services for each in [*one.inputs, *one.outputs]]
+    messages = [output for one in services for output in [*one.inputs, *one.outputs]]
     module = MessagesModule(
         summary="The messages of the core services.",
         runtime="jausml.runtime",
@@ -77,7 +77,7 @@ def tasks(model: Model) -> list[Task]:
         source=SOURCE.name,
         element_id="core_messages",
     )
-    imports = lambda each: each.imports  # noqa: E731
+    imports = lambda messages_module: messages_module.imports  # noqa: E731
     return [FileTask("messages.py.j2", [module], lambda _: "core.py", imports=imports)]
 
 
@@ -97,9 +97,9 @@ def generated() -> Iterator[types.ModuleType]:
 
 def classes(module: types.ModuleType) -> dict[str, type[Message]]:
     return {
-        name: each
-        for name, each in vars(module).items()
-        if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
+        name: value
+        for name, value in vars(module).items()
+        if isinstance(value, type) and issubclass(value, Message) and hasattr(value, "CODE")
     }
 
 
@@ -109,7 +109,7 @@ NAMES = sorted(classes(core_messages))
 def parts_of(cls: type) -> dict[str, Any]:
     """Classes that a message offers, those of its bases included."""
     found = {name: getattr(cls, name) for name in dir(cls) if name[0] != "_"}
-    return {name: each for name, each in found.items() if isinstance(each, type)}
+    return {name: part for name, part in found.items() if isinstance(part, type)}
 
 
 def filled(draw: random.Random, cls: Any, kinds: dict[str, Any], text: str) -> Any:
@@ -132,7 +132,7 @@ def filled(draw: random.Random, cls: Any, kinds: dict[str, Any], text: str) -> A
             )
         return {"float": draw.uniform(0, 1092), "bytes": text.encode(), "str": text}[declared]
 
-    return cls(**{each.name: value(each.type, each.default) for each in fields(cls)})
+    return cls(**{field.name: value(field.type, field.default) for field in fields(cls)})
 
 
 LEGAL = (0, 1, 1, 2, 3, 5, 6, 12, 31, 200, 255, 10001)
@@ -141,13 +141,13 @@ LEGAL = (0, 1, 1, 2, 3, 5, 6, 12, 31, 200, 255, 10001)
 def moved(value: Any, module: types.ModuleType, cls: Any) -> Any:
     """The same value as an object of the classes of another module."""
     if isinstance(value, list):
-        return [moved(each, module, cls) for each in value]
+        return [moved(element, module, cls) for element in value]
     if not is_dataclass(value):
         return value
     name = type(value).__name__
     kind = cls if name == cls.__name__ else getattr(cls, name)
     return kind(
-        **{each.name: moved(getattr(value, each.name), module, cls) for each in fields(value)}
+        **{field.name: moved(getattr(value, field.name), module, cls) for field in fields(value)}
     )
 
 
@@ -165,11 +165,11 @@ def spoilt(draw: random.Random, message: Any) -> None:
     """Gives one field, at any depth, a value that may not fit."""
     at = message
     while True:
-        each = draw.choice(fields(at))
-        inner = getattr(at, each.name)
+        field = draw.choice(fields(at))
+        inner = getattr(at, field.name)
         inner = draw.choice(inner) if isinstance(inner, list) and inner else inner
         if not is_dataclass(inner):
-            setattr(at, each.name, draw.choice(TOO_MUCH))
+            setattr(at, field.name, draw.choice(TOO_MUCH))
             return
         at = inner
 
@@ -178,7 +178,7 @@ def spoilt(draw: random.Random, message: Any) -> None:
 def test_a_message_offers_what_a_generated_one_does(name: str, generated: types.ModuleType) -> None:
     cls, other = getattr(core_messages, name), getattr(generated, name)
     assert (cls.CODE, cls.NAME) == (other.CODE, other.NAME)
-    assert [each.name for each in fields(cls)] == [each.name for each in fields(other)]
+    assert [field.name for field in fields(cls)] == [field.name for field in fields(other)]
     assert asdict(cls()) == asdict(other())
     assert not hasattr(cls(), "__dict__")
     offered = parts_of(cls)
@@ -230,8 +230,8 @@ def test_a_message_is_written_and_read_as_a_generated_one(
 def test_the_module_has_every_message_of_the_core_services() -> None:
     views, _, _ = library("core-v1.1")
     model = read_models([LIBRARY / "iop.xmi"]).model
-    handoff = [each for each in model.instances(jaus.Service) if each.urn in HANDOFF]
-    views += build_messages([m for each in handoff for m in [*each.inputs, *each.outputs]])
+    handoff = [service for service in model.instances(jaus.Service) if service.urn in HANDOFF]
+    views += build_messages([m for service in handoff for m in [*service.inputs, *service.outputs]])
     expected = {view.jaus_name: view.code for view in views}
     found = {name: cls.CODE for name, cls in classes(core_messages).items()}
     assert found == expected == CORE_MESSAGES
@@ -245,8 +245,12 @@ def test_messages_of_core_1_0_are_the_same() -> None:
 
 
 def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves() -> None:
-    classes = [each for name, each in vars(parts).items() if name.endswith("Service")]
-    served = frozenset().union(*(each.urns for each in classes if each is not parts.CoreService))
+    classes = [
+        service_class for name, service_class in vars(parts).items() if name.endswith("Service")
+    ]
+    served = frozenset().union(
+        *(service_class.urns for service_class in classes if service_class is not parts.CoreService)
+    )
     # Transport has no messages; unsolicited heartbeats are a setting of Liveness, and handoffs are
     # decided by clients.
     others = {CORE + "Transport", UNSOLICITED, "urn:jaus:jss:iop:HandoffController"}

@@ -84,7 +84,8 @@ def files_of(model_of):
     def of(name):
         if name not in made:
             files = {
-                each.path: each.text for each in render(model_of(VARIANTS[name]), [DEPLOYMENT])
+                artifact.path: artifact.text
+                for artifact in render(model_of(VARIANTS[name]), [DEPLOYMENT])
             }
             assert all(path.startswith("rover_deployment/") for path in files)
             made[name] = {path.partition("/")[2]: text for path, text in files.items()}
@@ -123,7 +124,7 @@ def test_it_is_made_on_request_and_then_follows_the_model(model_of, tmp_path):
     run(TWO_HOSTS, "deployment")
     assert run(TWO_HOSTS).is_up_to_date
     plan = run(changed, write=False)
-    assert "rover_deployment/hosts/station/firewall.nft" in {each.path for each in plan.changes}
+    assert "rover_deployment/hosts/station/firewall.nft" in {change.path for change in plan.changes}
     run(changed)
     assert "10.77.0.3" in (folder / "hosts" / "station" / "firewall.nft").read_text()
     on_one_computer = TWO_HOSTS.replace("10.77.0.2", "127.0.0.1")
@@ -216,10 +217,10 @@ def test_systemd_takes_the_units_and_calls_them_hardened(variant, model_of, tmp_
     for path in Path("/usr/lib/systemd/system").glob("*.target"):
         shutil.copy(path, base)
     units = sorted((image / "etc" / "systemd" / "system").iterdir())
-    line = ["systemd-analyze", "verify", f"--root={image}", *(each.name for each in units)]
+    line = ["systemd-analyze", "verify", f"--root={image}", *(unit.name for unit in units)]
     verified = subprocess.run(line, capture_output=True, text=True, timeout=60)
     assert (verified.returncode, verified.stdout + verified.stderr) == (0, "")
-    services = [str(each) for each in units if each.suffix == ".service"]
+    services = [str(unit) for unit in units if unit.suffix == ".service"]
     line = ["systemd-analyze", "security", "--offline=yes", f"--threshold={WORST_EXPOSURE}"]
     judged = subprocess.run([*line, *services], capture_output=True, text=True, timeout=60)
     assert judged.returncode == 0, judged.stdout + judged.stderr
@@ -237,12 +238,12 @@ def test_containers_run_what_the_units_run_without_privileges(variant, files_of)
         for name, service in composed["services"].items():
             unit = read_unit(files[f"{folder}/jaus-rover-{name}.service"])
             assert service["command"] == unit["ExecStart"][0].split()[1:]
-            read = [Path(each.removeprefix("-")).name for each in unit["EnvironmentFile"]]
+            read = [Path(file_name.removeprefix("-")).name for file_name in unit["EnvironmentFile"]]
             assert service["env_file"] == read
             mounts = service.get("volumes", [])
             wanted = [word for word in service["command"] if word.endswith(".yaml")]
             assert [f"./{name}.yaml:{word}:ro" for word in wanted] == [
-                each for each in mounts if each.endswith(":ro")
+                mount for mount in mounts if mount.endswith(":ro")
             ]
             assert ("/tmp:/tmp" in mounts) is (variant == "manager" and "jaus.env" in read)
             for file in (*read, *(f"{name}.yaml" for _ in wanted)):
@@ -318,7 +319,7 @@ def test_the_firewall_of_a_host_names_what_the_model_has(files_of):
 def test_a_host_on_which_the_model_runs_nothing_may_come(model_of):
     idle = 'host topside { interface: "10.77.0.3" }'
     text = TWO_HOSTS.replace("    host station", f"    {idle}\n    host station")
-    files = {each.path: each.text for each in render(model_of(text), [DEPLOYMENT])}
+    files = {artifact.path: artifact.text for artifact in render(model_of(text), [DEPLOYMENT])}
     rules = files["rover_deployment/hosts/station/firewall.nft"]
     assert elements(rules, "jaus_hosts") == ["10.77.0.1", "10.77.0.3"]
     assert elements(rules, "ros_hosts") == ["10.77.0.1"]
@@ -348,7 +349,7 @@ def test_allowed_hosts_of_a_bridge_may_come(files_of):
 def test_several_processes_of_a_host_have_the_ports_of_the_runtime(model_of):
     for port in (3794, HIGHEST_SHARED_PORT, HIGHEST_SHARED_PORT + 1):
         model = model_of(TWO_HOSTS.replace("transport: judp", f"port: {port}"))
-        files = {each.path: each.text for each in render(model, [DEPLOYMENT])}
+        files = {artifact.path: artifact.text for artifact in render(model, [DEPLOYMENT])}
         rules = files["rover_deployment/hosts/onboard/firewall.nft"]
         (found,) = re.findall(r"udp dport \{ ([^}]*) \}", rules)
         known = neighbour_ports(port)
@@ -412,7 +413,9 @@ def test_what_the_model_says_is_not_asked(files_of):
 def test_a_bridge_that_takes_from_anybody_is_asked_for_networks(model_of):
     text = VARIANTS["stranger"].replace("peers: vehicle ", "")
     (readme,) = (
-        each.text for each in render(model_of(text), [DEPLOYMENT]) if each.path.endswith(".md")
+        artifact.text
+        for artifact in render(model_of(text), [DEPLOYMENT])
+        if artifact.path.endswith(".md")
     )
     assert "Where are the peers of `velocity` of `watcher`?" in readme
 
@@ -488,20 +491,20 @@ def container(workspace, tmp_path):
         return made[-1]
 
     yield start
-    for each in made:
-        each.kill()
-        each.communicate(timeout=60)
+    for process in made:
+        process.kill()
+        process.communicate(timeout=60)
 
 
 def bridge_in(container):
     """The process that the first one of a container has started, as seen from outside."""
     first = children(container.pid)[0]
-    return next(each for each in children(first) if b"commanding" in command(each))
+    return next(child for child in children(first) if b"commanding" in command(child))
 
 
 def children(process):
     there = Path(f"/proc/{process}/task/{process}/children")
-    return [int(each) for each in there.read_text(encoding="utf-8").split()]
+    return [int(word) for word in there.read_text(encoding="utf-8").split()]
 
 
 def command(process):
@@ -557,7 +560,7 @@ def test_hosts_get_the_keys_of_their_processes_and_none_that_signs(workspace, tm
     assert all(call.endswith(" in 7") for call in calls)
     for host, process in (("station", "watcher"), ("onboard", "display")):
         own = keys / "hosts" / host
-        found = {each.relative_to(own).as_posix() for each in own.rglob("*") if each.is_file()}
+        found = {path.relative_to(own).as_posix() for path in own.rglob("*") if path.is_file()}
         assert found == {
             "public/ca.cert.pem",
             "enclaves/governance.p7s",

@@ -21,7 +21,7 @@ from tests.live.wireshark_bodies import tells
 from tests.live.wireshark_support import Shown, SystemOfNothing, datagram, write_dissector
 
 STUB = Path(__file__).parents[1] / "support" / "wireshark.lua"
-DECODED = [each for each in vectors() if "payload" in each]
+DECODED = [vector for vector in vectors() if "payload" in vector]
 
 
 def utf8(value: str) -> str:

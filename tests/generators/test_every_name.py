@@ -115,7 +115,7 @@ def names_used(folder: Path) -> list[str]:
     for node in ast.walk(ast.parse(text)):
         for part in ("id", "name", "arg", "attr"):
             found.add(getattr(node, part, None) or "")
-    return sorted(each for each in found if each.isidentifier() and "lain" not in each)
+    return sorted(name for name in found if name.isidentifier() and "lain" not in name)
 
 
 def filled(message: Any, module: ModuleType) -> Any:
@@ -215,9 +215,9 @@ def system(folder: Path, names: Sequence[str]) -> Path:
         unit=names[0],
         front=names[1],
         node=names[2],
-        connections="".join(CONNECTION.format(**each) for each in parts),
-        members="".join(MEMBER.format(**each) for each in parts),
-        maps="".join(MAP.format(**each) for each in parts),
+        connections="".join(CONNECTION.format(**part_fields) for part_fields in parts),
+        members="".join(MEMBER.format(**part_fields) for part_fields in parts),
+        maps="".join(MAP.format(**part_fields) for part_fields in parts),
     )
     path.write_text(text, encoding="utf-8")
     return path
@@ -226,7 +226,9 @@ def system(folder: Path, names: Sequence[str]) -> Path:
 def generated(folder: Path, names: Sequence[str], targets: Sequence[Target[Any]] = ()) -> Path:
     """Returns the workspace of a system of these names, whose Python can be imported."""
     result = check(read_models([system(folder, names)], notations=NOTATIONS))
-    faults = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    faults = [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
+    ]
     assert not faults, faults[:3]
     workspace = folder / "ws"
     write(result.model, [*PYTHON, *targets], workspace)
@@ -248,7 +250,7 @@ def words() -> list[str]:
         for path in workspace.rglob("*.*"):
             if path.suffix in {".py", ".hpp", ".cpp", ".lua", ".msg"}:
                 found.update(re.findall(r"[A-Za-z]\w*", path.read_text("utf-8")))
-    return sorted(each for each in found if each.isascii() and len(each) < LONGEST)
+    return sorted(word for word in found if word.isascii() and len(word) < LONGEST)
 
 
 def is_legal(name: str) -> bool:
@@ -277,7 +279,7 @@ FOUND = ["Number", "self", "EAGAIN", "cls", "data"]
 @given(drawn=names(12))
 def test_any_names_may_stand_anywhere(drawn: list[str]) -> None:
     with TemporaryDirectory() as folder:
-        by_class = {class_name(each).lower(): each for each in (*drawn, *FOUND)}
+        by_class = {class_name(name).lower(): name for name in (*drawn, *FOUND)}
         generated(Path(folder), list(by_class.values()))
 
 
@@ -298,5 +300,7 @@ def test_any_names_may_stand_in_every_target(drawn: list[str]) -> None:
             assert not isinstance(lua(dissector.read_text("utf-8")), tuple)
         definitions = [*workspace.rglob("*.msg")]
         assert len(definitions) >= len(drawn)
-        for each in definitions:
-            assert parse_definition(each.read_text("utf-8"), "msg").faults == [], each.name
+        for definition in definitions:
+            assert parse_definition(definition.read_text("utf-8"), "msg").faults == [], (
+                definition.name
+            )

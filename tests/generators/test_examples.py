@@ -99,7 +99,7 @@ def run(*arguments: str, cwd: Path | None = None, path: str | None = None) -> st
 
 def test_no_skeleton_has_drifted(workspace: Path) -> None:
     name = workspace.parent.name.rstrip("0123456789")
-    (example,) = (each for each in EXAMPLES if Path(each).name == name)
+    (example,) = (path for path in EXAMPLES if Path(path).name == name)
     model = model_in(ROOT / "models" / example)
     said = generate(model, "-o", str(workspace), "--check")
     assert "does not define" not in said
@@ -122,11 +122,11 @@ def test_is_formatted_and_clean(workspace: Path) -> None:
 
 @pytest.mark.slow
 def test_is_typed(workspace: Path, judged: Path) -> None:
-    packages = [each for each in sorted(workspace.iterdir()) if (each / each.name).is_dir()]
+    packages = [path for path in sorted(workspace.iterdir()) if (path / path.name).is_dir()]
     runtime = judged / RUNTIME
     if not runtime.exists():
         shutil.copytree(workspace / RUNTIME, runtime)
-    places = [runtime, *(each for each in packages if each.name != RUNTIME)]
+    places = [runtime, *(package for package in packages if package.name != RUNTIME)]
     run(
         "-m",
         "mypy",
@@ -135,7 +135,7 @@ def test_is_typed(workspace: Path, judged: Path) -> None:
         "--cache-dir",
         f"{os.environ['MYPY_CACHE_DIR']}-ros",  # what mypy knows is of one set of options
         "--explicit-package-bases",
-        *(str(each / each.name) for each in places),
+        *(str(place / place.name) for place in places),
         cwd=judged,
         path=os.pathsep.join(map(str, places)),
     )

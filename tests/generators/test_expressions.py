@@ -70,9 +70,9 @@ def _compound(inner):
         st.builds(
             call,
             st.just(name),
-            st.lists(inner, min_size=each.fewest, max_size=min(each.most, 3)),
+            st.lists(inner, min_size=function.fewest, max_size=min(function.most, 3)),
         )
-        for name, each in FUNCTIONS.items()
+        for name, function in FUNCTIONS.items()
     ]
     return st.one_of(
         st.builds("({}) {} ({})".format, inner, st.sampled_from(OPERATORS), inner),

@@ -54,14 +54,14 @@ def model_of(tmp_path):
 
 def files_of(model):
     targets = [BRIDGE, COMPONENT, MESSAGES, BRINGUP]
-    return {str(each.path): each.text for each in render(model, targets)}
+    return {str(artifact.path): artifact.text for artifact in render(model, targets)}
 
 
 def test_nothing_is_generated_or_started_for_an_external_component(model_of):
     model = model_of(FRONT + VEHICLE)
     files = files_of(model)
     assert not [path for path in files if path.startswith("vehicle/")]
-    assert [each["name"] for each in processes(model)] == ["front"]
+    assert [process["name"] for process in processes(model)] == ["front"]
     launch = files["model_bringup/launch/model.launch.py"]
     assert "vehicle" not in launch
     assert "vehicle" not in files["model_bringup/package.xml"]
@@ -99,8 +99,8 @@ component arm { address: 42.1.2 external: true endpoint: "arm.local:4000" }
 
 def settings_of(base):
     """The settings of a bridge or component, by the name of their class."""
-    calls = [each for each in ast.walk(ast.parse(base)) if isinstance(each, ast.Call)]
-    return {ast.unparse(each.func): ast.unparse(each) for each in calls}
+    calls = [syntax for syntax in ast.walk(ast.parse(base)) if isinstance(syntax, ast.Call)]
+    return {ast.unparse(call.func): ast.unparse(call) for call in calls}
 
 
 @pytest.mark.parametrize(
@@ -142,9 +142,9 @@ def test_behind_a_node_manager_nobody_is_told_of_places(model_of):
 def test_reports_of_whatever_is_found(model_of):
     base = files_of(model_of(WATCHER))["watcher/watcher/watcher_base.py"]
     calls = [
-        ast.unparse(each)
-        for each in ast.walk(ast.parse(base))
-        if isinstance(each, ast.Call) and "_found" in ast.unparse(each.func)
+        ast.unparse(syntax)
+        for syntax in ast.walk(ast.parse(base))
+        if isinstance(syntax, ast.Call) and "_found" in ast.unparse(syntax.func)
     ]
     urn = "('urn:jaus:jss:mobility:VelocityStateSensor',)"
     assert calls == [

@@ -92,7 +92,7 @@ def test_what_is_usual_passes_and_nothing_else(program):
     ]
     found = answers(program, [("d", data, 0) for data, _ in cases])
     for (data, wanted), line in zip(cases, found, strict=True):
-        told = [each.hex() if isinstance(each, bytes) else str(each) for each in wanted]
+        told = [value.hex() if isinstance(value, bytes) else str(value) for value in wanted]
         told += ["left", *([data.hex()] if data else [])] if wanted[1] == 0 else []
         assert line == told, data.hex()
 
@@ -101,7 +101,7 @@ def packets(payload, first, step):
     """The packets of a message of several."""
     parts = [payload[at : at + step] for at in range(0, len(payload), step)]
     places = [0x41, *[0x81] * (len(parts) - 2), 0xC1]
-    return [datagram(each, first + at, places[at]) for at, each in enumerate(parts)]
+    return [datagram(part, first + at, places[at]) for at, part in enumerate(parts)]
 
 
 def test_messages_of_several_packets_pass_when_they_come_in_order(program):
@@ -125,9 +125,9 @@ def test_messages_of_several_packets_pass_when_they_come_in_order(program):
         (packets(payload, 1100, 190), True),
     ]
     asked = [
-        ("d" if at == len(sent) - 1 else "k", each, 0)
+        ("d" if at == len(sent) - 1 else "k", packet, 0)
         for sent, _ in cases
-        for at, each in enumerate(sent)
+        for at, packet in enumerate(sent)
     ]
     found = iter(answers(program, asked))
     for sent, is_passed in cases:
@@ -136,8 +136,8 @@ def test_messages_of_several_packets_pass_when_they_come_in_order(program):
             number = struct.unpack("<H", sent[-1][-2:])[0]
             assert line == ["0", "1", "0", str(number), payload.hex()]
         else:
-            left = [bytes.fromhex(each) for each in line if each not in ("0", "1", "left")]
-            singles = [each for each in sent if each[4] == 1]
+            left = [bytes.fromhex(word) for word in line if word not in ("0", "1", "left")]
+            singles = [packet for packet in sent if packet[4] == 1]
             assert left == sent, line[:2]
             assert len(singles) <= 1
 
@@ -154,7 +154,7 @@ def test_damaged_datagrams_do_no_harm(program):
             data[rng.randrange(len(data))] = rng.randrange(256)
         cut = rng.choice([0, 0, 0, rng.randrange(len(data))])
         sent.append(bytes(data[: len(data) - cut]) + rng.choice([b"", b"", b"\x00"]))
-    found = answers(program, [("d", each, 0) for each in sent])
+    found = answers(program, [("d", damaged_datagram, 0) for damaged_datagram in sent])
     passed = 0
     for data, line in zip(sent, found, strict=True):
         if line[1] == "0":
@@ -212,14 +212,14 @@ def look_at_packets(sent, found):
         assert line[:2] == [str(ENOUGH), "1"]
         packets = [
             packet
-            for each in line[2:]
-            for packet in parse_datagram(bytes.fromhex(each), Counters())
+            for word in line[2:]
+            for packet in parse_datagram(bytes.fromhex(word), Counters())
         ]
-        assert b"".join(each.payload for each in packets) == data
+        assert b"".join(packet.payload for packet in packets) == data
         assert len(packets) <= 10
-        for each in packets:
-            assert each.sequence == number & 0xFFFF
-            assert isinstance(each, Packet)
+        for parsed_packet in packets:
+            assert parsed_packet.sequence == number & 0xFFFF
+            assert isinstance(parsed_packet, Packet)
             number += 1
-        flags = [int(each.data_flags) for each in packets]
+        flags = [int(packet.data_flags) for packet in packets]
         assert flags == ([0] if len(flags) == 1 else [1, *[2] * (len(flags) - 2), 3])

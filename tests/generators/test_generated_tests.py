@@ -170,7 +170,9 @@ def write(folder, name):
     """Writes the generated bridge of a model and the runtime."""
     model = Path(__file__).with_name(f"{name}.ros2jaus")
     result = read_models([model], notations=NOTATIONS)
-    assert [each for each in result.diagnostics if each.severity.name != "INFO"] == []
+    assert [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name != "INFO"
+    ] == []
     for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME]):
         path = folder / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -234,7 +236,7 @@ bridge arm_bridge {
     )
     result = read_models([model], notations=NOTATIONS)
     assert result.diagnostics == []
-    [tests] = [each for each in render(result.model, [TARGET]) if "/test/" in each.path]
+    [tests] = [artifact for artifact in render(result.model, [TARGET]) if "/test/" in artifact.path]
     assert "differing_forms(bridge, bridge.translate_joints, bridge.joints, source) == []" in (
         tests.text
     )
@@ -266,7 +268,7 @@ bridge desk_bridge {
     )
     result = read_models([model], notations=NOTATIONS)
     assert result.diagnostics == []
-    [tests] = [each for each in render(result.model, [TARGET]) if "/test/" in each.path]
+    [tests] = [artifact for artifact in render(result.model, [TARGET]) if "/test/" in artifact.path]
     assert "source.yaw = ReportAnalogAction.Yaw" not in tests.text
 
 
@@ -303,7 +305,9 @@ def outcomes(package):
 
     @cache
     def found(name, *, guards):
-        damages = {each: how for each, how in MODELS[name].items() if (each in GUARDING) is guards}
+        damages = {
+            damage: how for damage, how in MODELS[name].items() if (damage in GUARDING) is guards
+        }
         return outcomes_of(package(name), f"{name}/{name}_base.py", damages)
 
     return found
@@ -319,7 +323,7 @@ def test_the_generated_tests_pass(outcomes, name):
 @pytest.mark.parametrize(
     ("name", "damage"),
     sweep(
-        ((name, each) for name, damages in MODELS.items() for each in damages),
+        ((name, damage_name) for name, damages in MODELS.items() for damage_name in damages),
         every=lambda pair: pair[1] in GUARDING,
     ),
 )

@@ -59,7 +59,9 @@ def steps(value: Any) -> tuple[float, float, int]:
 @pytest.mark.parametrize("set_name", shipped_sets())
 def test_coded_values_are_the_integers_of_the_other_implementation(set_name: str) -> None:
     checked = 0
-    for vector in (each for each in golden_vectors() if each["set"] == set_name):
+    for vector in (
+        golden_vector for golden_vector in golden_vectors() if golden_vector["set"] == set_name
+    ):
         for names in candidates(vector):
             found = coded_values(names.view, names.cls.decode(bytes.fromhex(vector["hex"])))
             assert len(found) == len(vector["raw"])

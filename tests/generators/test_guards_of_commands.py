@@ -52,18 +52,20 @@ def guards(folder, text):
     path = folder / "demo.ros2jaus"
     path.write_text(f"import `jaus.core-1.1`\n{text}", encoding="utf-8")
     read = read_models([path], notations=NOTATIONS)
-    assert [each for each in read.diagnostics if each.severity.name == "ERROR"] == []
+    assert [
+        diagnostic for diagnostic in read.diagnostics if diagnostic.severity.name == "ERROR"
+    ] == []
     bases = {
-        Path(each.path).name: each.text
-        for each in render(read.model, [BRIDGES, COMPONENTS])
-        if each.path.endswith("_base.py")
+        Path(artifact.path).name: artifact.text
+        for artifact in render(read.model, [BRIDGES, COMPONENTS])
+        if artifact.path.endswith("_base.py")
     }
     handler = re.search(
         r"self\.handle\(\s*SetWinch,[^)]*?when=Guard\.(\w+)", bases["winch_base.py"]
     )
     taken = re.search(r"when=Guard\.(\w+)", bases["deck_base.py"])
     sent = re.search(r"control=Guard\.(\w+)", bases["deck_base.py"])
-    return [each and each[1] for each in (handler, taken, sent)]
+    return [match and match[1] for match in (handler, taken, sent)]
 
 
 def test_a_service_declared_in_maps_inherits_what_its_commands_need(tmp_path):
@@ -95,7 +97,9 @@ def test_commands_for_everyone_are_those_of_published_services(tmp_path):
     """)
     read = read_models([path], notations=NOTATIONS)
     base = next(
-        each.text for each in render(read.model, [COMPONENTS]) if each.path.endswith("_base.py")
+        artifact.text
+        for artifact in render(read.model, [COMPONENTS])
+        if artifact.path.endswith("_base.py")
     )
     assert "RemoveThing" in base
     assert "when=Guard.READY" not in base

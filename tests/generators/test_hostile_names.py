@@ -88,7 +88,11 @@ def test_values_go_through_all_functions(made, name):
     view, position = made.messages.ReportHostile, NAMES.index(name)
     attribute = dataclasses.fields(view)[position].name
     source = view(**{attribute: 4.0, "other": -8.0})
-    methods = [each for each in type(made.bridge).__mro__[1].__dict__ if "translate_" in each]
+    methods = [
+        method_name
+        for method_name in type(made.bridge).__mro__[1].__dict__
+        if "translate_" in method_name
+    ]
     target = getattr(made.bridge, methods[position])(source)
     assert target.TYPE == "geometry_msgs/msg/Twist"
     assert target.angular.y == 2.0 * 4.0 - 64.0

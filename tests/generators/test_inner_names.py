@@ -54,7 +54,7 @@ def enumerations(folder: Path, sampler: str, drill: str, *flags: str) -> dict[st
     message = load(render(read_messages(path)), "inner_names").ReportSamples
     assert message.decode(message().encode()) == message()
     return {
-        name: [each.name for each in item]
+        name: [int_enum.name for int_enum in item]
         for name, item in vars(message).items()
         if isinstance(item, type) and issubclass(item, IntEnum)
     }

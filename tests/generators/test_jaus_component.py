@@ -178,11 +178,13 @@ def test_hooks_of_every_component_are_in_the_contract() -> None:
     """A user's `on_not_ready` was once reported as a method that nothing calls."""
     (skeleton,) = (a for a in artifacts() if a.path.endswith("wrench_driver/wrench_driver.py"))
     assert skeleton.contract is not None
-    hooks = {each.name: each.parameters for each in skeleton.contract.methods if each.optional}
+    hooks = {
+        method.name: method.parameters for method in skeleton.contract.methods if method.optional
+    }
     own = {
         name: tuple(inspect.signature(method).parameters)[1:]
-        for each in JausComponent.__mro__
-        for name, method in vars(each).items()
+        for base in JausComponent.__mro__
+        for name, method in vars(base).items()
         if name.startswith(("on_", "host_time", "supports_element"))
         and name not in {"on_message", "on_payload"}
     }
@@ -208,9 +210,9 @@ def test_one_service_and_a_long_documentation_are_laid_out(tmp_path: Path) -> No
         f'<provides href="{services}/core-1.1.xmi#Transport"/></components>'
         f'<bridges name="front" address="1.1.2" documentation="{words}"/></system:System>'
     )
-    for each in render(read_models([path]).model, [TARGET, BRIDGE]):
-        if each.path.endswith("_base.py"):
-            (tmp_path / Path(each.path).name).write_text(each.text)
+    for artifact in render(read_models([path]).model, [TARGET, BRIDGE]):
+        if artifact.path.endswith("_base.py"):
+            (tmp_path / Path(artifact.path).name).write_text(artifact.text)
     assert "\nSERVICES = (Service" in (tmp_path / "clock_base.py").read_text()
     config = ["--config", str(ROOT / "pyproject.toml")]
     run("-m", "ruff", "format", "--check", *config, ".", cwd=tmp_path, workspace=tmp_path)

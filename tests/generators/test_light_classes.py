@@ -47,7 +47,7 @@ def types_made():
 
 @functools.cache
 def types_installed():
-    return [name for name, each in library().types.items() if real_class(each) is not None]
+    return [name for name, ros_type in library().types.items() if real_class(ros_type) is not None]
 
 
 @pytest.mark.slow
@@ -106,8 +106,8 @@ def test_any_bytes_are_a_message_or_an_error(name, data):
         raw = bytearray(whole)
         for _ in range(chance.randrange(4)):
             raw[chance.randrange(4, len(raw))] = chance.randrange(256)
-        for each in (bytes(raw[: chance.randrange(len(raw) + 1)]), bytes(raw)):
-            assert_message_or_error(made.kind(name), each)
+        for payload in (bytes(raw[: chance.randrange(len(raw) + 1)]), bytes(raw)):
+            assert_message_or_error(made.kind(name), payload)
 
 
 def assert_message_or_error(kind, raw):
@@ -359,7 +359,7 @@ def test_differences_are_told(fields, found):
 def test_differences_inside_are_told():
     holder = extremes().kind("extreme_msgs/msg/Holder")
     found = differences(holder, Real(dict(holder.LAYOUT)))
-    assert any("extreme_msgs/msg/Numbers: " in each for each in found)
+    assert any("extreme_msgs/msg/Numbers: " in difference for difference in found)
 
 
 def test_a_package_that_is_not_installed_is_one_error_with_its_cure():

@@ -53,7 +53,9 @@ def generated(folder: Path, more: str = "") -> str:
     path = folder / "robot.ros2jaus"
     path.write_text(MODEL.format(more=more), encoding="utf-8")
     model = read_models([path], notations=NOTATIONS).model
-    return next(each.text for each in render(model, [TARGET]) if each.path.endswith("_base.py"))
+    return next(
+        artifact.text for artifact in render(model, [TARGET]) if artifact.path.endswith("_base.py")
+    )
 
 
 def test_each_driver_tells_the_speed_and_what_its_elements_hold(tmp_path: Path) -> None:

@@ -182,15 +182,15 @@ def state(made: Generated, **fields: Any) -> Any:
     found.stamp.sec, found.turning, found.most = 1_700_000_000, 0.5, 10.0
     for name, value in fields.items():
         owner, last = found, name.split("__")
-        for each in last[:-1]:
-            owner = getattr(owner, each)
+        for part in last[:-1]:
+            owner = getattr(owner, part)
         setattr(owner, last[-1], value)
     return found
 
 
 def absent(message: Any) -> set[str]:
     """The optional fields that a JAUS message leaves out."""
-    return {each for each in message.__slots__ if getattr(message, each) is None}
+    return {slot for slot in message.__slots__ if getattr(message, slot) is None}
 
 
 def test_text_is_clean(made: Generated) -> None:
@@ -198,7 +198,7 @@ def test_text_is_clean(made: Generated) -> None:
 
 
 def test_the_generated_tests_know_markers(made: Generated) -> None:
-    tests = "".join(each.text for path, each in made.artifacts.items() if "/test/" in path)
+    tests = "".join(artifact.text for path, artifact in made.artifacts.items() if "/test/" in path)
     for name in ("down_voltage_without_voltage", "down_time_stamp_without_stamp"):
         assert f"def test_{name}(" in tests
     assert "def test_strict_down_needs_status(" in tests
@@ -238,7 +238,7 @@ def test_an_absent_source_counts_as_its_default_in_an_expression(made: Generated
 def test_elements_have_their_own_markers(made: Generated) -> None:
     down = made.bridge.translate_more_down
     found = down(state(made, ranges=[0.5, 2.0, 11.0, math.inf, math.nan])).ranges
-    assert [(each.range_, each.ok) for each in found] == [
+    assert [(reading.range_, reading.ok) for reading in found] == [
         (0.5, 0), (2.0, 1), (None, 7), (None, 7), (None, 7)
     ]  # fmt: skip
     part = types(made).Part
@@ -352,9 +352,11 @@ STATES = st.fixed_dictionaries(
 def test_all_forms_say_the_same(compiled: Generated, fields: dict[str, Any]) -> None:
     compiled.bridge.now = lambda: importlib.import_module("jausml_runtime.conversions").Time(7, 8)
     source = state(compiled, **fields)
-    source.parts = [types(compiled).Part(charge=each) for each in fields["ranges"]]
+    source.parts = [types(compiled).Part(charge=charge) for charge in fields["ranges"]]
     sources = {"down": source.to_cdr(), "more_down": source.to_cdr()}
-    made = {each: by_python(compiled, each, data) for each, data in sources.items()}
+    made = {
+        translation: by_python(compiled, translation, data) for translation, data in sources.items()
+    }
     sources |= {
         name: data
         for name, data in (("up", made["down"]), ("more_up", made["more_down"]))

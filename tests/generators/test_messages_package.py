@@ -44,7 +44,9 @@ NAMESAKES = """<?xml version="1.0" encoding="UTF-8"?>
 @pytest.fixture(scope="module")
 def files():
     model = read_models([EXAMPLE]).model
-    return {each.path: each.text for each in render(model, [BRIDGES, COMPONENTS, MESSAGES])}
+    return {
+        artifact.path: artifact.text for artifact in render(model, [BRIDGES, COMPONENTS, MESSAGES])
+    }
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +88,7 @@ def test_a_module_for_each_service(files):
 def test_packages_depend_on_the_messages_that_they_use(files):
     def needs(package):
         root = etree.fromstring(files[f"{package}/package.xml"].encode())
-        return {each.text for each in root.findall("exec_depend")}
+        return {match.text for match in root.findall("exec_depend")}
 
     for package in ("vehicle", "bridge", "operator_control_unit"):
         assert {"catvehicle_messages", "jausml_runtime"} <= needs(package)

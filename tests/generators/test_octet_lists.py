@@ -108,7 +108,7 @@ def test_octets_of_jaus_are_the_same_in_both_ways(bridge, cells, name):
 @given(cells=st.binary(max_size=300), name=st.sampled_from(["cells", "plain"]))
 def test_octets_of_ros_are_the_same_in_both_ways(bridge, cells, name):
     light = importlib.import_module(f"{bridge.package}.ros_types").OccupancyGrid
-    message = light(data=[each - 256 * (each > 127) for each in cells])
+    message = light(data=[cell - 256 * (cell > 127) for cell in cells])
     whole, listed = both_ways(bridge, name, "down", message.to_cdr())
     assert whole == listed
 
@@ -143,7 +143,7 @@ def test_octets_of_jaus_are_the_same_compiled(bridge, compiled, cells, name):
 
 
 def is_unusual(cells, name):
-    return name == "plain" and any(each > 127 for each in cells)
+    return name == "plain" and any(cell > 127 for cell in cells)
 
 
 @pytest.mark.slow
@@ -156,7 +156,7 @@ def test_octets_of_ros_are_the_same_compiled(bridge, compiled, cells, name):
     whole, _ = both_ways(bridge, name, "down", data)
     found = compiled[f"{name}_down"](data)
     limits = {"cells": range(-1, 101), "plain": range(128)}[name]
-    assert (found is None) == any(each not in limits for each in cells)
+    assert (found is None) == any(cell not in limits for cell in cells)
     assert found is None or found == whole
 
 

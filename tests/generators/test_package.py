@@ -58,13 +58,15 @@ def check_rep_149(root):
     assert root.findtext("license").strip()
     assert [child.tag for child in root.find("export")] == ["build_type"]
     assert root.findtext("export/build_type") == "ament_python"
-    depends = [each.text for each in root.findall("exec_depend")]
+    depends = [match.text for match in root.findall("exec_depend")]
     assert depends == sorted(set(depends))
 
 
 @pytest.mark.parametrize("case", ["features", "hostile", "talk", "hosts", "one_host"])
 def test_package_xml_obeys_rep_149(case):
-    files = [each for path, each in artifacts(case).items() if path.endswith("/package.xml")]
+    files = [
+        artifact for path, artifact in artifacts(case).items() if path.endswith("/package.xml")
+    ]
     assert files
     for file in files:
         root = manifest(file.text)
@@ -75,9 +77,9 @@ def test_package_xml_obeys_rep_149(case):
 @pytest.mark.parametrize("package", sorted(DEPENDENCIES))
 def test_package_xml_names_what_the_package_needs(package):
     root = manifest(artifacts("features")[f"{package}/package.xml"].text)
-    assert [each.text for each in root.findall("exec_depend")] == DEPENDENCIES[package]
+    assert [match.text for match in root.findall("exec_depend")] == DEPENDENCIES[package]
     tests = [] if package.endswith("_bringup") else ["python3-pytest"]
-    assert [each.text for each in root.findall("test_depend")] == tests
+    assert [match.text for match in root.findall("test_depend")] == tests
     assert root.findtext("version") == "1.2.3"
     assert root.findtext("maintainer") == "Maintainer"
     assert root.findtext("license") == "BSD-3-Clause"

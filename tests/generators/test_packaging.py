@@ -26,7 +26,9 @@ EXAMPLES = [
 def workspace(request, tmp_path_factory):
     out = tmp_path_factory.mktemp(request.param.stem)
     read = read_models([request.param], notations=NOTATIONS)
-    generate(read.model, [each for each in load_targets().values() if not each.is_on_request], out)
+    generate(
+        read.model, [target for target in load_targets().values() if not target.is_on_request], out
+    )
     return out
 
 
@@ -51,7 +53,7 @@ def test_no_package_waits_for_itself(workspace):
 
 def test_what_is_imported_is_depended_on(workspace):
     for folder, package in packages(workspace).items():
-        known = {each.name for each in package.exec_depends} | {package.name}
+        known = {exec_depend.name for exec_depend in package.exec_depends} | {package.name}
         unknown = imports(folder / package.name) - known
         assert unknown <= set(sys.stdlib_module_names), package.name
 

@@ -46,13 +46,13 @@ OWN = {
 
 def policies(path: Path) -> dict[str, str]:
     model = read_models([path], notations=NOTATIONS).model
-    found = {each.path: each.text for each in render(model, [BRINGUP])}
+    found = {artifact.path: artifact.text for artifact in render(model, [BRINGUP])}
     return {name: text for name, text in found.items() if name.endswith(".policy.xml")}
 
 
 def names(text: str, element: str, use: str) -> set[str | None]:
     root = etree.fromstring(text.encode())
-    return {each.text for each in root.findall(f".//{element}s[@{use}='ALLOW']/{element}")}
+    return {match.text for match in root.findall(f".//{element}s[@{use}='ALLOW']/{element}")}
 
 
 def check_form(element: etree._Element) -> None:
@@ -63,14 +63,14 @@ def check_form(element: etree._Element) -> None:
         assert set(element.attrib.values()) == {"ALLOW"}
     else:
         assert set(element.attrib) == attributes
-    assert {each.tag for each in element.iterchildren(etree.Element)} <= children
+    assert {child.tag for child in element.iterchildren(etree.Element)} <= children
     if children:
         assert len(element)
     else:
         assert element.text
         assert element.text.startswith("/")
-    for each in element.iterchildren(etree.Element):
-        check_form(each)
+    for child in element.iterchildren(etree.Element):
+        check_form(child)
 
 
 @pytest.mark.parametrize("path", sweep(MODELS, every=4), ids=lambda path: path.stem)
@@ -118,7 +118,11 @@ def test_actions_are_called_or_executed() -> None:
 
 def test_services_are_called_or_served() -> None:
     model = read_models([ROOT / "tests/cases/rules/JML466-something-carried/good.xmi"]).model
-    (text,) = (each.text for each in render(model, [BRINGUP]) if each.path.endswith(".policy.xml"))
+    (text,) = (
+        artifact.text
+        for artifact in render(model, [BRINGUP])
+        if artifact.path.endswith(".policy.xml")
+    )
     assert names(text, "service", "reply") == {"/stop", *(f"/bridge/{name}" for name in OWN)}
 
 
@@ -153,8 +157,8 @@ def test_sros2_itself_takes_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
                 keystore.create_enclave(store, identity)
             keystore.create_permission(store, identity, file)
             permissions = etree.parse(store / "enclaves" / identity.lstrip("/") / "permissions.xml")
-            published = {each.text for each in permissions.findall(".//publish/topics/topic")}
+            published = {match.text for match in permissions.findall(".//publish/topics/topic")}
             assert {f"rt{topic}" for topic in names(text, "topic", "publish")} <= published
-            subscribed = {each.text for each in permissions.findall(".//subscribe/topics/topic")}
+            subscribed = {match.text for match in permissions.findall(".//subscribe/topics/topic")}
             assert {f"rt{topic}" for topic in names(text, "topic", "subscribe")} <= subscribed
-            assert not any("*" in str(each) for each in published | subscribed)
+            assert not any("*" in str(topic_name) for topic_name in published | subscribed)

@@ -30,7 +30,9 @@ def test_each_connection_has_loads_and_times(data):
     if found.has_errors:
         return
     report = report_of(system_of(found.model), Assumptions())
-    for connection in (each for owner in report.bridges for each in owner.connections):
+    for connection in (
+        connection_report for owner in report.bridges for connection_report in owner.connections
+    ):
         assert connection.flows
         assert connection.budgets
         assert connection.load.sent.packets + connection.load.received.packets > 0

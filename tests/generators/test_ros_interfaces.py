@@ -140,7 +140,7 @@ def model(tmp_path):
 def render(model, *targets):
     """Returns the files of targets, of both of them when none is named."""
     chosen = targets or (DECLARED, TARGET)
-    return {each.path: each.text for each in generation.render(model, chosen)}
+    return {artifact.path: artifact.text for artifact in generation.render(model, chosen)}
 
 
 def body(text):
@@ -206,7 +206,9 @@ def test_messages_of_maps_have_their_ros_type_already():
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     some = {path for path in render(model) if path.endswith(".msg")}
     every = {path for path in render(model, TARGET.for_whole_library()) if path.endswith(".msg")}
-    mapped = {str(each.message.name) for each in model.instances(bridge.AttributeMap)}
+    mapped = {
+        str(attribute_map.message.name) for attribute_map in model.instances(bridge.AttributeMap)
+    }
     assert mapped
     for name in mapped:
         assert f"catvehicle_jaus_msgs/msg/{name}.msg" not in some
@@ -222,8 +224,11 @@ def files_of(*paths):
 
 
 def facts(section):
-    fields = [(each.name, each.type, each.default, each.comment) for each in section.fields]
-    constants = [(each.name, each.type, each.value, each.comment) for each in section.constants]
+    fields = [(field.name, field.type, field.default, field.comment) for field in section.fields]
+    constants = [
+        (constant.name, constant.type, constant.value, constant.comment)
+        for constant in section.constants
+    ]
     return section.comment, fields, constants
 
 
@@ -254,10 +259,10 @@ def test_rosidl_takes_every_message_of_the_library(library_files):
     for file in library_files:
         (section,) = file.sections
         theirs = parser.parse_message_string("all_msgs", file.name, "\n".join(section.lines))
-        assert [each.name for each in theirs.fields] == [each.name for each in section.fields]
-        shown = [str(each.type).replace("all_msgs/", "") for each in theirs.fields]
-        assert shown == [str(each.type) for each in section.fields]
-        units = [each.annotations.get("unit") for each in theirs.fields]
+        assert [field.name for field in theirs.fields] == [field.name for field in section.fields]
+        shown = [str(field.type).replace("all_msgs/", "") for field in theirs.fields]
+        assert shown == [str(field.type) for field in section.fields]
+        units = [field.annotations.get("unit") for field in theirs.fields]
         assert all(unit is None or unit for unit in units)
 
 

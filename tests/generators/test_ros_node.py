@@ -316,7 +316,7 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
     file = tmp_path / "module.py"
     origins = {
         local or name: Origin(module, name)
-        for module, (name, _, local) in ((each[0], each[1].partition(" as ")) for each in names)
+        for module, (name, _, local) in ((pair[0], pair[1].partition(" as ")) for pair in names)
     }
     body = f"from __future__ import annotations\n\nEVERY = {sorted(origins)}\n".replace("'", "")
     file.write_text(Modules().finished(body, Imports(origins)))
@@ -403,10 +403,12 @@ def test_output_is_the_same_wherever_the_model_lies(tmp_path):
     copy.parent.mkdir()
     copy.write_bytes((CASES / "features.xmi").read_bytes())
     rendered = gen.render(model_of(copy), [ROS_NODE])
-    assert {each.path: each.text for each in rendered} == {
-        path: each.text for path, each in artifacts("features", ROS_NODE).items()
+    assert {artifact.path: artifact.text for artifact in rendered} == {
+        path: artifact.text for path, artifact in artifacts("features", ROS_NODE).items()
     }
-    assert not any(str(ROOT) in each.text or str(tmp_path) in each.text for each in rendered)
+    assert not any(
+        str(ROOT) in artifact.text or str(tmp_path) in artifact.text for artifact in rendered
+    )
 
 
 def test_a_node_without_endpoints_is_still_a_node():

@@ -94,15 +94,15 @@ def test_generated_code_imports_what_is_public(system):
     }
     assert used
     assert {module for _, module, _ in used} <= PUBLIC
-    assert [each for each in used if not is_public(each[1], each[2])] == []
+    assert [usage for usage in used if not is_public(usage[1], usage[2])] == []
 
 
 def test_shipped_skeletons_import_what_is_public():
     texts = [path.read_text("utf-8") for path in (ROOT / "models").glob("**/src/**/*.py")]
-    used = {each for text in texts for each in imports_of_the_runtime(text)}
+    used = {usage for text in texts for usage in imports_of_the_runtime(text)}
     assert used
     assert {module for module, _ in used} <= PUBLIC
-    assert [each for each in used if not is_public(*each)] == []
+    assert [usage for usage in used if not is_public(*usage)] == []
 
 
 def test_the_face_needs_no_ros():

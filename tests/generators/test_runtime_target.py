@@ -25,8 +25,8 @@ def files():
 @pytest.fixture(scope="module")
 def copies(files):
     return {
-        path.removeprefix(FOLDER): each.text
-        for path, each in files.items()
+        path.removeprefix(FOLDER): artifact.text
+        for path, artifact in files.items()
         if path.startswith(FOLDER) and path.endswith(".py")
     }
 
@@ -82,7 +82,7 @@ def needs_more(name, text):
     return (
         name.startswith("bridge/ros/")
         or "rclpy" in set(imported(text))
-        or any({"ros", "rclpy"} & set(each.split(".")) for each in inside)
+        or any({"ros", "rclpy"} & set(module.split(".")) for module in inside)
     )
 
 

@@ -28,7 +28,9 @@ def generated(tmp_path, hosts="", cap=""):
     path.write_text(text, encoding="utf-8")
     result = read_models([path], notations=NOTATIONS)
     assert not result.has_errors, result.diagnostics
-    files = {str(each.path): each.text for each in render(result.model, [BRIDGE, BRINGUP])}
+    files = {
+        str(artifact.path): artifact.text for artifact in render(result.model, [BRIDGE, BRINGUP])
+    }
     (base,) = [text for name, text in files.items() if name.endswith("secured_base.py")]
     (parameters,) = [text for name, text in files.items() if name.endswith("secured.yaml")]
     return " ".join(base.split()), parameters

@@ -27,7 +27,9 @@ def test_shapes_and_their_parameters(tmp_path):
     path.write_text(TEXT, encoding="utf-8")
     result = read_models([path], notations=NOTATIONS)
     assert not result.has_errors, result.diagnostics
-    files = {str(each.path): each.text for each in render(result.model, [BRIDGE, BRINGUP])}
+    files = {
+        str(artifact.path): artifact.text for artifact in render(result.model, [BRIDGE, BRINGUP])
+    }
     (base,) = [text for name, text in files.items() if name.endswith("front_base.py")]
     assert base.count("shape=") == 1
     assert "shape=Shape(max_rate=5.0, decimation=2, age_limit=0.5)," in base

@@ -43,8 +43,8 @@ def multiplied(text, names=NAMES):
     for line in text.splitlines():
         if line.startswith("  connection "):
             word, name, rest = line.split(maxsplit=2)
-            several = [each.format(name) for each in names]
-            lines += [f"  {word} {each} {rest}" for each in several]
+            several = [pattern.format(name) for pattern in names]
+            lines += [f"  {word} {new_name} {rest}" for new_name in several]
             found += several
         else:
             lines.append(line)
@@ -55,7 +55,7 @@ def only(text, name):
     """Returns a model with one of the connections."""
     lines = text.splitlines()
     return "\n".join(
-        each for each in lines if "  connection " not in each or f" connection {name} " in each
+        line for line in lines if "  connection " not in line or f" connection {name} " in line
     )
 
 
@@ -80,8 +80,8 @@ def viewed(text, folder):
 def test_connections_share_what_each_has_alone(text, tmp_path):
     text, names = multiplied(text)
     whole = viewed(text, tmp_path)
-    translated = {each.name: each for each in whole.translations.connections}
-    checks = {each.name: each for each in Tests(whole).checks}
+    translated = {connection.name: connection for connection in whole.translations.connections}
+    checks = {check.name: check for check in Tests(whole).checks}
 
     assert len(translated) == len(names)
     for name in names:
@@ -96,18 +96,20 @@ def test_frames_and_memories_are_those_of_each_connection(tmp_path):
     text, _ = multiplied(EVERY_POLICY, ("{0}", "b_{0}", "c_{0}"))
     uses = viewed(text, tmp_path).translations.uses
 
-    frames = {each.name for each in uses.frames.values()}
-    assert frames >= {f"{each}speed_frame_id" for each in ("", "b_", "c_")}
-    assert {each.name for each in uses.memories} == {
-        f"last_{each}speed_twist_twist_angular_z" for each in ("", "b_", "c_")
+    frames = {frame.name for frame in uses.frames.values()}
+    assert frames >= {f"{prefix}speed_frame_id" for prefix in ("", "b_", "c_")}
+    assert {memory.name for memory in uses.memories} == {
+        f"last_{prefix}speed_twist_twist_angular_z" for prefix in ("", "b_", "c_")
     }
 
 
 def test_a_name_that_is_taken_is_told_apart(tmp_path):
     text, _ = multiplied(EVERY_POLICY, ("{0}", "b", "b_frame_id"))
     text = only(text, "speed").replace("  connection speed", "  connection b_frame_id", 1)
-    line = next(each for each in text.splitlines() if "connection b_frame_id" in each)
-    lines = [line.replace("b_frame_id", each) for each in ("b_frame_id", "a", "b")]
+    line = next(
+        text_line for text_line in text.splitlines() if "connection b_frame_id" in text_line
+    )
+    lines = [line.replace("b_frame_id", name) for name in ("b_frame_id", "a", "b")]
     view = viewed(text.replace(line, "\n".join(lines)), tmp_path)
 
     assert "target.header.frame_id = self.b_frame_id_2" in view.translations.connections[2].lines
@@ -161,9 +163,9 @@ def test_maps_that_say_the_same_share_as_one_map_does(tmp_path):
 
     assert plain.connection.map is not again.connection.map
     assert plain.alike == again.alike != other.alike
-    lines = {each.name: each.translated.lines for each in view.connections}
-    assert lines["plain"] == tuple(each.replace("again", "plain") for each in lines["again"])
-    assert lines["plain"] != tuple(each.replace("other", "plain") for each in lines["other"])
+    lines = {connection.name: connection.translated.lines for connection in view.connections}
+    assert lines["plain"] == tuple(line.replace("again", "plain") for line in lines["again"])
+    assert lines["plain"] != tuple(line.replace("other", "plain") for line in lines["other"])
 
 
 @pytest.mark.parametrize(
@@ -188,9 +190,9 @@ def test_maps_with_vectors_are_told_apart_by_their_names(tmp_path):
     text = text.replace("-> data ) }\n\nagain", f"-> data ) {vector} }}\n\nagain")
     view = viewed(text, tmp_path)
 
-    about = [each.documentation for each in Tests(view).checks]
-    assert [each for each in about if "map plain" in each]
-    assert [each for each in about if "map again" in each]
+    about = [check.documentation for check in Tests(view).checks]
+    assert [documentation for documentation in about if "map plain" in documentation]
+    assert [documentation for documentation in about if "map again" in documentation]
 
 
 FRAMES = """
@@ -236,14 +238,14 @@ def test_maps_that_differ_in_frames_share_and_have_their_own(tmp_path):
     text = FRAMES.format(**STAMPED)
     whole = viewed(text, tmp_path)
 
-    assert len({each.alike for each in whole.connections}) == 1
-    frames = {each.name: each.value for each in whole.translations.uses.frames.values()}
+    assert len({connection.alike for connection in whole.connections}) == 1
+    frames = {frame.name: frame.value for frame in whole.translations.uses.frames.values()}
     assert frames == {
         "front_frame_id": 'front "link"',
         "rear_frame_id": "rear",
         "left_frame_id": "left",
     }
-    checks = {each.name: each for each in Tests(whole).checks}
+    checks = {check.name: check for check in Tests(whole).checks}
     for view in whole.connections:
         alone = viewed(only(text, view.name), tmp_path)
         assert alone.connections[0].translated.lines == view.translated.lines
@@ -254,7 +256,7 @@ def test_maps_that_differ_in_frames_share_and_have_their_own(tmp_path):
 def test_texts_that_name_no_frame_tell_maps_apart(tmp_path):
     views = viewed(FRAMES.format(**UNSTAMPED), tmp_path).connections
 
-    assert len({each.alike for each in views}) == 3
+    assert len({view.alike for view in views}) == 3
     assert 'target.data = "left"' in views[2].translated.lines
 
 
@@ -265,5 +267,5 @@ def test_targets_share_the_views_of_a_model(tmp_path):
 
     assert model.made(bridge_views)[0] is model.made(bridge_views)[0]
     views = [view for task in bringup.tasks(model) for view in task.views]
-    (config,) = (each for each in views if isinstance(each, ConfigView))
+    (config,) = (view for view in views if isinstance(view, ConfigView))
     assert config.process.bridge is model.made(bridge_views)[0]

@@ -74,6 +74,6 @@ def test_other_components_are_as_before(tmp_path: Path) -> None:
     path = tmp_path / "plain.ros2jaus"
     path.write_text(MODEL.read_text(encoding="utf-8").replace("simulated: true", ""), "utf-8")
     model = read_models([path], notations=NOTATIONS).model
-    texts = {each.path: each.text for each in render(model, [TARGET])}
+    texts = {artifact.path: artifact.text for artifact in render(model, [TARGET])}
     assert "imulation" not in texts["arm/arm/arm_base.py"]
     assert texts["arm/arm/arm_base.py"].count('"component.not_implemented"') == 13

@@ -41,13 +41,15 @@ CONNECTION = """
 def test_a_connection_hides_nothing_of_its_bridge(tmp_path: Path) -> None:
     made = Bridge(BridgeSettings(name="robot", address=JausAddress(1, 1, 1)))
     public = {*dir(Bridge), *Bridge.__annotations__, *vars(made)}
-    names = sorted(each for each in public if not each.startswith("_"))
+    names = sorted(attribute for attribute in public if not attribute.startswith("_"))
     assert {"component", "connections", "follow", "settings"} < set(names)
     path = tmp_path / "robot.ros2jaus"
     connections = "".join(CONNECTION.format(name=name) for name in names)
     path.write_text(MODEL.format(connections=connections), encoding="utf-8")
     model = read_models([path], notations=NOTATIONS).model
-    base = next(each.text for each in render(model, [TARGET]) if each.path.endswith("_base.py"))
+    base = next(
+        artifact.text for artifact in render(model, [TARGET]) if artifact.path.endswith("_base.py")
+    )
     hidden = [name for name in names if f"self.{name}_ = ListToAction(" not in base]
     assert hidden == []
 
@@ -63,7 +65,9 @@ def test_a_connection_is_told_by_its_name_in_the_model(tmp_path: Path, name: str
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    base = next(each.text for each in render(model, [TARGET]) if each.path.endswith("_base.py"))
+    base = next(
+        artifact.text for artifact in render(model, [TARGET]) if artifact.path.endswith("_base.py")
+    )
     (view,) = bridge_views(model)
 
     assert f' = TopicsToReport(\n            "{name}",' in base

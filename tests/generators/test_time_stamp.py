@@ -22,7 +22,7 @@ from jausml_generators.python.codec.message_builder import MessageBuilder
 from jausml_generators.ros_node.target import TARGET as NODES
 
 LAYOUT = definitions("core-v1.1")["Time.SetTime"].layout
-STAMP = next(each for each in LAYOUT.body.kind.members if each.name == "TimeStamp")
+STAMP = next(member for member in LAYOUT.body.kind.members if member.name == "TimeStamp")
 SYSTEMS = (
     "models/catvehicle/catvehicle.xmi",
     "models/examples/winch/winch.xmi",
@@ -34,7 +34,9 @@ PARTS = ("milliseconds", "seconds", "minutes", "hour", "day")
 def with_stamp(**changes: Any) -> Any:
     """The layout of SetTime with another TimeStamp."""
     record = LAYOUT.body.kind
-    members = tuple(replace(each, **changes) if each is STAMP else each for each in record.members)
+    members = tuple(
+        replace(member, **changes) if member is STAMP else member for member in record.members
+    )
     return replace(LAYOUT, body=replace(LAYOUT.body, kind=replace(record, members=members)))
 
 
@@ -49,8 +51,10 @@ def generated_anew() -> Any:
     """The class that is generated for the layout when the runtime is not asked."""
     view = MessageBuilder(LAYOUT, "SetTime").build()
     nested = tuple(
-        replace(each, is_inherited=False) if isinstance(each, BitFieldClass) else each
-        for each in view.nested
+        replace(nested_class, is_inherited=False)
+        if isinstance(nested_class, BitFieldClass)
+        else nested_class
+        for nested_class in view.nested
     )
     return load(render((replace(view, nested=nested),)), "time_stamp_anew").SetTime.TimeStamp
 
@@ -134,6 +138,6 @@ def test_no_message_of_the_library_has_a_class_of_its_own(set_name: str) -> None
 def test_no_package_of_the_shipped_systems_has_a_class_of_its_own(system: str) -> None:
     model = read_models([ROOT / system]).model
     artifacts = gen.render(model, (COMPONENTS, BRIDGES, NODES, MESSAGES))
-    texts = [each.text for each in artifacts if each.path.endswith(".py")]
+    texts = [artifact.text for artifact in artifacts if artifact.path.endswith(".py")]
     assert texts
     assert not [text for text in texts if "class TimeStamp" in text]

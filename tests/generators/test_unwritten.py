@@ -25,7 +25,7 @@ def test_a_silence_is_told_beside_reports_that_come_often(tmp_path):
     path = tmp_path / "s.ros2jaus"
     path.write_text(MODEL, encoding="utf-8")
     made = render(read_models([path], notations=NOTATIONS).model, [TARGET])
-    [base] = [each.text for each in made if each.path.endswith("logger_base.py")]
+    [base] = [artifact.text for artifact in made if artifact.path.endswith("logger_base.py")]
     before, _, behind = base.partition("def on_velocity_silent")
     assert '"component.not_implemented", f"on_velocity: ' in before
     assert '"component.silence_not_implemented", f"on_velocity_silent:' in behind

@@ -57,8 +57,8 @@ def filled():
     message.membername2.note = "note"
     message.second2, message.third2 = [0.5, 1.0, -1.0], [-7, 8]
     message.free2 = [0.25, 0.5]
-    for number, each in enumerate(message.last2, 3):
-        each.a = number
+    for number, element in enumerate(message.last2, 3):
+        element.a = number
     return message
 
 
@@ -99,7 +99,7 @@ def test_the_compiled_core_makes_the_same(made):
 def findings(text, tmp_path, name="model.ros2jaus"):
     (tmp_path / name).write_text(text, encoding="utf-8")
     found = check_project([tmp_path / name]).diagnostics
-    return [each for each in found if each.severity.name != "INFO"]
+    return [diagnostic for diagnostic in found if diagnostic.severity.name != "INFO"]
 
 
 @pytest.mark.parametrize(
@@ -122,8 +122,8 @@ def findings(text, tmp_path, name="model.ros2jaus"):
 def test_what_does_not_correspond_is_told_where_it_is_written(jaus, ros, said, tmp_path):
     ends = f"JAUS SetA ( {jaus} ) {{ code: 0xD201 }}\n  ROS A ( {ros} )"
     text = f"a {{\n  {ends}\n  JAUS->ROS (\n    m -> m\n  )\n}}\n"
-    found = [each for each in findings(text, tmp_path) if each.rule == "JML412"]
-    assert [each.location.line for each in found] == [5], found
+    found = [finding for finding in findings(text, tmp_path) if finding.rule == "JML412"]
+    assert [finding.location.line for finding in found] == [5], found
     assert said in found[0].message
 
 
@@ -136,4 +136,4 @@ def test_all_of_a_whole_is_assigned_and_part_of_it_not_again(tmp_path):
     (found,) = findings(again, tmp_path)
     assert found.message == "'membername.inner.x' is assigned already"
     missing = text.replace("    membername2 -> membername { outOfRange: dropMessage }\n", "")
-    assert {each.rule for each in findings(missing, tmp_path)} == {"JML416"}
+    assert {finding.rule for finding in findings(missing, tmp_path)} == {"JML416"}

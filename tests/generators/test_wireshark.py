@@ -61,8 +61,8 @@ def nodes(table):
         if "filter" in table:
             yield table
         table = list(table.values())
-    for each in table if isinstance(table, list) else ():
-        yield from nodes(each)
+    for node in table if isinstance(table, list) else ():
+        yield from nodes(node)
 
 
 def test_the_system_decides_which_messages_are_known(example):
@@ -96,8 +96,11 @@ def test_filters_are_valid_and_of_one_type_each():
             assert FILTER.fullmatch(node["filter"])
             shown = "double" if "scale" in node else node.get("type", node.get("kind", "bits"))
             types.setdefault(node["filter"], set()).add(shown)
-    kinds = {filter_name: each - {"record", "list", "bits"} for filter_name, each in types.items()}
-    assert not {name: each for name, each in kinds.items() if len(each) > 1}
+    kinds = {
+        filter_name: type_set - {"record", "list", "bits"}
+        for filter_name, type_set in types.items()
+    }
+    assert not {name: type_set for name, type_set in kinds.items() if len(type_set) > 1}
 
 
 def test_filters_are_made_of_the_names(example):
@@ -149,7 +152,7 @@ def test_members_are_there_by_bits_that_count_from_0(tmp_path):
         'presenceVector="none">\n', f'presenceVector="uint8">\n{fields}'
     )
     (message,) = own(tmp_path, service)
-    bits = [each.get("presence_bit") for each in message.body["fields"]]
+    bits = [field_table.get("presence_bit") for field_table in message.body["fields"]]
     assert bits == [0, None, 1, 2]
 
 
@@ -205,7 +208,7 @@ def test_the_languages_of_old_and_new_wireshark_read_it(example, lua, whole_libr
 
 
 def test_integers_that_count_from_a_lower_limit_show_their_value():
-    message = next(each for each in tables(HERE / "every_kind.xmi") if each.name == "Offsets")
+    message = next(table for table in tables(HERE / "every_kind.xmi") if table.name == "Offsets")
     year, gear, flags, *_ = message.body["fields"]
     assert (year["type"], year["offset"]) == ("uint8", 2000)
     assert gear["some_names"] == {-5: "reverse", 3: "forward"}

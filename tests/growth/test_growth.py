@@ -164,9 +164,9 @@ def assert_growth(cost):
     cost(2)  # what is remembered of the library is remembered
     few, more, most = cost(SMALL), cost(2 * SMALL), cost(4 * SMALL)
     too_many = {
-        each: (few[each], more[each], most[each])
-        for each in most
-        if most[each] - more[each] > 2.3 * (more[each] - few[each]) + 100
+        function: (few[function], more[function], most[function])
+        for function in most
+        if most[function] - more[function] > 2.3 * (more[function] - few[function]) + 100
     }
     assert too_many == {}
 

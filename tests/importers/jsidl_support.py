@@ -82,7 +82,7 @@ def run(*texts, **options):
 def good(*texts, **options):
     """Imports documents that have no findings; returns the first service."""
     result = run(*texts, **options)
-    assert result.diagnostics == [], [str(each) for each in result.diagnostics]
+    assert result.diagnostics == [], [str(diagnostic) for diagnostic in result.diagnostics]
     return result.sets[0].services[0]
 
 
@@ -105,10 +105,15 @@ def marked(*texts, **options):
         plain.append(text)
     result = run(*plain, **options)
     found = [
-        (each.location.path, each.location.line, each.location.column, each.rule)
-        for each in result.diagnostics
+        (
+            diagnostic.location.path,
+            diagnostic.location.line,
+            diagnostic.location.column,
+            diagnostic.rule,
+        )
+        for diagnostic in result.diagnostics
     ]
-    assert found == sorted(expected), [str(each) for each in result.diagnostics]
+    assert found == sorted(expected), [str(diagnostic) for diagnostic in result.diagnostics]
     return result.diagnostics
 
 

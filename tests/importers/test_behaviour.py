@@ -32,13 +32,13 @@ def only(made):
 def test_the_machine_of_the_winch():
     (drum,) = winch().sets[0].services[0].machines
     assert drum.name == "Drum"
-    assert [(each.name, each.initial) for each in drum.states] == [
+    assert [(machine_state.name, machine_state.initial) for machine_state in drum.states] == [
         ("Idle", True),
         ("Moving", False),
         ("Stopped", False),
     ]
     idle, moving, stopped = drum.states
-    assert [each.name for each in (*idle.entry, *idle.exit)] == ["brake", "release"]
+    assert [action.name for action in (*idle.entry, *idle.exit)] == ["brake", "release"]
     first, second, third = idle.transitions
     assert (first.message.name, first.target) == ("SetRope", "Moving.PayingOut")
     assert first.guard == "isControllingClient(transportData) && !isJammed"
@@ -47,7 +47,7 @@ def test_the_machine_of_the_winch():
     (reject,) = second.actions
     assert (reject.name, reject.sends.name) == ("makeRejectRopeTooLong", "RejectRope")
     assert (third.message.name, third.actions[0].name) == ("QueryRope", "ReportRope")
-    assert [each.initial for each in moving.states] == [True, False]
+    assert [machine_state.initial for machine_state in moving.states] == [True, False]
     assert moving.defaults[0].message.name == "StopWinch"
     assert moving.states[0].transitions[0].kind.name == "push"
     jammed, overload, other = stopped.transitions[:3]
@@ -83,7 +83,10 @@ def test_a_group_without_a_first_state():
     text = machine(state("⟦JML625⟧" + state(name="A") + state(name="B")))
     marked(text)
     made = good(machine(state(state(name="A") + state(name="B")), "S.B"))
-    assert [each.initial for each in made.machines[0].states[0].states] == [False, True]
+    assert [machine_state.initial for machine_state in made.machines[0].states[0].states] == [
+        False,
+        True,
+    ]
 
 
 def test_start_and_initial_state_may_differ():
@@ -118,7 +121,7 @@ def test_a_transition_needs_a_kind():
     ],
 )
 def test_actions_that_send(arguments, name, sends):
-    written = "".join(f'<argument value=" {each} "/>' for each in arguments)
+    written = "".join(f'<argument value=" {argument} "/>' for argument in arguments)
     action = f'<new:internal/><action name="a.transport.Send">{written}</action>'
     (made,) = only(good(machine(state(on("QueryLamp", action))))).actions
     assert (made.name, made.sends.name if made.sends else None) == (name, sends)
@@ -156,13 +159,17 @@ def test_equal_texts_are_equal_guards_and_others_are_not():
 
     assert len(marked(text)) == 3
     made = run(MARKER.sub("", text)).sets[0].services[0].machines[0].states[0]
-    assert [each.guard for each in made.transitions] == ["guard_a_3", "guard_a_3_2", "guard_a_3"]
+    assert [transition.guard for transition in made.transitions] == [
+        "guard_a_3",
+        "guard_a_3_2",
+        "guard_a_3",
+    ]
 
 
 def test_machines_can_be_left_out():
     made = good(machine(state(on("QueryLamb", "<new:internal/>"))), behaviour=False)
     assert list(made.machines) == []
-    assert [each.name for each in made.events] == ["Burnt"]
+    assert [event.name for event in made.events] == ["Burnt"]
 
 
 INHERITS = """<references>
@@ -176,10 +183,12 @@ def test_a_transition_on_what_the_runtime_takes_is_left_out():
     text = service(references=INHERITS, behaviour=MACHINE.format(start="S", states=states))
     made = run(text)
     transitions = made.sets[0].services[0].machines[0].states[0].transitions
-    assert [each.message.name for each in transitions] == ["SetLamp"]
-    assert [(each.rule, each.message) for each in made.diagnostics if each.rule == "JML624"] == [
-        ("JML624", "Standby is taken by Management of the runtime, not by a transition")
-    ]
+    assert [transition.message.name for transition in transitions] == ["SetLamp"]
+    assert [
+        (diagnostic.rule, diagnostic.message)
+        for diagnostic in made.diagnostics
+        if diagnostic.rule == "JML624"
+    ] == [("JML624", "Standby is taken by Management of the runtime, not by a transition")]
 
 
 ENTRY = '<entry><action name="startMotor"/></entry>'

@@ -68,25 +68,27 @@ DECLARED = """<?xml version="1.0" encoding="UTF-8"?>
 
 def services(model):
     """Returns the services of the models that were given."""
-    roots = [root for each in model.documents if each.given for root in each.roots]
-    return [each for root in roots for each in root.services]
+    roots = [root for document in model.documents if document.given for root in document.roots]
+    return [service for root in roots for service in root.services]
 
 
 def again(result):
     """Imports what was exported; returns the import, and its services by URN and version."""
-    imported = import_sources([Source(*each) for each in result.documents.items()])
-    assert not imported.has_errors, [str(each) for each in imported.diagnostics]
-    found = [each for root in imported.sets for each in root.services]
-    return imported, {(each.urn, each.version): each for each in found}
+    imported = import_sources([Source(*item) for item in result.documents.items()])
+    assert not imported.has_errors, [str(diagnostic) for diagnostic in imported.diagnostics]
+    found = [service for root in imported.sets for service in root.services]
+    return imported, {(service.urn, service.version): service for service in found}
 
 
 def lost(model, exported, policy=EXACT):
     """Returns in what services differ from what their files say."""
     _, found = again(exported)
     return [
-        str(each)
+        str(difference)
         for service in services(model)
-        for each in compare(service, found[service.urn, service.version], model.metamodels, policy)
+        for difference in compare(
+            service, found[service.urn, service.version], model.metamodels, policy
+        )
     ]
 
 
@@ -103,11 +105,11 @@ def test_a_set_of_the_library_comes_back(path):
     assert lost(model, exported, TOLD) == []
     assert is_the_same_again(exported)
     # Each axis and each command that moves nothing is named where it stands.
-    assert {each.rule for each in exported.diagnostics} == {"JML631"}
-    told = [each.message for each in exported.diagnostics]
+    assert {diagnostic.rule for diagnostic in exported.diagnostics} == {"JML631"}
+    told = [diagnostic.message for diagnostic in exported.diagnostics]
     for field in model.instances(jaus.Field, library=False):
         if field.frame.name != "unstated" and model.document_of(field).given:
-            assert any("'frame'" in each and str(field.name) in each for each in told)
+            assert any("'frame'" in message and str(field.name) in message for message in told)
 
 
 def sets_of_others():
@@ -119,19 +121,21 @@ def sets_of_others():
 @for_each("path", sets_of_others)
 def test_a_set_of_other_tools_comes_back_with_its_machines(path):
     result = import_jsidl(sorted(path.rglob("*.xml")))
-    model, made = result.model, [each for root in result.sets for each in root.services]
-    assert sum(len(each.machines) for each in made) > 0
+    model, made = result.model, [service for root in result.sets for service in root.services]
+    assert sum(len(service.machines) for service in made) > 0
     exported = export_jsidl(model, made)
-    assert [str(each) for each in exported.diagnostics] == []
+    assert [str(diagnostic) for diagnostic in exported.diagnostics] == []
     _, found = again(exported)
     lost = [
         str(difference)
-        for each in made
-        for difference in compare(each, found[each.urn, each.version], model.metamodels, EXACT)
+        for service in made
+        for difference in compare(
+            service, found[service.urn, service.version], model.metamodels, EXACT
+        )
     ]
     # States of inherited machines are said again, also where the others left them out.
     assert [
-        each for each in lost if "/ReceiveFSM/" not in each or ": states: nothing" not in each
+        loss for loss in lost if "/ReceiveFSM/" not in loss or ": states: nothing" not in loss
     ] == []
     assert is_the_same_again(exported)
 
@@ -142,7 +146,7 @@ def test_every_kind_of_field_comes_back():
     exported = export_jsidl(result.model, [service])
     assert exported.diagnostics == []
     _, found = again(exported)
-    (imported,) = (each for each in found.values() if each.urn == service.urn)
+    (imported,) = (candidate for candidate in found.values() if candidate.urn == service.urn)
     # Only transitions for all triggers stand behind the others, as AS5684 has it.
     assert (
         compare(service, imported, result.model.metamodels, Policy(frozenset({"machines"}))) == []
@@ -153,13 +157,13 @@ def test_every_kind_of_field_comes_back():
 def transitions(data):
     """Returns what each transition of a file is on, its parameters, and the arguments in it."""
     found = []
-    for each in etree.fromstring(data).iter("{*}transition"):
-        parameters = {e.get("value"): e.get("type") for e in each.iterfind("{*}parameter")}
-        given = [e.get("value") for e in each.iterfind("{*}action/{*}argument")]
-        for guard in each.iterfind("{*}guard"):
+    for element in etree.fromstring(data).iter("{*}transition"):
+        parameters = {e.get("value"): e.get("type") for e in element.iterfind("{*}parameter")}
+        given = [e.get("value") for e in element.iterfind("{*}action/{*}argument")]
+        for guard in element.iterfind("{*}guard"):
             given += re.findall(r"\w\s*\(\s*(\w+)\s*\)", guard.get("condition"))
         arguments = {e.strip() for e in given if e.strip()[:1] not in "'0123456789"}
-        found.append((each.get("name").rpartition(".")[2], parameters, arguments))
+        found.append((element.get("name").rpartition(".")[2], parameters, arguments))
     return found
 
 
@@ -176,19 +180,21 @@ def test_so_it_is_in_the_sets_of_others(path):
 
 def check_arguments(path):
     """Holds the transitions of an export against those of the files in a folder."""
-    files = sorted(each for each in path.rglob("*") if each.suffix in (".xml", ".jsidl"))
+    files = sorted(
+        candidate for candidate in path.rglob("*") if candidate.suffix in (".xml", ".jsidl")
+    )
     result = import_jsidl(files)
-    made = [each for root in result.sets for each in root.services]
+    made = [service for root in result.sets for service in root.services]
     exported = export_jsidl(result.model, made).documents
-    written = [each for data in exported.values() for each in transitions(data)]
-    given = [each for file in files for each in transitions(file.read_bytes())]
+    written = [transition for data in exported.values() for transition in transitions(data)]
+    given = [transition for file in files for transition in transitions(file.read_bytes())]
     assert given
     for on, parameters, arguments in given:
         if on != "Receive":
             assert (on, parameters, arguments) in written
         for name in arguments & {*parameters} - {"transportData"}:
             assert any(name in also and also[name] == parameters[name] for _, also, _ in written)
-    assert [each for each in written if not each[2] <= {*each[1]}] == []
+    assert [transition for transition in written if not transition[2] <= {*transition[1]}] == []
 
 
 @pytest.mark.slow
@@ -196,7 +202,9 @@ def check_arguments(path):
 def test_no_argument_of_an_exported_transition_is_without_a_type(path):
     model = read_models([path]).model
     for data in export_jsidl(model, services(model)).documents.values():
-        assert [each for each in transitions(data) if not each[2] <= {*each[1]}] == []
+        assert [
+            transition for transition in transitions(data) if not transition[2] <= {*transition[1]}
+        ] == []
 
 
 def test_the_types_of_what_comes_and_goes_are_those_of_transport():
@@ -206,8 +214,8 @@ def test_the_types_of_what_comes_and_goes_are_those_of_transport():
         e for n, e in export_jsidl(model, services(model)).documents.items() if "Transp" in n
     )
     events = etree.fromstring(data).iterfind(f"{JSIDL}internal_events_set/{JSIDL}event_def")
-    bodies = {each.get("name"): each.find(f"{JSIDL}body/{JSIDL}record") for each in events}
-    assert {name: [each.get("name") for each in body] for name, body in bodies.items()} == {
+    bodies = {event.get("name"): event.find(f"{JSIDL}body/{JSIDL}record") for event in events}
+    assert {name: [field.get("name") for field in body] for name, body in bodies.items()} == {
         "Send": [None, "ReliableDelivery", "DestinationID", "SourceID", "Priority", PAYLOAD],
         "BroadcastLocal": [None, "DestinationID", "SourceID", "Priority", PAYLOAD],
         "BroadcastGlobal": [None, "DestinationID", "SourceID", "Priority", PAYLOAD],
@@ -243,11 +251,11 @@ def test_a_guard_has_no_parentheses_around_conditions_and_means_the_same(guard, 
     locking = next(e for e in model.instances(jaus.State) if e.name == "Locked").transitions[0]
     locking.guard = guard
     ((name, data),) = export_jsidl(model, [service]).documents.items()
-    conditions = [each.get("condition") for each in etree.fromstring(data).iter("{*}guard")]
+    conditions = [element.get("condition") for element in etree.fromstring(data).iter("{*}guard")]
     assert condition in conditions
     (imported,) = import_sources([Source(name, data)]).sets[0].services
     changed = differences(service, imported, model.metamodels)
-    assert [each for each in changed if each.feature == "guard"] == []
+    assert [difference for difference in changed if difference.feature == "guard"] == []
 
 
 def test_of_an_own_service_the_names_of_what_makes_messages_are_lost():
@@ -258,9 +266,9 @@ def test_of_an_own_service_the_names_of_what_makes_messages_are_lost():
     (service,) = services(model)
     assert compare(service, imported, model.metamodels, Policy(frozenset({"machines"}))) == []
     told = [
-        (each.rule, each.location.line, each.message.rpartition(": ")[2])
-        for each in exported.diagnostics
-        if each.rule != "JML631"
+        (diagnostic.rule, diagnostic.location.line, diagnostic.message.rpartition(": ")[2])
+        for diagnostic in exported.diagnostics
+        if diagnostic.rule != "JML631"
     ]
     source = OWN.read_text(encoding="utf-8").splitlines()
     assert len(told) == 3
@@ -284,13 +292,13 @@ def test_declared_types_are_declared_once(tmp_path):
     (data,) = exported.documents.values()
     root = etree.fromstring(data)
     types = root.find(f"{JSIDL}declared_type_set")
-    assert [each.get("name") for each in types] == ["Colour", "Share"]
+    assert [declaration.get("name") for declaration in types] == ["Colour", "Share"]
     (front, back) = root.iter(f"{JSIDL}declared_record")
     assert (front.get("declared_type_ref"), front.get("optional")) == ("Colour", "true")
     assert (back.get("name"), back.get("optional")) == ("Back", "false")
     _, found = again(exported)
-    (body,) = (each.body for each in next(iter(found.values())).inputs)
-    assert [type(each).__name__ for each in body.fields] == ["Record"] * 3
+    (body,) = (message.body for message in next(iter(found.values())).inputs)
+    assert [type(field).__name__ for field in body.fields] == ["Record"] * 3
     assert body.fields[0].fields[0].units == "percent"
 
 
@@ -298,7 +306,9 @@ def test_all_that_jsidl_cannot_say_is_told_where_it_stands(tmp_path):
     model = declared(tmp_path)
     source = DECLARED.splitlines()
     found = export_jsidl(model, services(model)).diagnostics
-    told = [(each.rule, source[each.location.line - 1].strip()[:48]) for each in found]
+    told = [
+        (diagnostic.rule, source[diagnostic.location.line - 1].strip()[:48]) for diagnostic in found
+    ]
     assert told == [
         ("JML631", '<fields xsi:type="jaus:FixedField" name="Bearing'),
         ("JML631", '<formats name="BMP" index="0" documentation="Wit'),
@@ -312,11 +322,11 @@ def test_a_file_has_what_as5684_asks_for_in_its_order():
     model = read_models(SETS).model
     for data in export_jsidl(model, services(model)).documents.values():
         root = etree.fromstring(data)
-        parts = [etree.QName(each).localname for each in root]
-        assert parts == [each for each in PARTS.split() if each in parts]
+        parts = [etree.QName(element).localname for element in root]
+        assert parts == [word for word in PARTS.split() if word in parts]
         assert {*PARTS.split()} - {*parts} <= {"references", "declared_type_set"}
         for message in root.iter(f"{JSIDL}message_def"):
-            names = [etree.QName(each).localname for each in message]
+            names = [etree.QName(element).localname for element in message]
             assert names == ["description", "header", "body", "footer"]
         assert root.find(f"{JSIDL}protocol_behavior/{JSIDL}state_machine/{JSIDL}state") is not None
 
@@ -353,10 +363,10 @@ def test_a_mistake_of_the_export_would_be_told(written, other, place):
 
     def told(content):
         (imported,) = import_sources([Source(name, content)]).sets[0].services
-        return {str(each) for each in differences(service, imported, model.metamodels)}
+        return {str(difference) for difference in differences(service, imported, model.metamodels)}
 
     new = told(changed) - told(data)
-    assert any(place in each for each in new), new
+    assert any(place in difference for difference in new), new
 
 
 def test_two_services_of_one_urn_are_no_jsidl(tmp_path):
@@ -365,7 +375,7 @@ def test_two_services_of_one_urn_are_no_jsidl(tmp_path):
     twin = winch().sets[0].services[0]
     twin.urn, twin.version = service.urn, service.version
     exported = export_jsidl(model, [service, twin])
-    (found,) = (each for each in exported.diagnostics if each.rule == "JML633")
+    (found,) = (diagnostic for diagnostic in exported.diagnostics if diagnostic.rule == "JML633")
     assert "is declared twice" in found.message
 
 

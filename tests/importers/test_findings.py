@@ -216,7 +216,7 @@ class TestSize:
         )
         last = f'<sequence name="S8" optional="false">{record(FIELD)}</sequence>'
         use = '<declared_sequence name="Q" declared_type_ref="S0" optional="false"/>'
-        rules = {each.rule for each in run(service(use, levels + last)).diagnostics}
+        rules = {diagnostic.rule for diagnostic in run(service(use, levels + last)).diagnostics}
         assert "JML612" in rules
 
     def test_declarations_that_nest_too_deeply_are_cut(self):
@@ -227,7 +227,7 @@ class TestSize:
         )
         last = f'<sequence name="S100" optional="false">{record(FIELD)}</sequence>'
         use = '<declared_sequence name="Q" declared_type_ref="S0" optional="false"/>'
-        rules = [each.rule for each in run(service(use, levels + last)).diagnostics]
+        rules = [diagnostic.rule for diagnostic in run(service(use, levels + last)).diagnostics]
         assert "JML612" in rules
 
     def test_an_expression_cannot_exhaust_memory(self):

@@ -83,7 +83,7 @@ def test_values_that_are_declared_once_are_those_of_each_field(kind):
     part = field
     if not isinstance(field, jaus.FixedField):
         (part,) = field.subFields if kind == "bit_field" else field.alternatives
-    assert [(each.name, each.value) for each in part.values.values] == [("OFF", 0), ("ON", 1)]
+    assert [(value.name, value.value) for value in part.values.values] == [("OFF", 0), ("ON", 1)]
     assert part.documentation == "Of a lamp."
 
 
@@ -101,7 +101,7 @@ def test_what_is_deprecated_is_said_in_its_documentation():
     text = text.replace("<event_def", '<event_def deprecated="true"')
     made = good(text.replace("<service_def", '<service_def deprecated="true"'))
     assert made.documentation == "Deprecated. Gives light."
-    assert [each.documentation for each in made.inputs] == ["Deprecated.", None]
+    assert [message.documentation for message in made.inputs] == ["Deprecated.", None]
     assert made.events[0].documentation == "Deprecated."
 
 
@@ -133,8 +133,8 @@ def test_parts_of_messages_and_events_are_declared_too():
     )
     event = '<declared_event_def name="Burnt" declared_type_ref="Ev"/>'
     made = good(text.replace('<event_def name="Burnt"/>', event))
-    assert [each.name for each in made.inputs[0].body.fields] == ["A"]
-    assert [each.name for each in made.events] == ["Burnt"]
+    assert [field.name for field in made.inputs[0].body.fields] == ["A"]
+    assert [declared_event.name for declared_event in made.events] == ["Burnt"]
 
 
 def test_constants_of_each_type_count_and_texts_are_none():

@@ -35,10 +35,10 @@ TEXTS = st.sampled_from(
 def imported(files):
     """Imports files by name; what is found is of a known rule and place."""
     result = import_sources([Source(name, data) for name, data in files.items()])
-    for each in result.diagnostics:
-        assert each.rule in JSIDL_RULES or each.rule in READER_RULES
-        assert each.location.path in files
-        assert 1 <= each.location.line <= files[each.location.path].count(b"\n") + 1
+    for diagnostic in result.diagnostics:
+        assert diagnostic.rule in JSIDL_RULES or diagnostic.rule in READER_RULES
+        assert diagnostic.location.path in files
+        assert 1 <= diagnostic.location.line <= files[diagnostic.location.path].count(b"\n") + 1
     if not result.has_errors:
         assert to_xmi(result.sets, result.model, Path("out.xmi"))
     return result
@@ -51,7 +51,7 @@ def damaged(draw):
     for _ in range(draw(st.integers(1, 4))):
         name = draw(st.sampled_from(sorted(files)))
         root = etree.fromstring(files[name])
-        nodes = [each for each in root.iter() if isinstance(each.tag, str)]
+        nodes = [element for element in root.iter() if isinstance(element.tag, str)]
         node = draw(st.sampled_from(nodes))
         other = draw(st.sampled_from(nodes))
         deed = draw(st.sampled_from(["drop", "copy", "move", "value", "rename", "attribute"]))
@@ -107,7 +107,7 @@ def test_any_text_is_a_number_or_is_refused(text):
 def test_a_version_is_one_of_those_that_are_there(wanted, versions):
     found = pick_version(wanted, versions)
     assert found in versions
-    if any(matches(wanted, each) for each in versions):
+    if any(matches(wanted, version) for version in versions):
         assert matches(wanted, found)
 
 

@@ -70,7 +70,7 @@ def test_no_difference_from_the_library(name):
     assert not result.has_errors
     shipped = services_by_urn(library("jaus"))
     found = set()
-    for service in (each for root in result.sets for each in root.services):
+    for service in (imported_service for root in result.sets for imported_service in root.services):
         versions = shipped[service.urn]
         theirs = versions[pick_version(service.version, versions)]
         found |= {str(e) for e in compare(service, theirs, result.model.metamodels, ON_THE_WIRE)}
@@ -83,7 +83,7 @@ def test_what_events_of_transport_carry_is_that_of_the_library():
     (imported,) = (e for root in result.sets for e in root.services if e.name == "Transport")
     ours = newest_services()[imported.urn]
     names = ["Send", "BroadcastLocal", "BroadcastGlobal", "Receive"]
-    assert [each.name for each in ours.events] == names
+    assert [event.name for event in ours.events] == names
     policy = Policy(ignored=frozenset({"documentation"}))
     for one, other in zip(imported.events, ours.events, strict=True):
         assert compare(one, other, result.model.metamodels, policy) == []
@@ -126,8 +126,12 @@ def test_all_behaviour_is_expressed():
         pending += state.states
         transitions += len(state.transitions) + len(state.defaults)
     # What the runtime takes by itself is no transition, and told so.
-    taken = [each for each in result.diagnostics if "of the runtime, not by" in each.message]
+    taken = [
+        diagnostic
+        for diagnostic in result.diagnostics
+        if "of the runtime, not by" in diagnostic.message
+    ]
     written = sum(len(re.findall(r"<transition\s", text)) for text in texts)
     assert (transitions + len(taken), len(taken)) == (written, 12)
-    assert {each.rule for each in result.diagnostics} == {"JML624", "JML626", "JML629"}
+    assert {diagnostic.rule for diagnostic in result.diagnostics} == {"JML624", "JML626", "JML629"}
     assert Path(result.diagnostics[0].location.path).exists()

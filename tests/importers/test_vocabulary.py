@@ -64,7 +64,7 @@ def test_names_and_optionality_of_references_override_those_of_types():
     members = fields(
         vector + declared.format("Top", "true") + declared.format("Low", "false"), types=types
     )
-    assert [(each.name, each.optional, each.type.name) for each in members] == [
+    assert [(member.name, member.optional, member.type.name) for member in members] == [
         ("Top", True, "uint16"),
         ("Low", False, "uint16"),
     ]
@@ -157,7 +157,7 @@ def test_a_service_of_the_files_goes_before_one_of_the_library():
     )
     result = run(base, service(references=references))
     assert not result.has_errors
-    sets = {each.name: each for each in result.sets}
+    sets = {service_set.name: service_set for service_set in result.sets}
     assert sorted(sets) == ["core", "light"]
     (lamp,) = sets["light"].services
     assert lamp.inherits is sets["core"].services[0]
@@ -178,7 +178,7 @@ def test_ids_are_unique_with_several_sets(tmp_path):
 def test_versions_of_one_service_are_sets_of_their_own():
     later = service().replace('version="1.0">', 'version="2.0">', 1)
     result = run(service(), later)
-    assert [(each.name, each.version) for each in result.sets] == [
+    assert [(service_set.name, service_set.version) for service_set in result.sets] == [
         ("light", "1.0"),
         ("light", "2.0"),
     ]
@@ -192,23 +192,27 @@ def test_a_service_set_is_a_set():
         f' version="3.1" mxGraph="0"><plus:mxCell/>{own}{inner}</plus:service_set>'
     )
     result = run(text)
-    assert result.diagnostics == [], [str(each) for each in result.diagnostics]
-    assert [(each.name, each.version) for each in result.sets] == [("night_lights", "3.1")]
+    assert result.diagnostics == [], [str(diagnostic) for diagnostic in result.diagnostics]
+    assert [(service_set.name, service_set.version) for service_set in result.sets] == [
+        ("night_lights", "3.1")
+    ]
     named = run(text, name="own", version="9.9")
-    assert [(each.name, each.version) for each in named.sets] == [("own", "9.9")]
+    assert [(service_set.name, service_set.version) for service_set in named.sets] == [
+        ("own", "9.9")
+    ]
 
 
 def test_texts_of_the_author_are_kept():
     made = winch().sets[0].services[0]
     assert made.documentation == "Lets a rope out and hauls it in. The rope is dry."
-    inputs = {each.name: each.documentation for each in made.inputs}
+    inputs = {message.name: message.documentation for message in made.inputs}
     assert inputs == {
         "SetRope": "Pays rope out.",
         "QueryRope": "Asks for the rope.",
         "StopWinch": "Stops at once.",
     }
     rope = made.inputs[0].body.fields
-    assert [each.documentation for each in rope] == [
+    assert [field.documentation for field in rope] == [
         "Rope that is paid out.",
         "Rope left on the drum.",
         "Whole turns are lost.",
@@ -233,4 +237,4 @@ def test_xml_1_1_and_processing_instructions_are_read():
 def test_a_set_is_named_after_what_tells_it_from_others(urn, name):
     text = service().replace('id="urn:example:light:Lamp"', f'id="{urn}"')
     assert urn in text
-    assert [each.name for each in run(text).sets] == [name]
+    assert [service_set.name for service_set in run(text).sets] == [name]

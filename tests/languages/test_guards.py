@@ -104,7 +104,7 @@ def written(guard):
     if isinstance(guard, Negation):
         return f"!({written(guard.operand)})"
     sign = "&&" if isinstance(guard, AllOf) else "||"
-    return sign.join(f"({written(each)})" for each in guard.operands)
+    return sign.join(f"({written(operand)})" for operand in guard.operands)
 
 
 @given(_GUARDS)
@@ -118,7 +118,7 @@ def holds(guard, facts):
     if isinstance(guard, Negation):
         return not holds(guard.operand, facts)
     joined = all if isinstance(guard, AllOf) else any
-    return joined([holds(each, facts) for each in guard.operands])
+    return joined([holds(operand, facts) for operand in guard.operands])
 
 
 @given(_GUARDS)
@@ -127,7 +127,9 @@ def test_alternatives_hold_when_the_guard_holds(guard):
     assert found
     for values in product((False, True), repeat=3):
         facts = dict(zip("abc", values, strict=True))
-        by_alternatives = any(all(facts[e.name] is so for e, so in each) for each in found)
+        by_alternatives = any(
+            all(facts[e.name] is so for e, so in alternative) for alternative in found
+        )
         assert by_alternatives == holds(guard, facts)
 
 

@@ -47,11 +47,13 @@ def generate(document: Path = MODEL, *, compiled: bool = COMPILED) -> list[str]:
         The folders for the module path.
     """
     result = read_models([document], notations=NOTATIONS, allow_outside=True)
-    assert [each for each in result.diagnostics if each.severity is not Severity.INFO] == []
+    assert [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is not Severity.INFO
+    ] == []
     folder = kept(result.model, TARGETS, compiled=compiled)
     if compiled:
         built = native.build(native.cores(folder), native.compiler())
-        assert [each.reason for each in built if each.reason] == []
+        assert [built_core.reason for built_core in built if built_core.reason] == []
     return packages_of(folder)
 
 
@@ -68,11 +70,11 @@ def guardian_of(bridge: int) -> int:
     Raises:
         AssertionError: It has none.
     """
-    for each in Path("/proc").glob("[0-9]*/cmdline"):
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
         with suppress(OSError):
-            words = each.read_bytes().split(b"\0")
+            words = path.read_bytes().split(b"\0")
             if b"guardian.process" in b" ".join(words) and words[-2] == str(bridge).encode():
-                return int(each.parent.name)
+                return int(path.parent.name)
     raise AssertionError("no guardian")
 
 

@@ -31,8 +31,8 @@ def waiting(request):
 @pytest.fixture
 def announced_as_by_default(monkeypatch):
     """Lets nodes find each other as late as they do where nobody has chosen."""
-    for each in PROFILES:
-        monkeypatch.delenv(each, raising=False)
+    for profile in PROFILES:
+        monkeypatch.delenv(profile, raising=False)
 
 
 @pytest.fixture

@@ -102,14 +102,16 @@ class System:
 
     def value(self, connection, key):
         status = self.status(connection)
-        values = {each.key: each.value for each in status.values} if status is not None else {}
+        values = {value.key: value.value for value in status.values} if status is not None else {}
         return values.get(key)
 
     def close(self):
         for process in self.processes:
             process.close()
         self.ros.close()
-        logs = "".join(each.log.read_text(encoding="utf-8") for each in self.processes)
+        logs = "".join(
+            system_process.log.read_text(encoding="utf-8") for system_process in self.processes
+        )
         assert "Traceback" not in logs, logs
 
 

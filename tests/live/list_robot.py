@@ -74,7 +74,7 @@ class Robot(Node):
             poses = request.path.poses if self.kind is FollowPath else request.poses
         if poses:
             frame = (request.path if self.kind is FollowPath else poses[0]).header.frame_id
-        xs = [round(each.pose.position.x, 2) for each in poses]
+        xs = [round(stamped_pose.pose.position.x, 2) for stamped_pose in poses]
         say(kind="goal", x=xs, frame=frame, loops=getattr(request, "number_of_loops", 0))
         for at, pose in enumerate(poses):
             handle.publish_feedback(self.feedback(at, xs))

@@ -21,12 +21,12 @@ def allowed(policy: str) -> dict[str, set[str]]:
         (use,) = group.attrib
         assert use in _USES[group.tag]
         assert group.get(use) == "ALLOW"
-        for each in group:
-            assert each.tag == group.tag.removesuffix("s")
+        for element in group:
+            assert element.tag == group.tag.removesuffix("s")
             if group.tag == "actions":
-                _allow_action(found, each.text, serves=use == "execute")
+                _allow_action(found, element.text, serves=use == "execute")
             else:
-                found[use].add(each.text)
+                found[use].add(element.text)
     return dict(found)
 
 

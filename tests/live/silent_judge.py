@@ -42,7 +42,7 @@ def main() -> None:
                 elif code == ReportServices.CODE.to_bytes(2, "little"):
                     report = ReportServices.decode(packet.payload)
                     found = reported_services(report, packet.source.subsystem)
-                    urns = sorted(each.urn for _, services in found for each in services)
+                    urns = sorted(service.urn for _, services in found for service in services)
                     say("services", of=str(packet.source), urns=urns)
                 if packet.acknowledge == AckNak.REQUESTED and packet.source in greeted:
                     acknowledgement = Packet(

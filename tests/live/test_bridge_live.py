@@ -165,12 +165,12 @@ def test_diagnostics_name_each_connection(system):
     arrays = system.ros.listen(DiagnosticArray, "/diagnostics")
     wait_for(lambda: len(arrays) > 2, "diagnostics")
     statuses = {status.name.rpartition(": ")[2]: status for status in arrays[-1].status}
-    accounts = [each for each in statuses if each.startswith("account of ")]
+    accounts = [status for status in statuses if status.startswith("account of ")]
     assert {"account of 10.1.1", "account of 10.1.2"} <= set(accounts)
     counts = {value.key: value.value for value in statuses["account of 10.1.1"].values}
     assert int(counts["came"]) > 0
     assert int(counts["sent to it"]) > 0
-    assert [each for each in statuses if each not in accounts] == [
+    assert [status for status in statuses if status not in accounts] == [
         *("odometry", "speed", "pose", "drive", "cruise", "estimate"),
         *("jaus state", "guardian"),
     ]
@@ -206,7 +206,9 @@ def test_latency_is_measured_on_a_running_bridge(system):
         """Keys of the latest status of each connection."""
         return {
             status.name.rpartition(": ")[2]: {
-                each.key for each in status.values if each.key.endswith((" p50 (us)", " max (us)"))
+                key_value.key
+                for key_value in status.values
+                if key_value.key.endswith((" p50 (us)", " max (us)"))
             }
             for status in arrays[-1].status
         }

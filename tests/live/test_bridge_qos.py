@@ -119,10 +119,10 @@ def test_a_publisher_that_does_not_fit_is_named_with_the_cure_until_it_goes(node
         Float64, "/fleet/scan", policies(reliability="BEST_EFFORT")
     )
     faults = wait_for(
-        lambda: [each for each in tested.faults(topic, publishes=False) if "/peer" in each.text],
+        lambda: [fault for fault in tested.faults(topic, publishes=False) if "/peer" in fault.text],
         "fault",
     )
-    assert [each.kind for each in faults] == ["incompatible_qos"]
+    assert [fault.kind for fault in faults] == ["incompatible_qos"]
     assert faults[0].text == (
         "nothing comes from /peer on /fleet/scan: it offers reliability best_effort, requested is"
         " reliable; set qos: { reliability: best_effort }"
@@ -168,9 +168,9 @@ def test_a_second_node_that_publishes_what_becomes_a_report_is_named_until_it_go
     with other:
         tested.subscribe(Float64, topic, lambda *_: None)
         tested.start(pytest.fail)
-        for each in (peer.node, peer.node, other.node):
+        for publishing_node in (peer.node, peer.node, other.node):
             assert tested.faults(topic, publishes=False, alone=True) == []
-            each.create_publisher(Float64, "speed", 1)
+            publishing_node.create_publisher(Float64, "speed", 1)
         (fault,) = wait_for(lambda: tested.faults(topic, publishes=False, alone=True), "fault")
         assert fault.text.startswith("/other and /peer publish on /speed")
         assert tested.faults(topic, publishes=False) == []
@@ -199,7 +199,7 @@ def test_a_subscription_that_does_not_fit_is_named(node, peer):
         Float64, "pose", lambda _: None, policies(durability="TRANSIENT_LOCAL")
     )
     faults = wait_for(
-        lambda: [each for each in tested.faults(topic, publishes=True) if "/peer" in each.text],
+        lambda: [fault for fault in tested.faults(topic, publishes=True) if "/peer" in fault.text],
         "fault",
     )
     assert faults[0].text == (
@@ -229,7 +229,7 @@ def test_missed_deadlines_and_lost_liveliness_are_faults(node, peer, waiting):
     publisher.publish(Float64())
 
     def kinds():
-        return {each.kind: each.text for each in tested.faults(topic, publishes=False)}
+        return {fault.kind: fault.text for fault in tested.faults(topic, publishes=False)}
 
     found = wait_for(lambda: len(kinds()) > 1 and kinds(), "both faults")
     assert found == {
@@ -288,7 +288,7 @@ def test_two_ways_to_name_a_topic_are_two_endpoints_with_parameters_of_their_own
         ),
         "publishers",
     )
-    found = {each.qos_profile.reliability for each in infos}
+    found = {info.qos_profile.reliability for info in infos}
     assert found == {ReliabilityPolicy.RELIABLE, ReliabilityPolicy.BEST_EFFORT}
 
 
@@ -344,7 +344,7 @@ def test_parameters_change_while_the_node_runs(node):
             RosParameter("fixed", value=2.0),
         ]
     )
-    assert [each.successful for each in results] == [True, False, False, False, False]
+    assert [result.successful for result in results] == [True, False, False, False, False]
     assert results[2].reason == "live: seven is refused"
     assert seen == [2.0]
 
@@ -437,7 +437,7 @@ def test_parameters_keep_their_values_when_a_bridge_is_configured_again(node):
     ros.get_parameter("own.got")
     tested.release()
     both = [RosParameter("own.got", value=4.0), RosParameter("own.set", value=5.0)]
-    assert all(each.successful for each in ros.set_parameters(both))
+    assert all(set_parameter.successful for set_parameter in ros.set_parameters(both))
     values = {n: tested.parameter(Parameter(n, 1.0, "Text."), later.append) for n in NAMES}
     assert (values["own.got"], values["own.set"], values["own.kind"]) == (4.0, 5.0, 1.0)
     ros.set_parameters([RosParameter("own.kind", value=6.0)])
@@ -453,7 +453,7 @@ def test_misspelt_parameters_are_named_with_what_is_near(node, caplog):
         tested.start(pytest.fail)
     finally:
         logger.removeHandler(caplog.handler)
-    assert [each.getMessage() for each in caplog.records] == [
+    assert [record.getMessage() for record in caplog.records] == [
         "/tested has no parameter drive.rat; did you mean drive.rate?",
         "/tested has no parameter zzz",
     ]

@@ -132,8 +132,8 @@ def test_diagnostics(node, peer):
         for name in ("o", "od", "odo", "odom", "Größe")
     ]
     array = DiagnosticWriter(tested.name)
-    for each in statuses:
-        array.add(each)
+    for connection_status in statuses:
+        array.add(connection_status)
     data = array.serialized(tested.now())
     wait_for(lambda: tested.publish_diagnostics(data) or found, "diagnostics")
     assert found[0].header.stamp.sec > 0
@@ -165,4 +165,4 @@ def test_log_goes_through_ros(node, peer):
         logger.setLevel(logging.NOTSET)
     tested.close()
     assert logger.propagate
-    assert all("RosLogHandler" not in type(each).__name__ for each in logger.handlers)
+    assert all("RosLogHandler" not in type(handler).__name__ for handler in logger.handlers)

@@ -24,7 +24,9 @@ def port(tmp_path):
     folder = tmp_path / "car"
     shutil.copytree(EXAMPLE / "src", folder)
     jausml("generate", EXAMPLE / "catvehicle.xmi", "-o", folder)
-    path = os.pathsep.join(str(each) for each in folder.iterdir() if each.is_dir())
+    path = os.pathsep.join(
+        str(package_path) for package_path in folder.iterdir() if package_path.is_dir()
+    )
     number = free_port()
     process = subprocess.Popen(
         [sys.executable, "-m", "vehicle.main", "--jaus-port", str(number)],
@@ -53,9 +55,9 @@ def test_the_vehicle_conforms(port):
     options = ("--port", port, "--quiet-time", 0.1, "--format", "json")
     result = jausml("conformance", "100.1.1", *options)
     report = json.loads(result.stdout)
-    failed = [each for each in report["checks"] if each["verdict"] == "fail"]
+    failed = [check for check in report["checks"] if check["verdict"] == "fail"]
     assert failed == []
     assert result.returncode == 0
-    ids = {each["id"] for each in report["checks"]}
+    ids = {check["id"] for check in report["checks"]}
     assert "codecs.PrimitiveDriver.QueryWrenchEffort" in ids
     assert report["summary"]["pass"] > 100

@@ -212,11 +212,13 @@ def test_the_command_line_goes_before_a_file_with_a_value_of_another_type(bridge
 
 def test_all_values_that_do_not_do_are_told(bridge):
     wrong = ("autostart:=0", "velocity_state.topic:=7", "global_pose.imu.freshness:=0.0")
-    process = bridge("waypoints", "--ros-args", *(part for each in wrong for part in ("-p", each)))
+    process = bridge(
+        "waypoints", "--ros-args", *(part for parameter in wrong for part in ("-p", parameter))
+    )
     assert process.popen.wait(timeout=30) == 2
     said = [line for line in process.log.read_text().splitlines() if "cannot run" in line]
     assert len(said) == len(wrong)
-    assert all(each.partition(":=")[0] in "".join(said) for each in wrong)
+    assert all(parameter.partition(":=")[0] in "".join(said) for parameter in wrong)
 
 
 @pytest.mark.parametrize(

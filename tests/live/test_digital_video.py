@@ -83,9 +83,9 @@ def ros(front, tmp_path, monkeypatch):
         for name in ("vehicle", "camera", "station")
     ]
     yield peer
-    for each in running:
-        each.close()
-        sys.stderr.write(each.log.read_text())
+    for process in running:
+        process.close()
+        sys.stderr.write(process.log.read_text())
     peer.close()
 
 
@@ -102,13 +102,13 @@ def test_a_client_plays_what_it_has_discovered(ros, front):
         return endpoints and lists and len(lists[-1].values) == 2
 
     wait_for(has_both, "the endpoints of the camera", 60)
-    found = [(each.key, each.value) for each in lists[-1].values]
+    found = [(value.key, value.value) for value in lists[-1].values]
     assert found == [("RTSP", front), ("HTTP", "http://127.0.0.1/rear")]
     assert (endpoints[-1].key, endpoints[-1].value) == ("RTSP", front)
 
     def is_switched():
         play.publish(Bool(data=True))
-        return any(each.data for each in switched)
+        return any(message.data for message in switched)
 
     wait_for(is_switched, "the command to play", 60)
     line = [needs.SYSTEM_PYTHON, f"{SUPPORT}/rtsp_client.py", endpoints[-1].value, "3"]

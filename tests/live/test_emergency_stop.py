@@ -29,12 +29,13 @@ def ros(tmp_path, monkeypatch):
     path = generate(MODEL)
     peer = RosPeer()
     bridges = [
-        Process(["-m", f"{each}.main"], path, tmp_path / each) for each in ("rover", "panel")
+        Process(["-m", f"{package_name}.main"], path, tmp_path / package_name)
+        for package_name in ("rover", "panel")
     ]
     yield peer
     peer.close()
-    codes = [each.stop() for each in bridges]
-    told = "".join(each.log.read_text("utf-8") for each in bridges)
+    codes = [bridge.stop() for bridge in bridges]
+    told = "".join(bridge.log.read_text("utf-8") for bridge in bridges)
     assert codes == [0, 0], told
     assert "is degraded: messages are dropped" not in told
 
@@ -53,11 +54,11 @@ def test_it_is_pressed_and_released_from_either_side(ros):
     ros.node.create_service(SetBool, "brake", brake)
     pressed = ros.listen_to_publisher(Bool, "e_stop/set")
     states = ros.listen_to_publisher(Bool, "panel/emergency")
-    panel, robot = (ros.publisher(Bool, each) for each in ("panel/e_stop", "e_stop"))
+    panel, robot = (ros.publisher(Bool, topic_name) for topic_name in ("panel/e_stop", "e_stop"))
 
     def is_in_emergency(value):
         seen = len(states)
-        wait_for(lambda: [each.data for each in states[seen:]][-1:] == [value], "state")
+        wait_for(lambda: [state.data for state in states[seen:]][-1:] == [value], "state")
 
     is_in_emergency(False)
     robot.publish(Bool(data=True))
@@ -67,14 +68,14 @@ def test_it_is_pressed_and_released_from_either_side(ros):
     for value in (True, False):
         panel.publish(Bool(data=value))
     is_in_emergency(True)  # that of the robot stands
-    assert [each.data for each in pressed] == [True]
+    assert [message.data for message in pressed] == [True]
     robot.publish(Bool(data=False))
     is_in_emergency(False)
     wait_for(lambda: len(pressed) == 2, "release in ROS")
-    assert [each.data for each in pressed] == [True, False]
+    assert [message.data for message in pressed] == [True, False]
     assert calls == [True]
     for value in (True, False):
         panel.publish(Bool(data=value))
         is_in_emergency(value)
     wait_for(lambda: len(pressed) == 4, "stop and release by the panel")
-    assert [each.data for each in pressed] == [True, False] * 2
+    assert [message.data for message in pressed] == [True, False] * 2

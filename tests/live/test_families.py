@@ -74,9 +74,9 @@ def start(tmp_path):
         return processes[-1]
 
     yield run
-    for each in processes:
-        each.close()
-        sys.stderr.write(each.log.read_text())
+    for process in processes:
+        process.close()
+        sys.stderr.write(process.log.read_text())
 
 
 def told_of(ros, peer):
@@ -89,7 +89,7 @@ def told_of(ros, peer):
         for array in reversed(list(arrays)):
             for status in array.status:
                 if status.name.endswith(f": account of {peer}"):
-                    return {each.key: each.value for each in status.values}
+                    return {value.key: value.value for value in status.values}
         return {}
 
     return told
@@ -138,13 +138,13 @@ def test_a_vehicle_of_another_make_obeys_and_reports(ros, start, tmp_path, famil
         wait_for(lambda: len(reports) > 60 or (speed is CHANGES and len(reports) > 4), "reports")
         wait_for(lambda: quirks <= set(told()), f"{quirks} in the diagnostics", 40)
     # It stands until it is told to drive, and the commands stop at the end.
-    speeds = {round(each.twist.twist.linear.x, 1) for each in reports}
+    speeds = {round(report.twist.twist.linear.x, 1) for report in reports}
     assert {SPEED} <= speeds <= {0.0, SPEED}
-    efforts = {effort_of(each) for each in vehicle.facts}
+    efforts = {effort_of(fact) for fact in vehicle.facts}
     assert {EFFORT} <= efforts <= {0, EFFORT}
     assert int(told()["not acknowledged"]) == 0
-    for each in quirks:
-        assert bridge.log.read_text().count(f"{PEER} {each}") == 1
+    for quirk in quirks:
+        assert bridge.log.read_text().count(f"{PEER} {quirk}") == 1
 
 
 WINCH = """
@@ -185,8 +185,8 @@ def test_what_the_jaus_tool_set_made_of_an_export_obeys_and_reports(ros, start, 
         wait_for(lambda: winch.commands[-1].hex() == "01d10080", "the stop when ROS is silent")
         wait_for(lambda: lengths, "a report")
         bridge.close()
-    assert {each.hex() for each in winch.commands} == {"01d1ffbf", "01d10080"}
-    assert {round(each.data, 2) for each in lengths} == {6.25}
+    assert {command.hex() for command in winch.commands} == {"01d1ffbf", "01d10080"}
+    assert {round(length.data, 2) for length in lengths} == {6.25}
 
 
 @pytest.mark.slow
@@ -208,8 +208,8 @@ def test_the_unit_of_the_judges_commands_a_bridge_in_each_of_its_tests(ros, star
             unit.tell(str(10 + number))
             wait_for(lambda: len(unit.of_kind("tested")) > number, "end of a test")  # noqa: B023
     asked = {0x4B00, 0x000F, 0x4003, 0x4002, 0x4404, 0x0010}
-    answers = [each["code"] for each in unit.of_kind("answer")]
+    answers = [fact["code"] for fact in unit.of_kind("answer")]
     assert {code: answers.count(code) for code in asked} == dict.fromkeys(asked, 4)
-    assert {each["to"] for each in unit.of_kind("answer")} == {"42.1.1"}
+    assert {fact["to"] for fact in unit.of_kind("answer")} == {"42.1.1"}
     # The bridge has them already; to this process they may still be under way.
     wait_for(lambda: len({round(x.linear.x, 2) for x in commands if x.linear.x}) == 4, "efforts")

@@ -119,7 +119,7 @@ class System:
         for array in reversed(list(self.told)):
             for status in array.status:
                 if status.name.endswith(f": {connection}"):
-                    return {each.key: each.value for each in status.values}
+                    return {value.key: value.value for value in status.values}
         return {}
 
     def account(self, connection):
@@ -127,8 +127,8 @@ class System:
         told = len(self.told)
         wait_for(lambda: len(self.told) > told + 2, "diagnostics")
         found = {k: v for k, v in self.values(connection).items() if k not in NOT_COMPARED}
-        for each in ("messages taken", "messages passed"):
-            found[each] = str(int(found[each]) - self.greeted)
+        for count_name in ("messages taken", "messages passed"):
+            found[count_name] = str(int(found[count_name]) - self.greeted)
         return found
 
     def alone(self, connection):
@@ -192,9 +192,9 @@ class RawPeer:
     def of_code(self, *codes):
         """The payloads with some codes, and the number of each packet."""
         return [
-            (each.payload, each.sequence)
-            for each in self.look()
-            if int.from_bytes(each.payload[:2], "little") in codes
+            (packet.payload, packet.sequence)
+            for packet in self.look()
+            if int.from_bytes(packet.payload[:2], "little") in codes
         ]
 
     def close(self):
@@ -255,16 +255,16 @@ def run(system, seed):
             latest = how["payload"] if "damage" not in how else None
     peer.send(point(9999.0))
     wait_for(lambda: system.points[-1].point.x == 9999.0, "end", MOST)
-    speeds = [x for each in system.speeds if abs(x := each.twist.linear.x) != GREETING]
+    speeds = [x for twist in system.speeds if abs(x := twist.twist.linear.x) != GREETING]
     points = [
-        (each.header.stamp.sec, each.point.x, each.point.y)
-        for each in system.points
-        if each.point.x
+        (stamped_point.header.stamp.sec, stamped_point.point.x, stamped_point.point.y)
+        for stamped_point in system.points
+        if stamped_point.point.x
     ]
-    accounts = {each: system.account(each) for each in ("point_up", "speed_up")}
-    acks = [each for each in peer.look() if each.acknowledge is AckNak.ACK]
-    acknowledged = [each.sequence - first & 0xFFFF for each in acks]
-    return points, [repr(each) for each in speeds], acknowledged, accounts
+    accounts = {connection: system.account(connection) for connection in ("point_up", "speed_up")}
+    acks = [packet for packet in peer.look() if packet.acknowledge is AckNak.ACK]
+    acknowledged = [ack.sequence - first & 0xFFFF for ack in acks]
+    return points, [repr(velocity) for velocity in speeds], acknowledged, accounts
 
 
 @pytest.mark.slow
@@ -291,9 +291,9 @@ def packets_of_scan(peer, size):
     places = [DataFlags.FIRST, *[DataFlags.MIDDLE] * (len(parts) - 2), DataFlags.LAST]
     first = peer.number + 1
     peer.number += len(parts)
-    return [each * 0.001 for each in ranges], [
-        Packet(BRIDGE, PEER, each, first + at, Priority.STANDARD, data_flags=places[at])
-        for at, each in enumerate(parts)
+    return [distance * 0.001 for distance in ranges], [
+        Packet(BRIDGE, PEER, part, first + at, Priority.STANDARD, data_flags=places[at])
+        for at, part in enumerate(parts)
     ]
 
 
@@ -301,8 +301,8 @@ def test_messages_of_several_packets(system):
     from sensor_msgs.msg import LaserScan
 
     def send(packets):
-        for each in packets:
-            system.peer.sock.sendto(each.encode(), system.peer.bridge)
+        for packet in packets:
+            system.peer.sock.sendto(packet.encode(), system.peer.bridge)
 
     def is_reached():
         send(packets_of_scan(system.peer, 2500)[1])
@@ -346,7 +346,7 @@ def test_a_parameter_counts_from_the_next_message_on(system):
 
     assert [said(vx) for vx in (1.0, 2.0, 3.0, 25.0, 4.0)] == [1.0, 2.0, 3.0, 20.0, 4.0]
     names = system.call(ListParameters, "list_parameters", ListParameters.Request()).result.names
-    (name,) = [each for each in names if each.endswith("max_speed")]
+    (name,) = [parameter_name for parameter_name in names if parameter_name.endswith("max_speed")]
     value = ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=2.5)
     asked = SetParameters.Request(parameters=[Parameter(name=name, value=value)])
     assert system.call(SetParameters, "set_parameters", asked).results[0].successful
@@ -420,7 +420,7 @@ def numbered(packets):
     A sender that moves to another processor may be overtaken by itself, on loopback too.
     """
     first = packets[0].sequence - 0x8000
-    numbers = sorted(each.sequence - first & 0xFFFF for each in packets)
+    numbers = sorted(packet.sequence - first & 0xFFFF for packet in packets)
     return {later - earlier for earlier, later in pairwise(numbers)}
 
 
@@ -442,14 +442,17 @@ def test_what_is_sent_is_numbered_with_what_python_sends(system):
             points.publish(message)
         if step % 10 == 7:
             size = (10, 20, 30, 40, 5000, 9000)[step // 10]
-            scans.publish(LaserScan(ranges=[each % 60 + 0.25 for each in range(size)]))
+            scans.publish(LaserScan(ranges=[number % 60 + 0.25 for number in range(size)]))
         wait_for(lambda: len(system.peer.of_code(0xD101)) == len(wanted), "point")
-    assert [each for each, _ in system.peer.of_code(0xD101)] == wanted
-    parts = lambda: [each for each in system.peer.look() if each.data_flags]  # noqa: E731
+    assert [payload for payload, _ in system.peer.of_code(0xD101)] == wanted
+    parts = lambda: [packet for packet in system.peer.look() if packet.data_flags]  # noqa: E731
     wait_for(lambda: len(parts()) == 3 + 5, "parts")
-    assert [int(each.data_flags) for each in parts()] == [1, 2, 3, 1, 2, 2, 2, 3]
-    assert sum(len(each.payload) for each in parts()) == 2 * (2 + 2) + 2 * (5000 + 9000)
-    assert numbered([each for each in system.peer.came if each.acknowledge < AckNak.NAK]) <= {0, 1}
+    assert [int(part.data_flags) for part in parts()] == [1, 2, 3, 1, 2, 2, 2, 3]
+    assert sum(len(part.payload) for part in parts()) == 2 * (2 + 2) + 2 * (5000 + 9000)
+    assert numbered([packet for packet in system.peer.came if packet.acknowledge < AckNak.NAK]) <= {
+        0,
+        1,
+    }
     if system.is_compiled:
         wait_for(lambda: system.alone("point_down") >= 50, "messages of the core")
         wait_for(lambda: system.alone("scan_down") >= 2, "scans of the core")
@@ -468,7 +471,9 @@ def test_reports_of_an_event_and_what_is_lost_of_them(system):
             system.peer.send_report(report(-1.0))
         system.peer.send_report(report(float(step), 1.0))
         wait_for(lambda step=step: len(system.reports) == first + step + 1, "report")
-    assert [each.x for each in system.reports[first:]] == [float(each) for each in range(40)]
+    assert [received_report.x for received_report in system.reports[first:]] == [
+        float(number) for number in range(40)
+    ]
     system.account("report_up")
     values = system.values("report_up")
     assert values["lost on the way"] == "8"

@@ -98,12 +98,12 @@ def test_each_is_driven_alone_with_the_speed_of_its_base(fleet):
     told = {name: ros.listen_to_publisher(Twist, f"/{name}/cmd_vel") for name in ADDRESSES}
     effort = '{"PropulsiveLinearEffortX": 50}'
     for name, speed in (("second", 0.25), ("first", 1.0)):
-        for each in told.values():
-            each.clear()
+        for twist_list in told.values():
+            twist_list.clear()
         ocu(port, "command", ADDRESSES[name], "SetWrenchEffort", effort, "--duration", "2")
         wait_for(lambda name=name: told[name] and told[name][-1].linear.x == 0.0, f"stop of {name}")
         # The step of an effort is 0.003 percent.
-        speeds = {round(each.linear.x, 3) for each in told[name]}
+        speeds = {round(twist.linear.x, 3) for twist in told[name]}
         assert speeds == {speed, 0.0}
         (other,) = set(ADDRESSES) - {name}
-        assert {each.linear.x for each in told[other]} <= {0.0}
+        assert {twist.linear.x for twist in told[other]} <= {0.0}

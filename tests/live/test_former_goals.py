@@ -86,8 +86,8 @@ def test_marks_differ_by_node_and_action(monkeypatch):
                 former = FormerGoals(ActionWork(node, executor, loop, None), "follow", service)
                 ids = {former.new_id() for _ in range(8)}
                 assert len(ids) == 8
-                assert len({each[:MARK_SIZE] for each in ids}) == 1
-                marks |= {each[:MARK_SIZE] for each in ids}
+                assert len({goal_id[:MARK_SIZE] for goal_id in ids}) == 1
+                marks |= {goal_id[:MARK_SIZE] for goal_id in ids}
                 former.destroy()
             node.destroy_node()
     assert len(marks) == 4

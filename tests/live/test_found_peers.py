@@ -53,7 +53,9 @@ class System:
         from nav_msgs.msg import Odometry
 
         found = self.ros.listen(Odometry, topic)
-        return lambda since=0: [round(each.twist.twist.linear.x, 1) for each in found[since:]]
+        return lambda since=0: [
+            round(odometry.twist.twist.linear.x, 1) for odometry in found[since:]
+        ]
 
     def diagnostics(self):
         from diagnostic_msgs.msg import DiagnosticArray
@@ -64,7 +66,7 @@ class System:
             for array in reversed(list(found)):
                 for status in array.status:
                     if connection in status.name:
-                        values = {each.key: each.value for each in status.values}
+                        values = {value.key: value.value for value in status.values}
                         return status.message, values.get("search", "")
             return "", ""
 
@@ -131,7 +133,7 @@ def test_commands_go_to_whoever_is_found(system):
         first.kill()
         second = system.vehicle("10.1.2", 1.0)
         wait_for(lambda: second.of_kind("effort"), "command to the vehicle that came instead")
-    assert {each["sender"] for each in second.of_kind("effort")} == {"10.1.9"}
+    assert {fact["sender"] for fact in second.of_kind("effort")} == {"10.1.9"}
 
 
 @pytest.mark.slow
@@ -146,7 +148,7 @@ def test_another_component_with_the_id_of_the_bridge_is_told_of(system):
 
     def doubles():
         every = [status for array in list(found) for status in array.status]
-        return [each for each in every if each.name.endswith(": jaus id")]
+        return [status for status in every if status.name.endswith(": jaus id")]
 
     wait_for(doubles, "double in the diagnostics")
     assert doubles()[0].message.startswith(text)

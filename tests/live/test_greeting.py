@@ -68,17 +68,17 @@ def system(tmp_path, monkeypatch):
 
         def told():
             statuses = [status for array in list(arrays) for status in array.status]
-            found = [each for each in statuses if each.name.endswith(": jaus greetings")]
-            return [(each.message, each.values[0].value) for each in found]
+            found = [status for status in statuses if status.name.endswith(": jaus greetings")]
+            return [(status.message, status.values[0].value) for status in found]
 
         return arrays, told
 
     yield start, greetings
-    for each in processes:
-        each.close()
-        sys.stderr.write(each.log.read_text())
-    for each in peers:
-        each.close()
+    for process in processes:
+        process.close()
+        sys.stderr.write(process.log.read_text())
+    for peer in peers:
+        peer.close()
 
 
 def test_a_judge_that_must_be_greeted_is_so_until_it_answers(system):
@@ -92,7 +92,7 @@ def test_a_judge_that_must_be_greeted_is_so_until_it_answers(system):
     assert services["of"] == ENTRY
     assert "urn:jaus:jss:mobility:VelocityStateSensor" in services["urns"]
     wait_for(lambda: told()[-1] == ("running", "0"), "answer in the diagnostics")
-    assert [(each["by"], each["scope"]) for each in unit.of_kind("greeted")] == [(ENTRY, 2)]
+    assert [(fact["by"], fact["scope"]) for fact in unit.of_kind("greeted")] == [(ENTRY, 2)]
     assert "42.1.1 speaks, and is greeted no more" in entry.log.read_text()
 
 

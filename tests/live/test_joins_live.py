@@ -71,8 +71,8 @@ def test_the_attitude_is_that_of_the_joined_topic_while_it_is_fresh(system):
 
     def poses(*, with_yaw):
         # Before the first fix, poses say that there is none.
-        told = [each for each in observer.of_kind("pose") if each["latitude"] is not None]
-        return [each for each in told if (each["yaw"] is not None) is with_yaw]
+        told = [fact for fact in observer.of_kind("pose") if fact["latitude"] is not None]
+        return [pose for pose in told if (pose["yaw"] is not None) is with_yaw]
 
     has_fix = NavSatStatus(status=NavSatStatus.STATUS_FIX)
     fix = NavSatFix(status=has_fix, latitude=48.5, longitude=-11.25, altitude=519.75)
@@ -95,7 +95,7 @@ def test_a_report_says_that_its_sensor_is_dead_and_that_it_lives_again(system):
     observer, ros = system
 
     def latitudes():
-        return [each["latitude"] for each in observer.of_kind("pose")]
+        return [pose["latitude"] for pose in observer.of_kind("pose")]
 
     has_fix = NavSatStatus(status=NavSatStatus.STATUS_FIX)
     fix = NavSatFix(status=has_fix, latitude=48.5, longitude=-11.25, altitude=519.75)
@@ -114,7 +114,7 @@ def test_a_report_that_cannot_say_so_is_not_given_while_its_sensor_is_dead(syste
     observer, ros = system
 
     def answers():
-        return [each["kind"] for each in observer.of_kind("speed", "no speed")]
+        return [fact["kind"] for fact in observer.of_kind("speed", "no speed")]
 
     publisher = ros.publisher(Float64, "speed")
     for _ in range(2):

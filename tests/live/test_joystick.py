@@ -54,9 +54,9 @@ def ros(tmp_path, monkeypatch):
         for name in ("desk", "cab")
     ]
     yield peer
-    for each in running:
-        each.close()
-        sys.stderr.write(each.log.read_text())
+    for process in running:
+        process.close()
+        sys.stderr.write(process.log.read_text())
     peer.close()
 
 

@@ -52,7 +52,7 @@ def change(system, name):
 
 
 def status_of_the_bridge(system):
-    return {each.key: each.value for each in state(system, "jaus state").values}
+    return {value.key: value.value for value in state(system, "jaus state").values}
 
 
 def subscriptions(system):
@@ -119,7 +119,7 @@ def test_what_is_not_possible_now_is_refused_and_ends_nothing(system):
     strange = Parameter(name="latency", value=ParameterValue(type=99))
     request = SetParameters.Request(parameters=[known, strange, known])
     results = call(system, SetParameters, "set_parameters", request).results
-    assert [each.successful for each in results] == [True, False, False]
+    assert [result.successful for result in results] == [True, False, False]
     assert "99" in results[1].reason
     request = SetParametersAtomically.Request(parameters=[known, strange])
     answer = call(system, SetParametersAtomically, "set_parameters_atomically", request)

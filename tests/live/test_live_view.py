@@ -122,7 +122,7 @@ def test_the_last_message_on_both_sides_while_somebody_asks(system, page):
 def test_nothing_of_it_is_left_when_nobody_looks(system, model):
     def watchers():
         nodes = system.ros.node.get_node_names()
-        return [each for each in nodes if each.startswith("jausml_top_")]
+        return [node for node in nodes if node.startswith("jausml_top_")]
 
     page = Page(model, system.port)
     page.becomes("edges", ODOMETRY, level="ok")

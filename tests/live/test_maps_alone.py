@@ -73,7 +73,7 @@ def test_reports_and_commands_cross_between_two_bridges(path, tmp_path, monkeypa
                 publisher = ros.publisher(UInt16, f"{sender}/{name}/to_jaus")
                 with Repeater(publisher, UInt16(data=value)):
                     wait_for(lambda heard=heard: heard, f"{name} at '{receiver}'", 60)
-                assert {each.data for each in heard} == {value}
+                assert {message.data for message in heard} == {value}
     finally:
         for process in (here, there):
             process.close()

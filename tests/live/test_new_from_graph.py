@@ -103,13 +103,13 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
     [made] = model.instances(bridge.Bridge, library=False)
     # Relative names, which a namespace of the bridge would move.
     found = {
-        each.topics[0].name: (
-            name_of(each.map),
-            each.direction.name,
-            each.topics[0].qos.reliability.name,
-            each.topics[0].qos.durability.name,
+        bridge_connection.topics[0].name: (
+            name_of(bridge_connection.map),
+            bridge_connection.direction.name,
+            bridge_connection.topics[0].qos.reliability.name,
+            bridge_connection.topics[0].qos.durability.name,
         )
-        for each in made.bridgeConnections
+        for bridge_connection in made.bridgeConnections
     }
     assert found == {
         "car/arm/cmd": (
@@ -129,9 +129,9 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
         "car/odom": ("local_pose", "rosToJaus", "reliable", "volatile"),
     }
     for used in made.maps:
-        assert [list(each.names) for each in used.toRos if hasattr(each, "names")] == [
-            ["shoulder", "elbow"]
-        ]
+        assert [
+            list(assignment.names) for assignment in used.toRos if hasattr(assignment, "names")
+        ] == [["shoulder", "elbow"]]
     done = CliRunner().invoke(main, ["validate", "car.ros2jaus", "--strict"])
     assert done.exit_code == 0, done.output
     other = new("/car/odom:velocity_state", "--model", "other.ros2jaus")
@@ -148,7 +148,9 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
     assert "odom: ROS -> JAUS, local_pose_enu" in inside.output
     model = read_models([tmp_path / "car.ros2jaus"], notations=NOTATIONS).model
     [made] = model.instances(bridge.Bridge, library=False)
-    assert [each.topics[0].name for each in made.bridgeConnections][-2:] == ["car/odom", "odom"]
+    assert [bridge_connection.topics[0].name for bridge_connection in made.bridgeConnections][
+        -2:
+    ] == ["car/odom", "odom"]
 
 
 @pytest.fixture
@@ -262,19 +264,21 @@ def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeyp
     }
     assert "--joints TOPIC=swing,lift states them" in shown["robot_description"]
     assert "silenceTimeout of the connection is yours to decide" in shown["cmd_vel_timeout 0.5"]
-    (line,) = [each for each in told if each.startswith("crane/cmd_vel: JAUS -> ROS")]
+    (line,) = [
+        output_line for output_line in told if output_line.startswith("crane/cmd_vel: JAUS -> ROS")
+    ]
     assert line.endswith("; the frame base_link is crane/chassis")
     model = read_models([tmp_path / file], notations=NOTATIONS).model
     [made] = model.instances(bridge.Bridge, library=False)
     frames = {
-        each.target: each.value
+        assignment.target: assignment.value
         for used in made.maps
-        for each in used.toRos
-        if isinstance(each, bridge.ConstantAssignment)
+        for assignment in used.toRos
+        if isinstance(assignment, bridge.ConstantAssignment)
     }
     assert frames["header.frame_id"] == "crane/chassis"
     # What concerns safety is left to a person.
-    assert not any(each.silenceTimeout for each in made.bridgeConnections)
+    assert not any(bridge_connection.silenceTimeout for bridge_connection in made.bridgeConnections)
     assert not made.quantities
     done = CliRunner().invoke(main, ["validate", file, "--strict"])
     assert done.exit_code == 0, done.output

@@ -57,9 +57,9 @@ def ros(tmp_path, monkeypatch, used):
         for name in ("vehicle", "station")
     ]
     yield peer
-    for each in running:
-        each.close()
-        sys.stderr.write(each.log.read_text())
+    for process in running:
+        process.close()
+        sys.stderr.write(process.log.read_text())
     peer.close()
 
 
@@ -77,7 +77,8 @@ def test_what_the_vehicle_sees_and_how_it_is(ros, used, other, word):
         ros.listen(DiagnosticStatus, "out/health"),
     )
     image, unfit = (
-        CompressedImage(format=PICTURES[each][0], data=PICTURES[each][1]) for each in (used, other)
+        CompressedImage(format=PICTURES[picture_name][0], data=PICTURES[picture_name][1])
+        for picture_name in (used, other)
     )
     image.header.stamp = ros.node.get_clock().now().to_msg()
     unfit.header.stamp = image.header.stamp
@@ -89,7 +90,7 @@ def test_what_the_vehicle_sees_and_how_it_is(ros, used, other, word):
     ):
         wait_for(lambda: images and health, "a picture and the health", 60)
     seen, told = images[-1], health[-1]
-    assert {bytes(each.data) for each in images} == {PICTURES[used][1]}
+    assert {bytes(picture.data) for picture in images} == {PICTURES[used][1]}
     assert (seen.format, seen.header.frame_id) == (word, "camera")
     assert seen.header.stamp.sec == image.header.stamp.sec
     assert (told.level, told.name, told.message) == (DiagnosticStatus.WARN, "vehicle", "warning")
@@ -112,7 +113,7 @@ def test_raw_pixels_cross_and_those_without_a_file_are_dropped(ros):
     ):
         wait_for(lambda: images, "an image", 60)
     seen = images[-1]
-    assert {each.encoding for each in images} == {"rgb8"}
+    assert {picture.encoding for picture in images} == {"rgb8"}
     assert (seen.height, seen.width, seen.step, seen.is_bigendian) == (40, 160, 480, 0)
     assert bytes(seen.data[:6]) == b"\2\1\0\5\4\3"
     assert bytes(seen.data[2::3]) == blue_first[0::3]

@@ -73,8 +73,8 @@ def recorded(tmp_path_factory):
         finally:
             recorder.kill()
             recorder.wait()
-            for each in started:
-                each.close()
+            for process in started:
+                process.close()
             ros.close()
             sys.stderr.write(log.read_text())
     return indexed(str(path))
@@ -87,9 +87,9 @@ def model():
 
 def test_a_drop_is_explained_by_counter_and_state(recorded, model):
     (drop,) = [
-        each
-        for each in recorded.marks
-        if each.subject == (BRIDGE, "drive") and each.counter == "out_of_range"
+        mark
+        for mark in recorded.marks
+        if mark.subject == (BRIDGE, "drive") and mark.counter == "out_of_range"
     ]
     found = explained(recorded, model, (BRIDGE, "drive"), drop.time)
     span = f"{drop.since:.1f} s and {drop.time:.1f} s"

@@ -42,7 +42,7 @@ def ros(monkeypatch):
 
 def policies(model):
     rendered = render(read_models([model]).model, [BRINGUP])
-    texts = {Path(each.path).name: each.text for each in rendered}
+    texts = {Path(artifact.path).name: artifact.text for artifact in rendered}
     return {
         name.removesuffix(".policy.xml"): allowed(text)
         for name, text in texts.items()

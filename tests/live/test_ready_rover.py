@@ -115,7 +115,7 @@ class Rover:
         for array in reversed(self.reports[-20:]):
             for status in array.status:
                 if status.name == "/rover: drive":
-                    return status.message, {each.key: each.value for each in status.values}
+                    return status.message, {value.key: value.value for value in status.values}
         return "", {}
 
     def tells(self, reason):
@@ -123,8 +123,8 @@ class Rover:
         wait_for(lambda: reason in self.told()[0], f"'{reason}' on /diagnostics", PATIENCE)
         _, values = self.told()
         # A pilot that a busy computer silenced just before has stopped it: each stop counts once.
-        counted = {f"stopped: {each}" for each in (reason, SILENT)}
-        assert any(int(values.get(each, 0)) for each in counted), values
+        counted = {f"stopped: {value}" for value in (reason, SILENT)}
+        assert any(int(values.get(key, 0)) for key in counted), values
         assert values["when lost"] == "the stop is sent"
 
     def limit(self, speed):

@@ -109,7 +109,7 @@ def test_a_bridge_without_the_parameter_publishes_no_calls(system):
     wait_for(lambda: system.value("read", "calls answered") == "1", "diagnostics")
     events = [name for name, _ in system.ros.node.get_topic_names_and_types()]
     assert "/diagnostics" in events
-    assert not [each for each in events if each.endswith("_service_event")]
+    assert not [event for event in events if event.endswith("_service_event")]
 
 
 def test_the_parameter_is_set_while_the_bridge_runs(system):
@@ -132,7 +132,7 @@ def test_the_parameter_is_set_while_the_bridge_runs(system):
     wait_for(lambda: system.call("read").success and len(events) >= 2, "events")
     wait_for(lambda: len(events) % 2 == 0, "the second of a pair")
     assert [event.info.event_type for event in events] == [1, 2] * (len(events) // 2)
-    assert not [each for each in events if each.request or each.response]
+    assert not [event for event in events if event.request or event.response]
     assert set_to("contents").successful
     wait_for(lambda: system.call("read").success and events[-1].response, "contents")
     assert events[-1].response[0].message == "dark"

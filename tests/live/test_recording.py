@@ -115,7 +115,7 @@ def speeds_of(path):
         for topic, data in recorded(path, "cdr")
         if topic == TOPIC
     ]
-    return [(each.twist.twist.linear.x, each.twist.twist.linear.y) for each in messages]
+    return [(message.twist.twist.linear.x, message.twist.twist.linear.y) for message in messages]
 
 
 @pytest.fixture(scope="module")
@@ -162,7 +162,9 @@ def test_both_sides_stand_in_one_file(recording):
         for topic, data in recorded(path, "json")
         if topic == f"/jaus/{ROBOT}/{REPORT}"
     ]
-    said = [(each["Velocity_X"], each["Velocity_Y"]) for each in reports if "Velocity_X" in each]
+    said = [
+        (report["Velocity_X"], report["Velocity_Y"]) for report in reports if "Velocity_X" in report
+    ]
     assert set(heard) <= set(said)
     published = speeds_of(path)
     # Each report is one of the messages, with the axis to the right.
@@ -185,7 +187,7 @@ def test_capture_beside_it_gives_the_topics_again(recording, tmp_path):
         process.wait()
     again = [x for x, _ in speeds_of(found)]
     for x, _ in heard:
-        assert any(x == pytest.approx(each, abs=1e-6) for each in again), log.read_text()
+        assert any(x == pytest.approx(speed, abs=1e-6) for speed in again), log.read_text()
 
 
 @pytest.mark.slow
@@ -202,7 +204,7 @@ def test_topics_given_back_to_jaus_say_the_same(recording, tmp_path):
         process.wait()
     published = [x for x, _ in speeds_of(path)]
     for x, y in again:
-        assert any(x == pytest.approx(each, abs=1e-6) for each in published), log.read_text()
+        assert any(x == pytest.approx(speed, abs=1e-6) for speed in published), log.read_text()
         assert y == pytest.approx(0.5, abs=1e-6)
 
 

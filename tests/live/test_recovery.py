@@ -66,7 +66,7 @@ class System:
     def speeds(self, start: int = 0) -> list[float]:
         """Returns the speeds that the operator has seen since a line."""
         found = (SPEED.search(line) for line in self.lines[start:])
-        return [float(each[1]) for each in found if each]
+        return [float(match[1]) for match in found if match]
 
     def stop(self) -> None:
         """Ends the processes in good order."""
@@ -107,9 +107,9 @@ def kill_bridge(bridge: System) -> None:
     """
     children = Path(f"/proc/{bridge.process.pid}/task/{bridge.process.pid}/children")
     (child,) = [
-        each
-        for each in children.read_text(encoding="ascii").split()
-        if b"bridge.main" in Path(f"/proc/{each}/cmdline").read_bytes().split(b"\0")
+        word
+        for word in children.read_text(encoding="ascii").split()
+        if b"bridge.main" in Path(f"/proc/{word}/cmdline").read_bytes().split(b"\0")
     ]
     os.kill(int(child), signal.SIGKILL)
     bridge.process.wait(20)

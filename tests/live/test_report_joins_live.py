@@ -70,8 +70,8 @@ def test_odometry_is_there_while_both_reports_are(system):
     told = ros.listen(DiagnosticArray, "/diagnostics")
 
     def warnings():
-        statuses = [status for each in told for status in each.status]
-        return [each.message for each in statuses if each.name.endswith(": odometry")]
+        statuses = [status for array in told for status in array.status]
+        return [status.message for status in statuses if status.name.endswith(": odometry")]
 
     start(VEHICLE, "pose")
     wait_for(lambda: "nothing fresh from velocity" in warnings(), "a pose without a velocity")

@@ -139,7 +139,7 @@ def flows():
     """What the report foretells, by sender, receiver and message."""
     system = system_of(read_models([MODEL]).model)
     report = report_of(system, Assumptions(rates={"drive": PUBLISHED}))
-    addresses = {each.name: each.address for each in report.components}
+    addresses = {component.name: component.address for component in report.components}
     return {
         (addresses[flow.sender], addresses[flow.receiver], flow.message): flow
         for owner in report.bridges
@@ -151,7 +151,7 @@ def flows():
 
 def steady(seen, rate: float):
     """Returns the datagrams of two seconds in which they came at a rate, when there are some."""
-    recent = [each for each in list(seen) if each[0] > time.monotonic() - 2.5]
+    recent = [datagram for datagram in list(seen) if datagram[0] > time.monotonic() - 2.5]
     if len(recent) < 2 or recent[-1][0] - recent[0][0] < 2.0:
         return None
     measured = (len(recent) - 1) / (recent[-1][0] - recent[0][0])

@@ -145,7 +145,7 @@ def test_a_request_that_cannot_be_taken_leaves_the_service_open(spun, peer: RosP
     wait_for(lambda: failures(spun) == 3, "failures")
     answer = client.call_async(Trigger.Request())
     wait_for(answer.done, "answer")
-    assert not any(each.done() for each in lost)
+    assert not any(future.done() for future in lost)
     assert spun.spins
 
 

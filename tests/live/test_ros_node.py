@@ -293,7 +293,9 @@ def test_a_value_that_does_not_do_is_one_line_and_status_2(workspace, parameter,
         timeout=PATIENCE,
     )
     assert done.returncode == 2, done.stderr
-    (line,) = [each for each in done.stderr.splitlines() if "cannot run" in each]
+    (line,) = [
+        output_line for output_line in done.stderr.splitlines() if "cannot run" in output_line
+    ]
     assert words in line
     assert "Traceback" not in done.stderr
 

@@ -32,7 +32,7 @@ pytestmark = [
 @pytest.fixture
 def topic(request):
     """Name of a topic that no other test has."""
-    kept = [each if each.isalnum() else "_" for each in request.node.name]
+    kept = [character if character.isalnum() else "_" for character in request.node.name]
     return "".join(kept)
 
 
@@ -55,8 +55,8 @@ class Heard:
 def send(publisher, numbers):
     from std_msgs.msg import Float64
 
-    for each in numbers:
-        publisher.publish(Float64(data=float(each)))
+    for number in numbers:
+        publisher.publish(Float64(data=float(number)))
 
 
 def is_acknowledged(publisher):
@@ -176,10 +176,10 @@ def test_nothing_is_called_missed_that_another_publisher_explains(node, peer, to
     heard = Heard(tested, Topic(topic))
     tested.start(pytest.fail)
     publishers = [peer.node.create_publisher(Float64, topic, 100) for _ in range(2)]
-    wait_for(lambda: all(each.get_subscription_count() for each in publishers), "matches")
+    wait_for(lambda: all(publisher.get_subscription_count() for publisher in publishers), "matches")
     send(publishers[0], range(7))
-    for each in range(10):
-        send(publishers[each % 2], [each])
+    for number in range(10):
+        send(publishers[number % 2], [number])
     wait_for(lambda: heard.counts.taken == 17, "messages of both")
     peer.node.destroy_publisher(publishers[1])
     send(publishers[0], range(3))
@@ -279,11 +279,11 @@ def test_many_endpoints_and_one_that_fails_do_not_hide_what_others_are_told(node
         for number in range(0, 40, 2)
     ]
     expected = [1 - number % 2 for number in range(40)]
-    wait_for(lambda: [each.matched for each in made] == expected, "matches")
+    wait_for(lambda: [publisher.matched for publisher in made] == expected, "matches")
     assert tested.faults(misfit, publishes=False) == []
-    for each in heard:
-        peer.node.destroy_subscription(each)
-    wait_for(lambda: not any(each.matched for each in made), "end of the matches")
+    for subscription in heard:
+        peer.node.destroy_subscription(subscription)
+    wait_for(lambda: not any(publisher.matched for publisher in made), "end of the matches")
 
 
 def test_bytes_and_objects_are_published_alike(node, peer, topic):
@@ -296,7 +296,7 @@ def test_bytes_and_objects_are_published_alike(node, peer, topic):
     wait_for(lambda: publisher.matched, "subscription")
     publisher.publish(codec.encode(Float64(data=1.0)))
     publisher.publish_message(Float64(data=2.0))
-    wait_for(lambda: [each.data for each in found] == [1.0, 2.0], "messages")
+    wait_for(lambda: [message.data for message in found] == [1.0, 2.0], "messages")
     with pytest.raises(TypeError, match="Float64 expected, not Float32"):
         publisher.publish_message(Float32())
     with pytest.raises(TypeError, match="Float64 expected, not Float32"):
@@ -377,12 +377,12 @@ def test_it_ends_in_any_order_and_nobody_writes_to_its_descriptors(
     mine = [os.eventfd(0, os.EFD_NONBLOCK) for _ in range(20)]
     try:
         send(publisher, range(5))
-        for each in mine:
+        for descriptor in mine:
             with pytest.raises(BlockingIOError):
-                os.eventfd_read(each)
+                os.eventfd_read(descriptor)
     finally:
-        for each in mine:
-            os.close(each)
+        for descriptor in mine:
+            os.close(descriptor)
         peer.node.destroy_publisher(publisher)
     wait_for(lambda: eventfds() <= before, "closed descriptors")
 
@@ -390,9 +390,9 @@ def test_it_ends_in_any_order_and_nobody_writes_to_its_descriptors(
 def eventfds():
     """Descriptors of the process that are eventfds."""
     found = set()
-    for each in Path("/proc/self/fd").iterdir():
+    for path in Path("/proc/self/fd").iterdir():
         with suppress(FileNotFoundError):
-            found |= {each.name} if "eventfd" in str(each.readlink()) else set()
+            found |= {path.name} if "eventfd" in str(path.readlink()) else set()
     return found
 
 

@@ -51,7 +51,7 @@ def test_a_command_is_confirmed_or_refused(system):
     answer = system.call("switch", data=False)
     assert not answer.success
     assert "RejectLamp with the code 7" in answer.message
-    assert [each["brightness"] for each in lamp.of_kind("set")] == [100, 0]
+    assert [fact["brightness"] for fact in lamp.of_kind("set")] == [100, 0]
     wait_for(lambda: system.value("switch", "failed: rejected") == "1", "diagnostics")
 
 
@@ -87,7 +87,7 @@ def test_a_late_answer_is_not_that_of_the_next_call(system):
     first = system.call("switch", data=True)
     second = system.call("switch", data=False)  # which the lamp refuses, and was taken for done
     assert (first.success, second.success) == (False, False)
-    assert [each["brightness"] for each in lamp.of_kind("set")] == [100, 100, 0]
+    assert [fact["brightness"] for fact in lamp.of_kind("set")] == [100, 100, 0]
     system.mode(lamp, "refuse")
     assert "with the code 7" in system.call("switch", data=True).message
 
@@ -104,19 +104,19 @@ def test_calls_are_under_way_together(system):
     system.lamp()
     assert system.call("read").success
     futures = [system.send("read") for _ in range(20)]
-    wait_for(lambda: all(each.done() for each in futures), "20 responses")
-    assert {each.result().message for each in futures} == {"dark"}
+    wait_for(lambda: all(future.done() for future in futures), "20 responses")
+    assert {future.result().message for future in futures} == {"dark"}
 
 
 def test_more_calls_than_are_carried_are_refused(system):
     system.lamp("silent")
     futures = [system.send("read") for _ in range(80)]
-    wait_for(lambda: all(each.done() for each in futures), "80 responses")
-    reasons = [each.result().message for each in futures]
-    assert not any(each.result().success for each in futures)
-    refused = sum("64 calls are under way" in each for each in reasons)
-    timed_out = sum("did not answer" in each for each in reasons)
-    unsent = sum("was not asked" in each for each in reasons)
+    wait_for(lambda: all(future.done() for future in futures), "80 responses")
+    reasons = [future.result().message for future in futures]
+    assert not any(future.result().success for future in futures)
+    refused = sum("64 calls are under way" in reason for reason in reasons)
+    timed_out = sum("did not answer" in reason for reason in reasons)
+    unsent = sum("was not asked" in reason for reason in reasons)
     assert refused
     assert refused + timed_out + unsent == 80
     # No more are said to be unanswered than there were questions, each repeated twice.

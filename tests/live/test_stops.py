@@ -89,7 +89,7 @@ class System:
         self.started += 1
         line = ["-m", f"{name}.main", "--jaus-port", str(self.port), "--ros-waiting", self.waiting]
         if name == "driver":
-            line = [str(FOLDER / "stop_publisher.py"), *(f"in/{each}" for each in MAPS)]
+            line = [str(FOLDER / "stop_publisher.py"), *(f"in/{map_name}" for map_name in MAPS)]
         log = self.logs / f"{name}-{self.started}.log"
         self.running[name] = Process(line, self.path, log)
 

@@ -35,11 +35,11 @@ def test_a_story_goes_as_it_is_told(name, notation, tmp_path):
     programs = [Path(INSTALLED)] if INSTALLED else [warm.programs(), Path(sys.executable).parent]
     teller = Teller(folder, words, programs)
     teller.tell(text)
-    assert teller.commands == sum(isinstance(each, Step) for each in read(text)) > 10
+    assert teller.commands == sum(isinstance(story_part, Step) for story_part in read(text)) > 10
 
 
 def test_each_story_is_told():
-    assert sorted(OFTEN) == sorted(each.stem for each in STORIES.glob("*.story"))
+    assert sorted(OFTEN) == sorted(path.stem for path in STORIES.glob("*.story"))
 
 
 @pytest.mark.skipif(not INSTALLED, reason="make stories tells them with an installed wheel")

@@ -41,7 +41,7 @@ QUERY_POINT = struct.pack("<H", 0xD000)
 
 def is_halted(process):
     """Whether all threads of a process have stopped."""
-    states = [each.read_text() for each in Path(f"/proc/{process}/task").glob("*/stat")]
+    states = [path.read_text() for path in Path(f"/proc/{process}/task").glob("*/stat")]
     return all(state.rpartition(")")[2].split()[0] == "T" for state in states)
 
 
@@ -76,7 +76,11 @@ class System:
 
         def came(code):
             packets = self.peer.look()[first:]
-            return [each.payload for each in packets if each.payload[:2] == struct.pack("<H", code)]
+            return [
+                packet.payload
+                for packet in packets
+                if packet.payload[:2] == struct.pack("<H", code)
+            ]
 
         def is_answered():  # what comes soon after the suspension is taken for what waited
             self.peer.send(QUERY_POINT)

@@ -100,7 +100,7 @@ def latest(process, kind, name):
     if not process.facts:
         return None
     label = "connection" if kind == "connections" else "id"
-    return next((each for each in process.facts[-1][kind] if each[label] == name), None)
+    return next((fact for fact in process.facts[-1][kind] if fact[label] == name), None)
 
 
 def becomes(process, kind, name, *, present=(), **wanted):
@@ -109,7 +109,7 @@ def becomes(process, kind, name, *, present=(), **wanted):
     def told():
         found = latest(process, kind, name)
         is_told = found and wanted.items() <= found.items()
-        return found if is_told and all(found[each] for each in present) else None
+        return found if is_told and all(found[key] for key in present) else None
 
     return wait_for(told, f"{name} {wanted}", 40.0)
 
@@ -211,7 +211,11 @@ def test_a_hostile_status_is_data(system):
     assert told["declared_rate"] is None
     assert process.popen.poll() is None
     assert process.stop() == 0
-    assert not [each for each in process.facts[-1]["connections"] if "battery" in each["bridge"]]
+    assert not [
+        connection
+        for connection in process.facts[-1]["connections"]
+        if "battery" in connection["bridge"]
+    ]
 
 
 def test_the_last_message_on_both_sides(system):
@@ -259,7 +263,11 @@ def test_what_a_bridge_measures_is_shown_beside_what_is_measured_outside(system)
         line = [sys.executable, "-m", "jausml", *words, "--port", str(system.port)]
         result = subprocess.run(line, capture_output=True, text=True, timeout=100)
         bridges = result.stdout.partition("bridge ")[2]
-        return [each for each in bridges.splitlines() if each.split()[1:2] == ["odometry"]]
+        return [
+            output_line
+            for output_line in bridges.splitlines()
+            if output_line.split()[1:2] == ["odometry"]
+        ]
 
     process = system.top()
     measure(wanted=True)

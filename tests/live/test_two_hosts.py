@@ -148,7 +148,7 @@ class Deployment:
         try:
             wait_for(self.has_arrived, "speed of vehicle and trailer", PATIENCE)
         except AssertionError as error:
-            said = "".join(f"\n--- {each}\n{self.log(each).read_text()}" for each in UNITS)
+            said = "".join(f"\n--- {unit}\n{self.log(unit).read_text()}" for unit in UNITS)
             raise AssertionError(f"{error}{said}") from error
 
     def has_arrived(self):
@@ -161,11 +161,11 @@ class Deployment:
         for process in self.processes.values():
             process.send_signal(signal.SIGTERM)
         try:
-            return {name: each.wait(PATIENCE) for name, each in self.processes.items()}
+            return {name: child.wait(PATIENCE) for name, child in self.processes.items()}
         finally:
-            for each in self.processes.values():
-                each.kill()
-                each.wait()
+            for child in self.processes.values():
+                child.kill()
+                child.wait()
 
 
 @pytest.fixture(scope="module")
@@ -220,7 +220,7 @@ def knocking(hosts, kind, knocks):
         reader = threading.Thread(
             target=lambda: came.extend(tuple(json.loads(line)) for line in listener.stdout)
         )
-        sent = [",".join(map(str, each)) for each in knocks]
+        sent = [",".join(map(str, knock)) for knock in knocks]
         sender = processes.enter_context(probing(here, "knock", kind, *sent))
         reader.start()
         yield came

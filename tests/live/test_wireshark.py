@@ -82,7 +82,7 @@ def test_every_vector_shows_its_name_and_fields(
 ) -> None:
     script, view = library
     golden = golden_vectors()
-    packets = [udp(datagram(bytes.fromhex(each["hex"]))) for each in golden]
+    packets = [udp(datagram(bytes.fromhex(golden_vector["hex"]))) for golden_vector in golden]
     doubtful = []
     for vector, fields in zip(golden, dissect(script, packets, tmp_path), strict=True):
         if not is_right(view, fields, vector):
@@ -103,9 +103,9 @@ def test_captured_datagrams_show_their_header(
 ) -> None:
     script, _ = library
     golden = golden_vectors("judp_datagrams.jsonl")
-    packets = [udp(bytes.fromhex(each["hex"])) for each in golden]
-    for each, fields in zip(golden, dissect(script, packets, tmp_path), strict=True):
-        header = each["header"]
+    packets = [udp(bytes.fromhex(vector["hex"])) for vector in golden]
+    for vector, fields in zip(golden, dissect(script, packets, tmp_path), strict=True):
+        header = vector["header"]
         if header["version"] != 2:
             assert shown(fields, "jaus.version") == [str(header["version"])]
             assert shown(fields, "jaus.malformed") == [""]
@@ -134,7 +134,7 @@ def test_a_datagram_may_hold_several_messages(example: Path, tmp_path: Path) -> 
 
 def test_a_second_dissector_says_that_it_is_not_loaded(example: Path, tmp_path: Path) -> None:
     capture = write_capture(tmp_path / "one.pcap", [udp(datagram(WRENCH))])
-    scripts = [f"-Xlua_script:{each}" for each in (example, example)]
+    scripts = [f"-Xlua_script:{path}" for path in (example, example)]
     done = subprocess.run(
         ["tshark", *scripts, "-r", capture, "-T", "fields", "-e", "jaus.message"],
         capture_output=True,
@@ -232,7 +232,7 @@ def test_tcp_is_cut_into_messages(example: Path, tmp_path: Path, cut: int) -> No
     stream = b"\x02" + packet(WRENCH, 1) + packet(b"\x03\x20", 2) + packet(WRENCH, 3)
     answer = b"\x02" + packet(bytes.fromhex("034005"), 1)
     packets = [tcp(stream[:cut], 0), tcp(stream[cut:], cut), tcp(answer, 0, is_answer=True)]
-    fields = [field for each in dissect(example, packets, tmp_path) for field in each]
+    fields = [field for dissection in dissect(example, packets, tmp_path) for field in dissection]
     codes = shown(fields, "jaus.code")
     assert codes == ["0x0405", "0x2003", "0x0405", "0x4003"]
     assert shown(fields, "jaus.version") == ["2", "2"]
@@ -318,17 +318,19 @@ def test_every_kind_of_field_is_shown(tmp_path: Path) -> None:
     assert not shown(fields, "jaus.surplus")
 
 
-PAYLOADS = [payload for each in vectors() if (payload := payload_of(each))]
-MODELS_OF_VECTORS = sorted({each["model"] for each in vectors()})
+PAYLOADS = [payload for vector in vectors() if (payload := payload_of(vector))]
+MODELS_OF_VECTORS = sorted({vector["model"] for vector in vectors()})
 
 
 @pytest.mark.parametrize("model", sweep(MODELS_OF_VECTORS, every=3))
 def test_the_vectors_are_shown(model: str, tmp_path: Path) -> None:
     script, view = dissector_of(ROOT / model, tmp_path)
-    decoded = [each for each in vectors() if each["model"] == model and "payload" in each]
-    packets = [udp(datagram(payload_of(each) or b"")) for each in decoded]
+    decoded = [vector for vector in vectors() if vector["model"] == model and "payload" in vector]
+    packets = [udp(datagram(payload_of(vector) or b"")) for vector in decoded]
     found = zip(decoded, dissect(script, packets, tmp_path), strict=True)
-    assert not [each["name"] for each, fields in found if not tells(view.messages, fields, each)]
+    assert not [
+        vector["name"] for vector, fields in found if not tells(view.messages, fields, vector)
+    ]
 
 
 def test_wide_and_signed_fields_are_shown(tmp_path: Path) -> None:
@@ -360,7 +362,7 @@ def test_text_is_whole_whatever_its_letters_take_in_utf_8(tmp_path: Path) -> Non
     script, _ = dissector_of(model, tmp_path)
     head = struct.pack("<QQbQ", 0, 0, 0, 0)
     texts = [b"\xe9\xff\xa0\xbf\xc0\x80", b"\xe9\0\xff\xff\xff\xff", bytes(6)]
-    packets = [udp(datagram(b"\1\x0e" + head + each)) for each in texts]
+    packets = [udp(datagram(b"\1\x0e" + head + text)) for text in texts]
     found = [shown(fields, "jaus.more.fixed") for fields in dissect(script, packets, tmp_path)]
     assert found == [["\xe9\xff\xa0\xbf\xc0\x80"], ["\xe9"], [""]]
 
@@ -384,13 +386,13 @@ def test_every_message_of_the_library_shows_what_the_codec_decodes(
     chance = random.Random(5684)
     catalogue = load_catalogue()
     wanted = []
-    for message in [each for each in view.messages for _ in range(4)]:
+    for message in [message_table for message_table in view.messages for _ in range(4)]:
         payload = message.code.to_bytes(2, "little")
         payload += body(chance, message.body) if message.body else b""
         (entry, *_) = (
-            each
-            for each in catalogue.find(message.code)
-            if each.name == message.name and set(message.services) >= {_named(each)}
+            candidate
+            for candidate in catalogue.find(message.code)
+            if candidate.name == message.name and set(message.services) >= {_named(candidate)}
         )
         fields = as_numbers(entry.decode(payload, as_it_is))
         wanted.append((message, payload, {"fields": fields}))
@@ -402,7 +404,10 @@ def test_every_message_of_the_library_shows_what_the_codec_decodes(
         assert not shown(fields, "jaus.malformed"), (message.name, payload.hex())
         if shown(fields, "jaus.message")[0] == message.name:
             same = [m for m in view.messages if (m.code, m.name) == (message.code, message.name)]
-            assert any(matches(fields, each, vector) for each in same), (payload.hex(), fields)
+            assert any(matches(fields, message_table, vector) for message_table in same), (
+                payload.hex(),
+                fields,
+            )
             compared.add(message)
         else:
             assert shown(fields, "jaus.ambiguous")

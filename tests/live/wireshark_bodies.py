@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from .wireshark_support import Shown
 
-_FORMATS = {name: each.format for name, each in (*INTEGERS.items(), *REALS.items())}
+_FORMATS = {name: number_type.format for name, number_type in (*INTEGERS.items(), *REALS.items())}
 
 
 def leaves(node: dict[str, Any], value: Any) -> Iterator[tuple[str, Any]]:
@@ -96,15 +96,15 @@ def tells(messages: Iterable[Any], fields: list[Shown], vector: dict[str, Any]) 
         return "jaus.surplus" in filters
     if kind == "other code":
         return vector["message"] not in [
-            each.show for each in fields if each.name == "jaus.message"
+            field.show for field in fields if field.name == "jaus.message"
         ]
     if kind in ("count too large", "length too large"):
         return "jaus.malformed" not in filters  # limits are not for those who only look
     if kind:
         return "jaus.malformed" in filters
-    named = (each for each in messages if each.name == vector["message"])
+    named = (message for message in messages if message.name == vector["message"])
     return not {"jaus.malformed", "jaus.surplus"} & {*filters} and any(
-        matches(fields, each, vector) for each in named
+        matches(fields, message, vector) for message in named
     )
 
 

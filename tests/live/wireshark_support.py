@@ -126,7 +126,7 @@ def fields_of(script: Path, capture: Path, *arguments: str) -> list[list[Shown]]
     """Returns the JAUS fields of each packet of a capture."""
     text = run_tshark(script, capture, "-T", "pdml", *arguments)
     root = ET.fromstring(text)  # noqa: S314 - tshark wrote it
-    return [list(_fields(each)) for each in root.iter("packet")]
+    return [list(_fields(element)) for element in root.iter("packet")]
 
 
 def _fields(packet_element: ET.Element) -> Iterator[Shown]:

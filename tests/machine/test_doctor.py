@@ -43,14 +43,14 @@ ROS_VARIABLES = (
 @pytest.fixture
 def doctor(monkeypatch):
     """Runs the verb; returns the exit status, and the checks by topic and name."""
-    for each in ROS_VARIABLES:
-        monkeypatch.delenv(each, raising=False)
+    for ros_variable in ROS_VARIABLES:
+        monkeypatch.delenv(ros_variable, raising=False)
 
     def run(*arguments):
         words = ["doctor", "--format", "json", *map(str, arguments)]
         done = CliRunner().invoke(main, words)
         checks = json.loads(done.output)["checks"] if done.exit_code < 2 else []
-        return done.exit_code, {(each["topic"], each["name"]): each for each in checks}
+        return done.exit_code, {(check["topic"], check["name"]): check for check in checks}
 
     return run
 
@@ -100,7 +100,7 @@ def test_a_port_that_others_may_not_have():
     arguments = ("doctor", "--port", "80", "--format", "json")
     done = subprocess.run([*command, *arguments], capture_output=True, text=True)
     assert done.returncode == 1, done.stderr
-    found = {each["name"]: each for each in json.loads(done.stdout)["checks"]}
+    found = {check["name"]: check for check in json.loads(done.stdout)["checks"]}
     for name in ("udp port 80", "tcp port 80"):
         assert found[name]["verdict"] == "error"
         assert (found[name]["text"], found[name]["cure"]) == (
@@ -222,7 +222,7 @@ def test_without_a_compiler_there_is_a_note(doctor, monkeypatch, tmp_path, named
 def test_programs_that_are_missing_are_told_with_their_packages(doctor, monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     status, checks = doctor("--port", free_port())
-    told = {name: each["cure"] for (topic, name), each in checks.items() if topic == "programs"}
+    told = {name: check["cure"] for (topic, name), check in checks.items() if topic == "programs"}
     assert status == 0
     assert told.keys() == {*(program.name for program in PROGRAMS), "fonts"}
     assert (told["tshark"], told["nft"]) == ("apt install tshark", "apt install nftables")

@@ -107,7 +107,7 @@ def test_a_conflict_is_told_with_its_place_and_leaves_a_model(repository):
     repository.commit("theirs", MINIMAL.replace(RATE, 'rate="50.0"'))
     repository.git("checkout", "-q", "ours")
     told = repository.git("merge", "--no-edit", "theirs", status=1)
-    line = next(n for n, each in enumerate(ours.splitlines(), 1) if "rate=" in each)
+    line = next(n for n, text_line in enumerate(ours.splitlines(), 1) if "rate=" in text_line)
     assert f"models/robot.xmi:{line}:" in told
     assert "error: JML811 rate of connection 'velocity' was 10: ours is 25, theirs 50" in told
     assert "UU models/robot.xmi" in repository.git("status", "--short")
@@ -175,8 +175,13 @@ def test_what_theirs_refers_to_in_a_file_of_its_own_comes_with_it(repository):
     """git merges file by file, and the maps that `jausml new bridge` writes are not there yet."""
     repository.git("checkout", "-q", "-b", "theirs", "main")
     model = str(repository.model)
-    for each in ("scan:sensor_msgs/LaserScan:laser_scan", "odom:nav_msgs/Odometry:local_pose"):
-        repository.run("jausml", "new", "bridge", each.partition(":")[0], each, "-m", model)
+    for specification in (
+        "scan:sensor_msgs/LaserScan:laser_scan",
+        "odom:nav_msgs/Odometry:local_pose",
+    ):
+        repository.run(
+            "jausml", "new", "bridge", specification.partition(":")[0], specification, "-m", model
+        )
     repository.git("add", ".")
     repository.git("commit", "-q", "-m", "theirs")
     repository.git("checkout", "-q", "-b", "ours", "main")
@@ -187,8 +192,8 @@ def test_what_theirs_refers_to_in_a_file_of_its_own_comes_with_it(repository):
     repository.git("commit", "-q", "-m", "ours")
     repository.git("merge", "-q", "--no-edit", "theirs")
     text = repository.model.read_text(encoding="utf-8")
-    for each in ("range_sensor.xmi#laser_scan", "local_pose_sensor.xmi#local_pose"):
-        assert f'<map href="mappings/{each}"/>' in text
+    for reference in ("range_sensor.xmi#laser_scan", "local_pose_sensor.xmi#local_pose"):
+        assert f'<map href="mappings/{reference}"/>' in text
     told = repository.run("jausml", "validate", "models", status=1)
     assert set(re.findall(r"error: (JML\d+)", told)) == {"JML302"}, told  # both took a free address
 
@@ -217,14 +222,16 @@ def test_a_model_that_moved_is_merged_with_what_changed_in_its_former_place(repo
 @pytest.mark.slow
 def test_references_by_position_follow_what_both_sides_did_to_another_file(repository):
     """git tells its drivers the other commit, so that the other files of their side can be read."""
-    alarm, depth, last = (MESSAGE.format(each) for each in ("Alarm", "Depth", "Last"))
-    package, plant = (repository.folder / "models" / each for each in ("d_msgs.xmi", "plant.xmi"))
+    alarm, depth, last = (MESSAGE.format(name) for name in ("Alarm", "Depth", "Last"))
+    package, plant = (
+        repository.folder / "models" / file_name for file_name in ("d_msgs.xmi", "plant.xmi")
+    )
 
     def commit(branch, messages, *nodes):
         if branch != "main":
             repository.git("checkout", "-q", "-b", branch, "main")
         package.write_text(PACKAGE.format(messages))
-        plant.write_text(PLANT.format("".join(NODE.format(*each) for each in nodes)))
+        plant.write_text(PLANT.format("".join(NODE.format(*node) for node in nodes)))
         repository.git("add", ".")
         repository.git("commit", "-q", "-m", branch)
 
@@ -233,7 +240,7 @@ def test_references_by_position_follow_what_both_sides_did_to_another_file(repos
     commit("alters", alarm + last, ("a", "5.0", 0), ("c", "2.0", 1))
     repository.git("merge", "-q", "--no-edit", "adds")
     model = read_models([plant]).model
-    used = {each.name: each.publishers[0].type.name for each in model.root.nodes}
+    used = {node.name: node.publishers[0].type.name for node in model.root.nodes}
     assert used == {"a": "Alarm", "b": "Depth", "c": "Last"}
     assert model.root.nodes[0].frequency == 5
 

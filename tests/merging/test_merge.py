@@ -23,8 +23,8 @@ BASE = BASE.replace("../library/", LIBRARY_URI)
 MINIMAL = (ROOT / "models" / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
 MINIMAL = MINIMAL.replace("../library/", NAME)
 PLAIN = MINIMAL
-for each in ("minimal", "sensor", "sensor_bridge", "velocity_map"):
-    PLAIN = PLAIN.replace(f' xmi:id="{each}"', "")
+for identifier in ("minimal", "sensor", "sensor_bridge", "velocity_map"):
+    PLAIN = PLAIN.replace(f' xmi:id="{identifier}"', "")
 PLAIN = PLAIN.replace('map="velocity_map"', 'map="//@bridges.0/@maps.0"')
 PLAIN = PLAIN.replace('peers="sensor"', 'peers="//@components.0"')
 """References by position, as Eclipse writes them."""
@@ -45,7 +45,7 @@ def merge(tmp_path):
 
     def run(base, ours, theirs):
         (tmp_path / "model.xmi").write_text(ours, encoding="utf-8")
-        states = (each.encode() for each in (base, ours, theirs))
+        states = (version.encode() for version in (base, ours, theirs))
         outcome = merged("model.xmi", tmp_path.resolve(), *states)
         return outcome.data.decode(), outcome.findings
 
@@ -156,12 +156,12 @@ def assert_same(merge, text, expected):
     """Compares two texts as models."""
     folder = Path(merge.__closure__[0].cell_contents)
     results = []
-    for name, each in (("one", text), ("other", expected)):
+    for name, content in (("one", text), ("other", expected)):
         (folder / name).mkdir(exist_ok=True)
-        (folder / name / "model.xmi").write_text(each, encoding="utf-8")
+        (folder / name / "model.xmi").write_text(content, encoding="utf-8")
         results.append(read_models([folder / name / "model.xmi"]))
         assert not results[-1].has_errors, results[-1].diagnostics
-    one, other = (each.model for each in results)
+    one, other = (result.model for result in results)
     assert changes(one, other, [(one.root, other.root)]) == []
 
 
@@ -173,7 +173,9 @@ def test_what_theirs_removed_goes(merge):
 
 
 def test_decisions_that_each_side_made_are_no_longer_open(merge):
-    one, two, three = (f'      <openDecisions text="{each}"/>\n' for each in ("a", "b", "c"))
+    one, two, three = (
+        f'      <openDecisions text="{decision}"/>\n' for decision in ("a", "b", "c")
+    )
     message = "      <message href"
     base = replaced(MINIMAL, (message, one + two + three + message))
     text, findings = merge(base, replaced(base, (one, "")), replaced(base, (three, "")))
@@ -211,7 +213,7 @@ def test_what_theirs_refers_to_and_ours_removed_is_told(merge):
     theirs = replaced(base, ('peers="//@components.0"', 'peers="//@components.0 //@components.1"'))
     text, findings = merge(base, PLAIN, theirs)
     assert text == PLAIN
-    assert [each.rule for each in findings] == ["JML813"]
+    assert [finding.rule for finding in findings] == ["JML813"]
 
 
 def test_an_assignment_is_one_copy(merge):
@@ -231,7 +233,9 @@ def test_an_assignment_is_one_copy(merge):
 
 def test_lists_of_references_take_what_each_side_added(merge):
     line = '<uses href="http://www.jausml.org/library/jaus/mobility.xmi#VelocityStateSensor"/>'
-    first, second = (line.replace("VelocityState", each) for each in ("LocalPose", "GlobalPose"))
+    first, second = (
+        line.replace("VelocityState", sensor) for sensor in ("LocalPose", "GlobalPose")
+    )
     text, findings = merge(
         MINIMAL, replaced(MINIMAL, (line, line + first)), replaced(MINIMAL, (line, line + second))
     )
@@ -243,7 +247,7 @@ def test_lists_of_references_take_what_each_side_added(merge):
         replaced(MINIMAL, (line, first + second)),
     )
     assert findings == ()
-    assert [text.count(each) for each in (line, first, second)] == [0, 1, 1]
+    assert [text.count(reference) for reference in (line, first, second)] == [0, 1, 1]
 
 
 def test_renamed_here_and_changed_there(merge):
@@ -290,8 +294,8 @@ def test_what_is_not_in_another_file_yet_can_be_referred_to(merge, tmp_path):
     text, findings = merge(base, replaced(base, RATE), theirs)
     assert findings == ()
     assert 'rate="25.0"' in text
-    for each in ("maps.xmi#a", "maps.xmi#b", "more.xmi#c"):
-        assert text.count(f'<map href="{each}"/>') == 1
+    for reference in ("maps.xmi#a", "maps.xmi#b", "more.xmi#c"):
+        assert text.count(f'<map href="{reference}"/>') == 1
 
 
 def test_places_of_metamodels_follow_a_model_that_moved(merge):
@@ -319,7 +323,7 @@ def test_comments_of_both_sides_are_kept(tmp_path, encoding):
     base = replaced(MINIMAL, OLD, ("UTF-8", encoding), ("Ten times", "Zehnmal, häufig"))
     ours = replaced(base, ("  <bridges", "  <!-- ours, für uns -->\n  <bridges"))
     theirs = replaced(base, NEW, THEIRS, RATE, (END, f"  <!-- end -->\n{END}"))
-    states = (each.encode(encoding) for each in (base, ours, theirs))
+    states = (version.encode(encoding) for version in (base, ours, theirs))
     outcome = merged("model.xmi", tmp_path.resolve(), *states)
     assert outcome.findings == ()
     text = outcome.data.decode(encoding)
@@ -384,7 +388,7 @@ def test_what_they_moved_and_we_changed_is_one_conflict_and_there_once(merge, wi
 @pytest.mark.parametrize("both", [False, True])
 def test_references_by_position_follow_the_other_file_of_each_side(tmp_path, is_swapped, both):
     """One side puts a message before the others and uses it, the other side changes and adds."""
-    alarm, depth, last = (MESSAGE.format(each) for each in ("Alarm", "Depth", "Last"))
+    alarm, depth, last = (MESSAGE.format(name) for name in ("Alarm", "Depth", "Last"))
     old, new = PACKAGE.format(alarm), PACKAGE.format(depth + alarm)
     other = PACKAGE.format(alarm + last) if both else old
     base = PLANT.format(NODE.format("a", "1.0", 0))
@@ -393,9 +397,9 @@ def test_references_by_position_follow_the_other_file_of_each_side(tmp_path, is_
     plants, packages = (adds, alters), (new, other)
     if is_swapped:
         plants, packages = plants[::-1], packages[::-1]
-    around = {"d_msgs.xmi": States(*(each.encode() for each in (old, *packages)))}
+    around = {"d_msgs.xmi": States(*(text.encode() for text in (old, *packages)))}
     (tmp_path / "d_msgs.xmi").write_text(packages[0])
-    texts = (each.encode() for each in (base, *plants))
+    texts = (text.encode() for text in (base, *plants))
     outcome = merged("plant.xmi", tmp_path.resolve(), *texts, around)
     assert outcome.findings == ()
     package = merged("d_msgs.xmi", tmp_path.resolve(), *(e.encode() for e in (old, *packages)))
@@ -416,7 +420,9 @@ def test_another_file_whose_references_would_shift_is_named(merge, tmp_path):
     theirs = replaced(PLAIN, ("  <components", COMPONENT.format("") + "  <components"))
     theirs = replaced(theirs, ('peers="//@components.0"', 'peers="//@components.1"'))
     _, findings = merge(PLAIN, replaced(PLAIN, RATE), theirs)
-    assert [(each.rule, each.location.path) for each in findings] == [("JML814", "other.xmi")]
+    assert [(finding.rule, finding.location.path) for finding in findings] == [
+        ("JML814", "other.xmi")
+    ]
     assert (tmp_path / "other.xmi").read_text() == other
 
 
@@ -456,7 +462,7 @@ def test_each_way_gives_the_same_model(merge):
 
 
 def test_each_rule_has_a_conflict_that_a_test_shows():
-    tests = "".join(each.read_text() for each in Path(__file__).parent.glob("test_*.py"))
+    tests = "".join(path.read_text() for path in Path(__file__).parent.glob("test_*.py"))
     for rule in MERGE_RULES:
         assert rule in tests
 
@@ -480,7 +486,7 @@ def merge_texts(tmp_path):
     """Merges three texts of ros2jaus."""
 
     def run(*states):
-        return merged("rover.ros2jaus", tmp_path.resolve(), *(each.encode() for each in states))
+        return merged("rover.ros2jaus", tmp_path.resolve(), *(state.encode() for state in states))
 
     return run
 
@@ -517,8 +523,8 @@ def test_what_git_keeps_of_comments_this_keeps_too(merge_texts, tmp_path):
         assert "rate: 50" in text
         if done.returncode == 0:
             clean += 1
-            kept = [each.strip() for each in done.stdout.splitlines() if "//" in each]
-            assert [each for each in kept if each not in text] == []
+            kept = [line.strip() for line in done.stdout.splitlines() if "//" in line]
+            assert [comment for comment in kept if comment not in text] == []
     assert clean > 2
 
 

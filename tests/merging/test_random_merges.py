@@ -81,7 +81,7 @@ def test_a_merge_is_one_side_or_both(tmp_path, seed, name):
 def differences(folder, name, one, other):
     first, second = (read(folder / n, name, d).model for n, d in (("one", one), ("other", other)))
     found = changes(first, second, list(zip(first.roots[:1], second.roots[:1], strict=True)))
-    return [(each.element, each.path, each.text) for each in found]
+    return [(change.element, change.path, change.text) for change in found]
 
 
 def read(folder, name, data):

@@ -33,7 +33,7 @@ BODY = {
 
 
 def encode(kinds, **changes):
-    fields = {name: each for name, each in {**BODY, **changes}.items() if each is not None}
+    fields = {name: value for name, value in {**BODY, **changes}.items() if value is not None}
     return kinds.message("Kinds").encode({"Body": fields})
 
 
@@ -298,12 +298,12 @@ def test_integers_have_their_names(catalogue):
 def test_bits_have_their_names(catalogue):
     lights = catalogue.message("SetIlluminationState")
     groups = lights.record.members[0].kind.members[0].kind.groups
-    bits = {each.name: "OFF" if each.legal.names else 0 for each in groups}
+    bits = {group.name: "OFF" if group.legal.names else 0 for group in groups}
     payload = lights.encode(lights.completed({"illumination": {**bits, "Headlights": 1}}))
     fields = lights.shortened(lights.decode(payload))["illumination"]
     assert fields["Headlights"] == "ON"
     assert fields["FogLights"] == "OFF"
-    assert [bool(fields[each]) for each in ("Headlights", "FogLights")] == [True, False]
+    assert [bool(fields[field_name]) for field_name in ("Headlights", "FogLights")] == [True, False]
     assert lights.encode(lights.completed({"illumination": fields})) == payload
 
 

@@ -48,8 +48,8 @@ def test_what_is_printed_is_encoded_to_the_same_bytes(catalogue):
 def test_presence_vectors_may_be_left_out(catalogue):
     def bare(value):
         if isinstance(value, dict):
-            return {key: bare(each) for key, each in value.items() if key != "_pv"}
-        return [bare(each) for each in value] if isinstance(value, list) else value
+            return {key: bare(field_value) for key, field_value in value.items() if key != "_pv"}
+        return [bare(item) for item in value] if isinstance(value, list) else value
 
     for vector in golden_vectors():
         if "_pv" in json.dumps(vector["fields"]):

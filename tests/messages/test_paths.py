@@ -89,7 +89,7 @@ def test_all_wrong_fields_are_named(catalogue):
     }
     with pytest.raises(EncodeError) as caught:
         entry.encode(entry.completed(fields))
-    assert [each.partition(":")[0] for each in str(caught.value).split("; WrenchEffortRec.")] == [
+    assert [word.partition(":")[0] for word in str(caught.value).split("; WrenchEffortRec.")] == [
         "WrenchEffortRec.Thrust",
         "Lift",
         "PropulsiveLinearEffortX",

@@ -71,7 +71,9 @@ class Generated:
 
     def __init__(self, vector):
         views, module = generated(vector["model"])
-        view = next(each for each in views if each.jaus_name == vector["message"])
+        view = next(
+            message_view for message_view in views if message_view.jaus_name == vector["message"]
+        )
         self._names = FieldNames(view, module)
 
     def decode(self, data):
@@ -118,7 +120,11 @@ def test_each_codec_does_as_the_vector_says(codec, vector):
 
 
 def test_the_vectors_cover_every_kind_of_error():
-    found = [each["error"]["kind"] for each in vectors() if "error" in each and "payload" in each]
+    found = [
+        vector["error"]["kind"] for vector in vectors() if "error" in vector and "payload" in vector
+    ]
     assert set(found) == set(DECODING)
-    found = [each["error"]["kind"] for each in vectors() if "error" in each and "fields" in each]
+    found = [
+        vector["error"]["kind"] for vector in vectors() if "error" in vector and "fields" in vector
+    ]
     assert set(found) == set(ENCODING)

@@ -15,10 +15,10 @@ TABLES = [
     *load_metamodels().classes.values(),
     *read_metamodels([ZOO]).classes.values(),
 ]
-CONCRETE = [each for each in TABLES if not each.abstract]
+CONCRETE = [table for table in TABLES if not table.abstract]
 
 
-@for_each("table", CONCRETE, ids=lambda each: each.qualified_name)
+@for_each("table", CONCRETE, ids=lambda class_table: class_table.qualified_name)
 def test_what_was_never_set_has_the_value_that_pyecore_gives(table):
     ours, theirs = new_object(table), table.eclass()
     for name, feature in table.features.items():
@@ -30,14 +30,14 @@ def test_what_was_never_set_has_the_value_that_pyecore_gives(table):
         assert not ours.eIsSet(feature.feature)
 
 
-@for_each("table", CONCRETE, ids=lambda each: each.qualified_name)
+@for_each("table", CONCRETE, ids=lambda class_table: class_table.qualified_name)
 def test_asking_for_one_value_leaves_no_trace(table):
     element = new_object(table)
-    plain = [each for each in table.features.values() if not each.feature.derived]
-    single = [each for each in plain if not each.many and each.opposite is None]
+    plain = [feature for feature in table.features.values() if not feature.feature.derived]
+    single = [feature for feature in plain if not feature.many and feature.opposite is None]
     before = dict(element.__dict__)
-    for each in single:
-        getattr(element, each.name)
+    for feature in single:
+        getattr(element, feature.name)
     assert element.__dict__ == before
 
 

@@ -50,9 +50,9 @@ def stub(language: str) -> dict[str, dict[str, str]]:
     for node in ast.parse(text).body:
         if isinstance(node, ast.ClassDef):
             found[node.name] = {
-                each.target.id: ast.unparse(each.annotation)
-                for each in node.body
-                if isinstance(each, ast.AnnAssign) and isinstance(each.target, ast.Name)
+                statement.target.id: ast.unparse(statement.annotation)
+                for statement in node.body
+                if isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name)
             }
     return found
 
@@ -93,8 +93,8 @@ def test_a_stub_declares_the_features_of_its_class(qualified):
 def test_a_new_element_has_the_values_that_its_stub_promises(qualified):
     table = METAMODELS.classes[qualified]
     element = new_object(table)
-    for each in table.supertypes:
-        for name, annotation in stub(each.package.name)[each.name].items():
+    for supertype in table.supertypes:
+        for name, annotation in stub(supertype.package.name)[supertype.name].items():
             value = getattr(element, name)
             feature = table.features[name]
             plain = annotation.removesuffix(" | None")
@@ -104,7 +104,7 @@ def test_a_new_element_has_the_values_that_its_stub_promises(qualified):
             elif value is None:
                 assert annotation != plain or feature.lower > 0, name
             elif feature.data_type is not None and feature.data_type.kind is ValueKind.ENUMERATION:
-                literals = stub(each.package.name)[plain]["name"]
+                literals = stub(supertype.package.name)[plain]["name"]
                 assert repr(value.name) in literals, name
             else:
                 assert type(value) is PYTHON_TYPES[plain], name

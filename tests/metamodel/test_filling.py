@@ -70,14 +70,14 @@ def state(objects):
     for obj in objects:
         for table in ZOO.class_of(obj).features.values():
             value = obj.eGet(table.feature)
-            shown = [name(each) for each in value] if table.many else name(value)
+            shown = [name(target) for target in value] if table.many else name(value)
             seen.append((objects.index(obj), table.name, shown))
             seen.append((table.name, type(value).__name__, obj.eIsSet(table.feature)))
         container = obj.eContainer()
         feature = obj.eContainmentFeature()
-        inverse = {(objects.index(owner), each.name) for owner, each in obj._inverse_rels}
+        inverse = {(objects.index(owner), reference.name) for owner, reference in obj._inverse_rels}
         seen.append((container and name(container), feature and feature.name, sorted(inverse)))
-        seen.append(sorted(objects.index(each) for each in obj.eContents))
+        seen.append(sorted(objects.index(e_content) for e_content in obj.eContents))
         seen.append(obj.eURIFragment())
     return seen
 
@@ -123,12 +123,18 @@ def test_contents_are_told_without_a_trace():
 
     empty = new_object(CLASSES["zoo.Zoo"])
     before = dict(empty.__dict__)
-    assert not any(contents(empty, each) for each in CLASSES["zoo.Zoo"].contained)
+    assert not any(contents(empty, feature) for feature in CLASSES["zoo.Zoo"].contained)
     assert empty.__dict__ == before
 
 
 def test_a_class_knows_the_features_that_own_elements():
     for table in CLASSES.values():
-        owning = [each.name for each in table.features.values() if each.feature.is_reference]
-        expected = [each for each in owning if table.features[each].feature.containment]
-        assert [each.name for each in table.contained] == expected
+        owning = [
+            feature.name for feature in table.features.values() if feature.feature.is_reference
+        ]
+        expected = [
+            feature_name
+            for feature_name in owning
+            if table.features[feature_name].feature.containment
+        ]
+        assert [feature.name for feature in table.contained] == expected

@@ -37,46 +37,52 @@ def test_packages():
     ]
 
 
-@for_each("enumeration", ENUMERATIONS, ids=lambda each: each.name)
+@for_each("enumeration", ENUMERATIONS, ids=lambda enum_class: enum_class.name)
 def test_literal_equals_name(enumeration):
     # EMF writes the literal, pyecore knows the name.
-    assert all(each.literal in (None, each.name) for each in enumeration.eLiterals)
+    assert all(e_literal.literal in (None, e_literal.name) for e_literal in enumeration.eLiterals)
 
 
 def wrong(holds):
     """Names the features for which a rule does not hold."""
-    return [f"{table.qualified_name}.{each.name}" for table, each in FEATURES if not holds(each)]
+    return [
+        f"{table.qualified_name}.{feature.name}"
+        for table, feature in FEATURES
+        if not holds(feature)
+    ]
 
 
 def test_feature_names():
-    assert wrong(lambda each: each.name not in DENIED) == []
-    assert wrong(lambda each: re.fullmatch("[a-z][A-Za-z0-9]*", each.name)) == []
+    assert wrong(lambda feature: feature.name not in DENIED) == []
+    assert wrong(lambda feature: re.fullmatch("[a-z][A-Za-z0-9]*", feature.name)) == []
 
 
 def test_features_are_documented():
-    assert wrong(lambda each: documentation(each.feature)) == []
+    assert wrong(lambda feature: documentation(feature.feature)) == []
 
 
 def test_no_proxies_are_left():
     # A type of another .ecore would stay an EProxy and slow every type check.
-    assert wrong(lambda each: not isinstance(each.feature.eType, EProxy)) == []
+    assert wrong(lambda feature: not isinstance(feature.feature.eType, EProxy)) == []
 
 
 def test_bounds_are_in_order():
-    assert wrong(lambda each: each.lower <= each.upper or each.upper < 0) == []
+    assert wrong(lambda feature: feature.lower <= feature.upper or feature.upper < 0) == []
 
 
 def test_no_feature_has_an_opposite():
     # EMF cannot read a many-to-many opposite of which one end is written; no check of one is here.
     assert FEATURES
-    assert wrong(lambda each: each.opposite is None) == []
+    assert wrong(lambda feature: feature.opposite is None) == []
 
 
 def test_values_may_repeat_in_lists():
     # Unique numbers would lose the second 3 of a 3 x 3 array.
-    lists = [each for _, each in FEATURES if each.many and each.kind is FeatureKind.ATTRIBUTE]
+    lists = [
+        feature for _, feature in FEATURES if feature.many and feature.kind is FeatureKind.ATTRIBUTE
+    ]
     assert lists
-    assert not any(each.unique for each in lists)
+    assert not any(feature.unique for feature in lists)
 
 
 def test_absent_required_values_are_visible():
@@ -96,16 +102,19 @@ def test_no_keys():
         assert "eKeys" not in text
 
 
-@for_each("table", CLASSES, ids=lambda each: each.qualified_name)
+@for_each("table", CLASSES, ids=lambda class_table: class_table.qualified_name)
 def test_class(table):
     assert documentation(table.eclass)
-    assert all(not isinstance(each, EProxy) for each in table.eclass.eSuperTypes)
-    assert any(not each.abstract for each in table.subtypes)
+    assert all(not isinstance(e_super_type, EProxy) for e_super_type in table.eclass.eSuperTypes)
+    assert any(not subtype.abstract for subtype in table.subtypes)
 
 
 @pytest.mark.parametrize("name", sorted({table.package.name for table in CLASSES}))
 def test_classifier_names_are_unique(name):
     epackage = METAMODELS.package_named(name).epackage
-    names = [each.name for each in epackage.eClassifiers]
+    names = [e_classifier.name for e_classifier in epackage.eClassifiers]
     assert len(names) == len(set(names))
-    assert all(isinstance(each, EClass) or documentation(each) for each in epackage.eClassifiers)
+    assert all(
+        isinstance(e_classifier, EClass) or documentation(e_classifier)
+        for e_classifier in epackage.eClassifiers
+    )

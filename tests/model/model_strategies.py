@@ -31,7 +31,7 @@ def values(feature, texts):
             return texts(feature)
         return st.from_regex(MATCHING.get(data_type.name, data_type.pattern_text), fullmatch=True)
     if data_type.kind is ValueKind.ENUMERATION:
-        return st.sampled_from([data_type.literals[each] for each in data_type.legal])
+        return st.sampled_from([data_type.literals[literal] for literal in data_type.legal])
     if data_type.kind is ValueKind.BOOLEAN:
         return st.booleans()
     if data_type.kind is ValueKind.INTEGER:
@@ -59,9 +59,9 @@ def models(draw, metamodels, *, texts=any_text, roots=None, model=None, others=(
     model = model or Model([], metamodels)
     made = []
     tables = [
-        each
-        for each in metamodels.classes.values()
-        if not each.abstract and (roots is None or each.qualified_name in roots)
+        metaclass
+        for metaclass in metamodels.classes.values()
+        if not metaclass.abstract and (roots is None or metaclass.qualified_name in roots)
     ]
     elements = _Elements(draw, model, made, texts, with_ids=with_ids)
     drawn = [elements.one(draw(st.sampled_from(tables)), 3) for _ in range(draw(st.integers(1, 2)))]
@@ -94,8 +94,8 @@ class _Elements:
                 nulls = st.none() if may_be_null else st.nothing()
                 set_value(obj, feature, draw(values(feature, self.texts) | nulls))
             elif feature.kind is FeatureKind.CONTAINMENT and depth:
-                fitting = [each for each in feature.target.subtypes if not each.abstract]
-                fitting.sort(key=lambda each: each.qualified_name)
+                fitting = [subtype for subtype in feature.target.subtypes if not subtype.abstract]
+                fitting.sort(key=lambda metaclass: metaclass.qualified_name)
                 for _ in range(draw(st.integers(0, 2 if feature.many else 1))):
                     link(obj, feature, self.one(draw(st.sampled_from(fitting)), depth - 1))
         return obj
@@ -108,7 +108,7 @@ def refer(draw, obj, made, metamodels):
         if not is_plain or not feature.settable or draw(st.booleans()):
             continue
         kinds = feature.target.subtypes
-        fitting = [each for each in made if metamodels.class_of(each) in kinds]
+        fitting = [candidate for candidate in made if metamodels.class_of(candidate) in kinds]
         chosen = draw(st.lists(st.sampled_from(fitting), max_size=2)) if fitting else []
         for target in chosen if feature.many else chosen[:1]:
             if not holds(obj, feature, target):

@@ -40,7 +40,7 @@ def differences(tmp_path):
             roots.append(result.model)
         first, other = roots
         found = compare(first.root, other.root, first.metamodels, policy)
-        return [str(each) for each in found]
+        return [str(difference) for difference in found]
 
     return run
 

@@ -40,7 +40,7 @@ def test_of_two_maps_of_one_name_one_is_renamed(tmp_path):
     path = tmp_path / "model.ros2jaus"
     path.write_text(f"{MAP}{MAP}bridge b {{ address: 1.1.1 connection c {{ map: velocity }} }}\n")
     found = check_project([path]).diagnostics
-    (ambiguous,) = [each for each in found if each.rule == "JML216"]
+    (ambiguous,) = [diagnostic for diagnostic in found if diagnostic.rule == "JML216"]
     assert ambiguous.hint == "rename one of them"
 
 
@@ -50,7 +50,7 @@ def test_a_feature_that_is_unknown_names_those_that_there_are(tmp_path):
     text.write_text("system robot { placement { bridges: a } }\n")
     for path in (xmi, text):
         found = check_project([path]).diagnostics
-        (unknown,) = [each for each in found if each.rule == "JML103"]
+        (unknown,) = [diagnostic for diagnostic in found if diagnostic.rule == "JML103"]
         assert unknown.hint.startswith("it has "), unknown.hint
         assert " host" in unknown.hint
 
@@ -68,8 +68,8 @@ def test_the_places_of_many_unknown_attributes_are_found_in_one_walk(tmp_path, m
     unknown = " ".join(f'bogus{number}="1"' for number in range(500))
     path.write_text(SYSTEM.format(f'<components name="a" address="1.1.1" {unknown}/>'))
     report = check_project([path])
-    assert [each.rule for each in report.diagnostics] == ["JML103"] * 500
-    columns = [each.location.column for each in report.diagnostics]
+    assert [diagnostic.rule for diagnostic in report.diagnostics] == ["JML103"] * 500
+    columns = [diagnostic.location.column for diagnostic in report.diagnostics]
     assert columns == sorted(set(columns))
     assert len(walks) == 1
 
@@ -85,7 +85,11 @@ def test_an_empty_source_is_no_name_that_an_expression_may_use(tmp_path):
         '<toRos xsi:type="bridge:FieldAssignment" target="linear.x" source="">'
         '<conversions kind="expression" expression="x"/></toRos></maps></bridge:MapLibrary>'
     )
-    (unknown,) = [each for each in check_project([path]).diagnostics if each.rule == "JML441"]
+    (unknown,) = [
+        diagnostic
+        for diagnostic in check_project([path]).diagnostics
+        if diagnostic.rule == "JML441"
+    ]
     assert unknown.hint == "there is value"
 
 
@@ -94,7 +98,7 @@ def test_the_name_of_a_new_message_has_ascii_letters(tmp_path):
     text = "size {\n    JAUS Größe (\n        uint16 a\n    )\n    ROS std_msgs/Float64\n}\n"
     path.write_text(text, encoding="utf-8")
     found = [e for e in check_project([path]).diagnostics if e.rule == "JML215"]
-    assert [each.location.line for each in found] == [2]
+    assert [diagnostic.location.line for diagnostic in found] == [2]
     assert "letters from A to z, digits and underscores" in found[0].hint
 
 
@@ -102,5 +106,9 @@ def test_an_id_that_reads_like_a_path_is_told_to_be_another_one(tmp_path):
     path = tmp_path / "model.xmi"
     head = '<components xmlns:xmi="http://www.omg.org/XMI" xmi:id="/x" name="a" address="1.1.1"/>'
     path.write_text(SYSTEM.format(f'{head}<hosts name="h"/><placements components="/x"/>'))
-    (found,) = [each for each in check_project([path]).diagnostics if each.rule == "JML202"]
+    (found,) = [
+        diagnostic
+        for diagnostic in check_project([path]).diagnostics
+        if diagnostic.rule == "JML202"
+    ]
     assert found.hint == "the xmi:id '/x' is no path: use another id, without '/' at its beginning"

@@ -12,7 +12,7 @@ from jausml.language.text.notation import NOTATIONS
 
 
 def rules(result):
-    return [each.rule for each in result.diagnostics]
+    return [diagnostic.rule for diagnostic in result.diagnostics]
 
 
 def test_missing_file(documents):
@@ -38,7 +38,7 @@ def test_one_bad_file_does_not_hide_another(documents):
     result = documents.read("a.xmi", "absent.xmi", "b.xmi")
     assert rules(result) == ["JML004", "JML001", "JML103"]
     assert result.model.root is None
-    assert [each.name for each in result.model.roots] == ["Z"]
+    assert [root.name for root in result.model.roots] == ["Z"]
 
 
 def test_same_file_twice(documents):
@@ -172,7 +172,10 @@ def test_paths_are_shown_as_given(documents, monkeypatch):
     from jausml.language.model import read_models
 
     result = read_models(["sub/a.xmi"], metamodels=ZOO_METAMODELS)
-    assert [each.location.path for each in result.diagnostics] == ["lib.xmi", "sub/a.xmi"]
+    assert [diagnostic.location.path for diagnostic in result.diagnostics] == [
+        "lib.xmi",
+        "sub/a.xmi",
+    ]
 
 
 def test_reading_twice_finds_the_same(documents):

@@ -30,9 +30,9 @@ def test_ids_are_the_names_by_which_people_call_elements(tmp_path):
     model = result.model
     name_identifiers([model.root], model)
     services = model.root.services
-    ids = [model.identifier(each) for each in services]
+    ids = [model.identifier(service) for service in services]
     assert ids == ["One", "kept", None, "Same", None]
-    messages = [model.identifier(each.inputs[0]) for each in services[:3]]
+    messages = [model.identifier(service.inputs[0]) for service in services[:3]]
     assert messages == ["One.Set", "Two.Set", None]
-    assert [model.identifier(each) for each in model.root.types] == ["Shared", None]
+    assert [model.identifier(data_type) for data_type in model.root.types] == ["Shared", None]
     assert model.identifier(model.root) is None

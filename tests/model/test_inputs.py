@@ -93,9 +93,9 @@ def test_every_reader_comes_through_the_door():
         text = path.read_text("utf-8")
         if not any(word in text for word in WORDS):  # to parse all takes five seconds
             continue
-        calls = [each for each in ast.walk(ast.parse(text)) if _reads(each)]
+        calls = [syntax for syntax in ast.walk(ast.parse(text)) if _reads(syntax)]
         if calls:
-            found[name] = [each.lineno for each in calls]
+            found[name] = [call.lineno for call in calls]
     assert found == {}
 
 
@@ -105,5 +105,5 @@ def _reads(node: ast.AST) -> bool:
         return False
     if node.func.attr in {"read_bytes", "read_text"}:
         return True
-    modes = [each.value for each in node.args if isinstance(each, ast.Constant)]
+    modes = [expression.value for expression in node.args if isinstance(expression, ast.Constant)]
     return node.func.attr == "open" and "rb" in modes

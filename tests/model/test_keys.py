@@ -13,7 +13,7 @@ from jausml.language.text.notation import NOTATIONS
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
 CAR = MODELS / "catvehicle" / "catvehicle.xmi"
-SHIPPED = sorted(each for each in MODELS.rglob("*") if each.suffix in (".xmi", ".ros2jaus"))
+SHIPPED = sorted(path for path in MODELS.rglob("*") if path.suffix in (".xmi", ".ros2jaus"))
 
 
 def read(path):
@@ -26,21 +26,25 @@ def test_each_element_has_a_key_and_a_reference_of_its_own(path):
     keys = Keys(model)
     elements = list(model.elements())
     for names in (
-        [keys.of(each) for each in elements],
-        [ref_of(each, model, MODELS) for each in elements],
+        [keys.of(element) for element in elements],
+        [ref_of(element, model, MODELS) for element in elements],
     ):
         assert len(names) == len(set(names))
         assert all(names)
-    assert all(find(ref_of(each, model, MODELS), model, MODELS) is each for each in elements)
+    assert all(
+        find(ref_of(element, model, MODELS), model, MODELS) is element for element in elements
+    )
 
 
 def test_a_reference_names_the_file_as_seen_from_the_folder():
     model = read(CAR)
-    (logger,) = (each for each in model.elements() if getattr(each, "name", "") == "logger")
+    (logger,) = (
+        element for element in model.elements() if getattr(element, "name", "") == "logger"
+    )
     fragment = model.fragment(logger)
     assert ref_of(logger, model, MODELS) == f"catvehicle/catvehicle.xmi#{fragment}"
     assert ref_of(logger, model, MODELS / "library") == f"{CAR.as_posix()}#{fragment}"
-    message = next(each for each in model.elements() if each.eClass.name == "MessageDef")
+    message = next(element for element in model.elements() if element.eClass.name == "MessageDef")
     assert ref_of(message, model, MODELS).startswith(f"{LIBRARY}jaus/")
 
 
@@ -54,9 +58,9 @@ def test_a_key_stays_when_elements_are_added_before(tmp_path):
         model = read(path)
         keys = Keys(model)
         named = {
-            keys.of(each): each.name
-            for each in model.elements(library=False)
-            if getattr(each, "name", None)
+            keys.of(element): element.name
+            for element in model.elements(library=False)
+            if getattr(element, "name", None)
         }
         assert before.items() <= named.items()
         before = named
@@ -75,7 +79,7 @@ def test_names_that_are_not_distinct_are_numbered(tmp_path):
     )
     model = read(path)
     keys = Keys(model)
-    found = [keys.of(each) for each in model.elements(library=False)]
+    found = [keys.of(element) for element in model.elements(library=False)]
     assert {"component:vehicle", "node:vehicle", "node:vehicle[1]"} <= set(found)
     assert "node:a%2Fb%25%5B1%5D" in found
     assert len(found) == len(set(found))

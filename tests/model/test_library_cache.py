@@ -19,10 +19,10 @@ from jausml.language.text.notation import Ros2Jaus
 ROOT = Path(__file__).resolve().parents[2]
 NOTATIONS = (Ros2Jaus(),)
 MODELS = sorted(
-    each
+    path
     for pattern in ("*.xmi", "*.ros2jaus")
-    for each in (ROOT / "models").rglob(pattern)
-    if "library" not in each.parts
+    for path in (ROOT / "models").rglob(pattern)
+    if "library" not in path.parts
 )
 COMPONENT = """<?xml version="1.0" encoding="UTF-8"?>
 <xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
@@ -49,15 +49,15 @@ def outline(result):
     """All that can be asked about where things stand, and what was found."""
     model = result.model
     return [
-        *((each.display, each.is_library, each.given) for each in model.documents),
+        *((document.display, document.is_library, document.given) for document in model.documents),
         *result.diagnostics,
-        *((str(model.location(each)), model.fragment(each)) for each in model.elements()),
-        [model.element_path(each) for each in model.instances(jaus.MessageDef)],
+        *((str(model.location(element)), model.fragment(element)) for element in model.elements()),
+        [model.element_path(message_def) for message_def in model.instances(jaus.MessageDef)],
     ]
 
 
 def library_of(result):
-    return [each for each in result.model.documents if each.is_library]
+    return [document for document in result.model.documents if document.is_library]
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def cache():
     return LibraryCache()
 
 
-@pytest.mark.parametrize("path", sweep(MODELS, every=8), ids=lambda each: each.name)
+@pytest.mark.parametrize("path", sweep(MODELS, every=8), ids=lambda library_path: library_path.name)
 def test_a_model_is_the_same_whoever_has_read_the_library(path, cache):
     alone, first, again = read(path), read(path, cache), read(path, cache)
     assert outline(first) == outline(alone)
@@ -196,8 +196,8 @@ def test_the_next_reading_walks_nothing_of_the_library(tmp_path, monkeypatch):
         path.write_text(f"component one {{ address: {address} provides: VelocityStateSensor }}")
         result = read(path, cache)
         assert not result.diagnostics
-        found.append([each.name for each in result.model.instances(jaus.MessageDef)])
-        shared = [each for each in walked if each.is_shared]
+        found.append([message_def.name for message_def in result.model.instances(jaus.MessageDef)])
+        shared = [document for document in walked if document.is_shared]
         assert bool(shared) == (address == "10.1.1")
     assert found[0] == found[1] != []
 

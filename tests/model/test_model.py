@@ -33,7 +33,7 @@ def test_instances(model):
         return model.metamodels.classes[qualified].python_class
 
     def names(qualified):
-        return [model.element_path(each) for each in model.instances(kind(qualified))]
+        return [model.element_path(element) for element in model.instances(kind(qualified))]
 
     assert names("zoo.Animal") == ["Z/cages[0]/Leo", "Z/cages[0]/Polly"]
     assert names("birds.Parrot") == ["Z/cages[0]/Polly"]
@@ -104,11 +104,11 @@ def test_owned_is_in_metamodel_order(documents):
     model = documents.good(
         zoo('<branches name="B"/><keepers name="K" badge="1" shift="1 2"/><cages/>')
     )
-    assert [each.eClass.name for each in model.owned(model.root)] == ["Cage", "Keeper", "Zoo"]
+    assert [element.eClass.name for element in model.owned(model.root)] == ["Cage", "Keeper", "Zoo"]
 
 
 def test_elements_in_document_order(model):
-    lines = [model.location(each).line for each in model.elements()]
+    lines = [model.location(element).line for element in model.elements()]
     assert lines == sorted(lines)
     assert len(lines) == 7
 

@@ -59,7 +59,7 @@ def test_leniency_is_warned_of(case, monkeypatch):
     monkeypatch.chdir(EMF)
     result = read_models([case], metamodels=ZOO_METAMODELS)
     rule = MORE_LENIENT[case][-6:]
-    assert {each.rule for each in result.diagnostics} == {rule}
+    assert {diagnostic.rule for diagnostic in result.diagnostics} == {rule}
 
 
 def test_every_case_is_recorded():
@@ -109,7 +109,10 @@ def dump(model, element):
         if feature.kind in (FeatureKind.CONTAINMENT, FeatureKind.CONTAINER) or not feature.settable:
             continue
         value = getattr(element, feature.name)
-        shown = [show(model, document, each) for each in (value if feature.many else [value])]
+        shown = [
+            show(model, document, single_value)
+            for single_value in (value if feature.many else [value])
+        ]
         joined = ", ".join(shown)
         text += f" {feature.name}=" + (f"[{joined}]" if feature.many else joined)
     return text

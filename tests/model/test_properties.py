@@ -66,10 +66,10 @@ def attribute(feature):
 @functools.cache
 def classes(table, depth):
     """Returns a strategy for the classes that an element may be of."""
-    concrete = sorted((each for each in table.subtypes if not each.abstract), key=repr)
+    concrete = sorted((subtype for subtype in table.subtypes if not subtype.abstract), key=repr)
     if depth <= 0:
         # Only classes that need no further elements end the recursion.
-        leaves = [each for each in concrete if not needs_children(each)]
+        leaves = [metaclass for metaclass in concrete if not needs_children(metaclass)]
         concrete = leaves or concrete
     return st.sampled_from(concrete)
 
@@ -239,7 +239,13 @@ NAMES = st.from_regex("[a-z][a-z0-9]{0,5}", fullmatch=True)
 BLANKS = st.text(" \t\n", min_size=1, max_size=4)
 
 
-@given(st.lists(st.tuples(BLANKS, NAMES, TEXT), unique_by=lambda each: each[1], min_size=1))
+@given(
+    st.lists(
+        st.tuples(BLANKS, NAMES, TEXT),
+        unique_by=lambda drawn_attribute: drawn_attribute[1],
+        min_size=1,
+    )
+)
 def test_attributes_are_found_where_they_are(attributes):
     text, places = "<a", {}
     for blanks, name, value in attributes:

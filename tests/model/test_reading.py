@@ -56,7 +56,7 @@ def test_schema_location_is_not_followed(documents):
 def test_schema_location_with_another_name_is_information(documents):
     where = 'xsi:schemaLocation="http://www.example.org/zoo/1.0 ../old/zoos.ecore#/" name="Z"'
     result = documents.one(zoo(CAGE, where))
-    assert [each.severity for each in result.diagnostics] == [Severity.INFO]
+    assert [diagnostic.severity for diagnostic in result.diagnostics] == [Severity.INFO]
     assert not result.has_errors
 
 
@@ -74,7 +74,7 @@ def test_prefixes_are_free(documents):
         "<zoo:Zoo", '<zoo:Zoo xmlns:z="http://www.example.org/zoo/1.0"'
     )
     result = documents.one(text)
-    assert [each.rule for each in result.diagnostics] == ["JML013"]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML013"]
     assert result.model.root.cages[0].animals[0].name == "L"
 
 
@@ -172,7 +172,7 @@ def test_order_of_mixed_references(documents):
     )
     documents.write("lib.xmi", zoo(CAGE.replace('"L"', '"far"')))
     root = documents.good(zoo(body, 'name="Z" favourites="//@cages.0/@animals.1"')).root
-    assert [each.name for each in root.favourites] == ["M", "far", "L"]
+    assert [favourite.name for favourite in root.favourites] == ["M", "far", "L"]
 
 
 def test_many_roots(documents):
@@ -184,7 +184,7 @@ def test_many_roots(documents):
     first, second = model.roots
     assert first.main is second.cages[0]
     assert model.fragment(second.cages[0]) == "/1/@cages.0"
-    assert [model.fragment(each) for each in model.roots] == ["/0", "/1"]
+    assert [model.fragment(root) for root in model.roots] == ["/0", "/1"]
 
 
 def test_percent_encoded_href(documents):
@@ -199,7 +199,7 @@ def test_containment_proxies_keep_the_order(documents):
                'name="Z" main="//@cages.2" star="//@cages.1/@animals.0"')  # fmt: skip
     model = documents.good(text)
     root = model.root
-    assert [each.id for each in root.cages] == ["a", "part", "b"]
+    assert [cage.id for cage in root.cages] == ["a", "part", "b"]
     assert root.main is root.cages[2]
     assert root.star is root.cages[1].animals[0]
     part = root.cages[1]
@@ -215,12 +215,12 @@ def test_containment_cycle_over_files(documents):
     documents.write("model.xmi", zoo('<branches href="other.xmi#/"/>'))
     documents.write("other.xmi", zoo('<branches href="model.xmi#/"/>', 'name="O"'))
     result = documents.read("model.xmi")
-    assert [each.rule for each in result.diagnostics] == ["JML206"]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML206"]
 
 
 def test_href_chains_that_never_end(documents):
     text = zoo('<branches href="#//@branches.0"/>', 'name="Z" main="//@branches.0/@cages.0"')
-    rules = [each.rule for each in documents.one(text).diagnostics]
+    rules = [diagnostic.rule for diagnostic in documents.one(text).diagnostics]
     assert set(rules) <= {"JML202", "JML206"}
     assert rules
 
@@ -255,7 +255,7 @@ def test_reflection(documents):
     assert cage.eContainmentFeature() is feature
     assert root.eGet("main") is root.eGet(root.eClass.findEStructuralFeature("main")) is cage
     assert root.eContents == [cage]
-    assert [each.eClass.name for each in root.eAllContents()] == ["Cage", "Lion"]
+    assert [element.eClass.name for element in root.eAllContents()] == ["Cage", "Lion"]
     assert root.eIsSet("main")
     assert not root.eIsSet("star")
     assert root.eResource is None
@@ -289,7 +289,11 @@ def test_one_cause_is_one_error(documents):
             'nam="Z" star="//@cages.0/@animals.0"',
         )
     )
-    assert sorted(each.rule for each in result.diagnostics) == ["JML004", "JML102", "JML103"]
+    assert sorted(diagnostic.rule for diagnostic in result.diagnostics) == [
+        "JML004",
+        "JML102",
+        "JML103",
+    ]
 
 
 def test_missing_file_is_counted(documents):

@@ -16,7 +16,7 @@ LIBRARY_MODEL = f"""<jaus:Component xmlns:jaus="http://www.jausml.org/jaus/1.0" 
 
 
 def rules(result):
-    return [each.rule for each in result.diagnostics]
+    return [diagnostic.rule for diagnostic in result.diagnostics]
 
 
 @pytest.fixture
@@ -152,7 +152,7 @@ def test_shipped_library_reads_clean():
     paths = sorted(library_root().rglob("*.xmi"))
     assert paths
     result = read_models(paths)
-    assert [str(each) for each in result.diagnostics] == []
+    assert [str(diagnostic) for diagnostic in result.diagnostics] == []
     assert all(document.is_library for document in result.model.documents)
 
 

@@ -48,7 +48,7 @@ def test_random_models_read_back_as_they_were(metamodels):
             write_model(roots, model, path)
             result = read_models([path], metamodels=metamodels, project_root=folder)
         # Random elements lack what they must have, which is no fault of the writer.
-        rules = {each.rule for each in result.diagnostics}
+        rules = {diagnostic.rule for diagnostic in result.diagnostics}
         assert rules <= {"JML108", "JML109", "JML110", "JML201"}, result.diagnostics
         read = result.model.roots
         assert len(read) == len(roots)
@@ -181,4 +181,4 @@ def test_a_file_that_cannot_be_written_is_left_as_it_was(tmp_path):
     assert link_to.is_symlink()
     assert path.read_bytes() == b"new"
     assert stat.S_IMODE(path.stat().st_mode) & stat.S_IRUSR
-    assert [each.name for each in tmp_path.iterdir() if "jausml-tmp" in each.name] == []
+    assert [entry.name for entry in tmp_path.iterdir() if "jausml-tmp" in entry.name] == []

@@ -31,8 +31,8 @@ def found_in(path):
     """Returns the rules that each subject of a model breaks."""
     bounds = Bounds(100_000, lambda: False)
     subjects = subjects_of(system_of(read_models([path]).model))
-    outcomes = [check_subject(each, bounds) for each in subjects]
-    return {each.subject.name: {found.rule for found in each.found} for each in outcomes}
+    outcomes = [check_subject(subject, bounds) for subject in subjects]
+    return {outcome.subject.name: {found.rule for found in outcome.found} for outcome in outcomes}
 
 
 def changed_winch(folder, file, old, new):

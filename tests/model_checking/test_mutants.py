@@ -56,9 +56,9 @@ def commanding(product=CommandingProduct, services=CoreServices):
 def rules_of(product):
     outcome = check_subject(Subject("tested", None, product, 0.5), TOLD)
     assert outcome.is_complete
-    for each in outcome.found:
-        assert each.moments or "from the start on" in each.message
-    return {each.rule for each in outcome.found}
+    for counter_example in outcome.found:
+        assert counter_example.moments or "from the start on" in counter_example.message
+    return {counter_example.rule for counter_example in outcome.found}
 
 
 @pytest.mark.parametrize("guard", ["READY", "CONTROLLED", "ANY"])
@@ -306,8 +306,10 @@ def found_in(text, tmp_path, name):
     path = tmp_path / "rover.ros2jaus"
     path.write_text(text, encoding="utf-8")
     model = read_models([path], notations=NOTATIONS).model
-    (subject,) = [each for each in subjects_of(system_of(model)) if each.name == name]
-    return {each.rule for each in check_subject(subject, TOLD).found}
+    (subject,) = [
+        candidate for candidate in subjects_of(system_of(model)) if candidate.name == name
+    ]
+    return {counter_example.rule for counter_example in check_subject(subject, TOLD).found}
 
 
 MODEL_FAULTS = [

@@ -33,7 +33,9 @@ def stepped(path, name="ReceiveFSM"):
     """Returns a model and its machine of a name."""
     model = read_models([path]).model
     machines = model.instances(jaus.StateMachine, library=False)
-    return model, stepped_machine(model, next(each for each in machines if each.name == name))
+    return model, stepped_machine(
+        model, next(machine for machine in machines if machine.name == name)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +67,7 @@ def random_path(machine, seed, length=30):
     own = machine.product.own_conditions()
     state = machine.product.initial()
     for _ in range(length):
-        said = {each: random.random() < 0.5 for each in own}
+        said = {condition: random.random() < 0.5 for condition in own}
         offered = list(choices(machine.product, state, said))
         final = ("Shutdown", "fails", "Reset", "SetEmergency")
         likely = [e for e in offered if not e.why_not and e.what not in final]
@@ -108,13 +110,15 @@ def test_a_step_that_is_gone_is_named(winch):
         walked(machine.product, [*READY, Chosen("winch", "RopeCut")])
 
 
-@pytest.mark.parametrize("model", sweep([WINCH, LAMP], every=2), ids=lambda each: each.stem)
+@pytest.mark.parametrize(
+    "model", sweep([WINCH, LAMP], every=2), ids=lambda model_path: model_path.stem
+)
 def test_the_generated_component_goes_random_paths(model, path_of, tmp_path):
     read, machine = stepped(model)
     states = set()
     for seed in range(12):
         path = random_path(machine, seed)
-        states.update(each.after.path for each in walked(machine.product, path))
+        states.update(choice.after.path for choice in walked(machine.product, path))
         text = stepped_test(read, machine, path)
         (tmp_path / f"test_path_{seed}.py").write_text(text, encoding="utf-8")
     assert len(states) >= 4

@@ -45,7 +45,7 @@ def run(*words, status):
         ],
         every=5,
     ),
-    ids=lambda each: each.stem if isinstance(each, Path) else "",
+    ids=lambda value: value.stem if isinstance(value, Path) else "",
 )
 def test_examples_hold(model, subjects):
     result = run(model, status=0)
@@ -62,13 +62,16 @@ def test_a_way_is_told_with_its_times():
 
 def test_json_has_all_products_and_steps():
     told = json.loads(run(CARELESS, "--format", "json", status=1).stdout)
-    found = {each["name"]: {e["rule"] for e in each["found"]} for each in told["products"]}
+    found = {
+        checked_product["name"]: {e["rule"] for e in checked_product["found"]}
+        for checked_product in told["products"]
+    }
     assert found == FOUND
     assert told["digests"] == {CARELESS.name: sha256(CARELESS.read_bytes()).hexdigest()}
     for product in told["products"]:
         assert product["complete"]
-        for each in product["found"]:
-            assert each["steps"][-1] | {"seconds": 0} == {
+        for finding in product["found"]:
+            assert finding["steps"][-1] | {"seconds": 0} == {
                 "seconds": 0,
                 "actor": "time",
                 "what": "passes",
@@ -78,7 +81,7 @@ def test_json_has_all_products_and_steps():
 
 def test_sarif_is_located_at_the_connections():
     (log,) = json.loads(run(CARELESS, "--format", "sarif", status=1).stdout)["runs"]
-    rules = [each["id"] for each in log["tool"]["driver"]["rules"]]
+    rules = [rule["id"] for rule in log["tool"]["driver"]["rules"]]
     lines = {}
     for result in log["results"]:
         assert rules[result["ruleIndex"]] == result["ruleId"]
@@ -111,10 +114,12 @@ def test_a_warning_can_be_allowed_with_a_reason(tmp_path):
     model.write_text(allowed, encoding="utf-8")
     assert "JML932 is allowed: the operator asks once" in run(model, status=1).stdout
     told = json.loads(run(model, "--format", "json", status=1).stdout)["products"][0]
-    assert [each["rule"] for each in told["found"]] == ["JML933"]
+    assert [finding["rule"] for finding in told["found"]] == ["JML933"]
     assert told["allowed"] == [{"rule": "JML932", "reason": "the operator asks once"}]
     (log,) = json.loads(run(model, "--format", "sarif", status=1).stdout)["runs"]
-    assert [each["ruleId"] for each in log["results"] if "suppressions" in each] == ["JML932"]
+    assert [
+        sarif_result["ruleId"] for sarif_result in log["results"] if "suppressions" in sarif_result
+    ] == ["JML932"]
     validated = CliRunner().invoke(main, ["validate", str(model)])
     assert "JML80" not in validated.output
 
@@ -151,12 +156,12 @@ def test_each_counter_example_has_a_diagram(examples):
         for name, rules in FOUND.items()
         for rule in rules
     }
-    assert {each.stem for each in examples.glob("*.mmd")} == names
+    assert {path.stem for path in examples.glob("*.mmd")} == names
     for name in names:
         text = (examples / f"{name}.mmd").read_text(encoding="utf-8")
         assert text.startswith("sequenceDiagram\n  title ")
         picture = etree.parse(examples / f"{name}.svg").getroot()
-        shown = [each.text for each in picture.iter("{http://www.w3.org/2000/svg}text")]
+        shown = [element.text for element in picture.iter("{http://www.w3.org/2000/svg}text")]
         assert name.rpartition("_")[2].upper() in shown[0]
 
 
@@ -188,8 +193,8 @@ def test_none_happens_any_more_where_control_lapses(examples, tmp_path):
     run(mended, status=0)
     # The peer of the written test has the time-out of the model that it was written of.
     (tmp_path / "own").mkdir()
-    for each in examples.glob("test_front*.py"):
-        (tmp_path / "own" / each.name).write_bytes(each.read_bytes())
+    for path in examples.glob("test_front*.py"):
+        (tmp_path / "own" / path.name).write_bytes(path.read_bytes())
     assert results_of(mended, tmp_path / "own", tmp_path / "ws").startswith("2 passed in")
 
 

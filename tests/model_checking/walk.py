@@ -82,7 +82,10 @@ class Walk:
 
     def listen(self):
         """Hears what the bridge says to ROS."""
-        ros_type, (topic,) = self.connection._type, (each.name for each in self.connection._topics)
+        ros_type, (topic,) = (
+            self.connection._type,
+            (ros_topic.name for ros_topic in self.connection._topics),
+        )
         read = READ[ros_type.__name__]
         self.world.ros.subscribe(
             f"/{topic}", ros_type, lambda data: self._hear(read(ros_type.from_cdr(data)))
@@ -102,7 +105,7 @@ class Walk:
         """Takes one step in both."""
         choices = list(self.product.steps(self.state))
         if self.at_once >= MOST_AT_ONCE:
-            choices = [each for each in choices if each[0].is_tick]
+            choices = [choice for choice in choices if choice[0].is_tick]
         # Whatever ends a component is rare, so that walks are long.
         rare = {"fails": 0.03, "Shutdown": 0.03, "is deactivated": 0.3, "SetEmergency": 0.4}
         rare |= {"passes": 2.0, "Reset": 0.3, "ReleaseControl": 0.3}
@@ -145,12 +148,12 @@ class Walk:
     def seen(self):
         """Returns what the real one is like."""
         component = self.bridge.component
-        who = {each.address: name for name, each in self.clients.items()}
+        who = {client.address: name for name, client in self.clients.items()}
         emergencies = component._jaus_core.management._emergencies
         return {
             "status": component.status.name,
             "controller": who.get(component.controller, ""),
-            "emergencies": sorted(who[each] for each in emergencies),
+            "emergencies": sorted(who[emergency] for emergency in emergencies),
             "stopped": self.connection.stopped is not None,
             "halted": self.connection._halt is not None,
             "stands": self._who_stands(),
@@ -199,7 +202,9 @@ def main(kind=Walk, model="rover.ros2jaus"):
     asked = parser.parse_args()
     logging.disable()
     model = read_models([Path(__file__).with_name(model)], notations=NOTATIONS).model
-    (subject,) = [each for each in subjects_of(system_of(model)) if each.name == asked.subject]
+    (subject,) = [
+        candidate for candidate in subjects_of(system_of(model)) if candidate.name == asked.subject
+    ]
     states = Counter()
     difference = None
     for seed in range(asked.walks):

@@ -54,7 +54,7 @@ class ListWalk(Walk):
     @staticmethod
     def _without_start(facts):
         """Leaves out whether a stop is known to stand: none is sent at the start of lists."""
-        return {name: each for name, each in facts.items() if name != "stopped"}
+        return {name: fact for name, fact in facts.items() if name != "stopped"}
 
 
 if __name__ == "__main__":

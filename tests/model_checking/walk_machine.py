@@ -79,8 +79,14 @@ class Walk:
 
     def _of_the_core(self, *, ticks):
         known = {*CLIENT_MESSAGES, "SetEmergency", "ClearEmergency", "fails", "passes"}
-        steps = [each for each in self.product.steps(self.state) if each[0].what in known]
-        steps = [each for each in steps if each[0].is_tick or not ticks]
+        steps = [
+            candidate_step
+            for candidate_step in self.product.steps(self.state)
+            if candidate_step[0].what in known
+        ]
+        steps = [
+            candidate_step for candidate_step in steps if candidate_step[0].is_tick or not ticks
+        ]
         weights = [0.05 if step.what in RARE else 1.0 for step, _ in steps]
         step, self.state = self.random.choices(steps, weights)[0]
         if step.is_tick:
@@ -121,7 +127,7 @@ class Walk:
     def seen(self):
         """Returns where the real one is."""
         (machine,) = self.winch._jaus_machines
-        who = {each.address: name for name, each in self.clients.items()}
+        who = {client.address: name for name, client in self.clients.items()}
         return [self.winch.status.name, who.get(self.winch.controller, ""), machine.state]
 
     def expected(self):

@@ -179,7 +179,9 @@ def main():
         TopicsToMessage._stop_sent = lambda *_: None
     model = read_models([Path(__file__).with_name("rover.ros2jaus")], notations=NOTATIONS).model
     subjects = subjects_of(system_of(model))
-    (subject,) = [each for each in subjects if each.name == "station.velocity to rover"]
+    (subject,) = [
+        candidate for candidate in subjects if candidate.name == "station.velocity to rover"
+    ]
     seen, difference, longest = Counter(), None, 0.0
     for seed in range(asked.walks):
         walk, way = Walk(subject, seed), []

@@ -39,9 +39,11 @@ def line_of(field: ros.Field, package: str) -> str:
 
 
 def types_of(package: ros.InterfacePackage) -> dict[str, ros.MessageType]:
-    parts = [each for s in package.services for each in (s.request, s.response)]
-    parts += [each for a in package.actions for each in (a.goal, a.result, a.feedback)]
-    return {each.name: each for each in (*package.messages, *parts)}
+    parts = [message_type for s in package.services for message_type in (s.request, s.response)]
+    parts += [
+        message_type for a in package.actions for message_type in (a.goal, a.result, a.feedback)
+    ]
+    return {message.name: message for message in (*package.messages, *parts)}
 
 
 @pytest.mark.parametrize("package", PUBLISHED)
@@ -50,7 +52,9 @@ def test_fields_are_the_published_ones(package):
     (root,) = (e for e in read_models([path]).model.roots if e.name == package)
     found = {}
     for name, kind in types_of(root).items():
-        constants = [f"{each.type.name} {each.name}={each.value}" for each in kind.constants]
+        constants = [
+            f"{constant.type.name} {constant.name}={constant.value}" for constant in kind.constants
+        ]
         found[name] = sorted(constants), [line_of(field, package) for field in kind.fields]
     expected = {}
     for name, lines in PUBLISHED[package].items():

@@ -28,7 +28,7 @@ def outcomes(*arguments):
     done = run(*arguments, "--format", "json")
     assert done.exit_code in (0, 1), done.output
     found = json.loads(done.stdout)
-    return {(each["operator"], each["words"]): each for each in found["outcomes"]}
+    return {(outcome["operator"], outcome["words"]): outcome for outcome in found["outcomes"]}
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def model(tmp_path):
 @pytest.mark.timeout(120)
 def test_what_notices_a_mutation_is_told(model, tmp_path):
     needs.ask("rclpy")
-    names = [each for name in ("offset", "stop", "order") for each in ("--only", name)]
+    names = [argument for name in ("offset", "stop", "order") for argument in ("--only", name)]
     found = outcomes(model, *names, "--jobs", 1, "-o", tmp_path / "page")
     offset = found["offset", "conversions: nothing -> linear"]
     assert (offset["noticed_by"], "test_drive" in offset["by"]) == ("tests", True)
@@ -62,7 +62,7 @@ def test_what_notices_a_mutation_is_told(model, tmp_path):
 def test_another_depth_of_a_topic_is_noticed(model):
     needs.ask("rclpy")
     found = outcomes(model, "--only", "figure of QoS")
-    [depth, *_] = [each for (_, words), each in found.items() if words == "depth: 5 -> 10"]
+    [depth, *_] = [outcome for (_, words), outcome in found.items() if words == "depth: 5 -> 10"]
     assert "test_publishers" in depth["by"]
 
 
@@ -92,8 +92,8 @@ def test_a_campaign_is_the_same_again_with_more_processes():
     assert first == again
     assert len(first) == 6
     # Other numbers in the same bytes are noticed.
-    ranges = [each for (operator, _), each in first.items() if operator == "figure"]
-    assert {each["noticed_by"] for each in ranges} == {"tests"}
+    ranges = [outcome for (operator, _), outcome in first.items() if operator == "figure"]
+    assert {outcome["noticed_by"] for outcome in ranges} == {"tests"}
 
 
 @pytest.mark.slow

@@ -102,36 +102,38 @@ EXPECTED = {"drive": IN_MODEL, "winch": IN_WINCH, "tables": IN_TABLES}
 
 @pytest.mark.parametrize("name", EXPECTED)
 def test_operators_break_what_they_say(written, name):
-    found = {(each.operator.name, each.words) for each in mutations(written[name])}
+    found = {(mutation.operator.name, mutation.words) for mutation in mutations(written[name])}
     assert EXPECTED[name] - found == set()
 
 
 def test_every_operator_is_among_them():
-    named = {operator for each in EXPECTED.values() for operator, _ in each}
-    assert {each.name for each in OPERATORS} == named
+    named = {operator for expectation in EXPECTED.values() for operator, _ in expectation}
+    assert {operator.name for operator in OPERATORS} == named
 
 
 @pytest.mark.parametrize("name", EXPECTED)
 def test_a_mutation_changes_the_document_until_it_is_undone(written, name):
     model = written[name]
-    roots = [root for each in model.documents if not each.is_library for root in each.roots]
+    roots = [
+        root for document in model.documents if not document.is_library for root in document.roots
+    ]
     before = to_xmi(roots, model, "/elsewhere/model.xmi")
     texts = set()
     found = mutations(model)
-    for each in found:
-        undoing = each.change.made()
+    for mutation in found:
+        undoing = mutation.change.made()
         texts.add(to_xmi(roots, model, "/elsewhere/model.xmi"))
         undoing.made()
-        assert to_xmi(roots, model, "/elsewhere/model.xmi") == before, each.words
+        assert to_xmi(roots, model, "/elsewhere/model.xmi") == before, mutation.words
     assert before not in texts
     assert len(texts) > 0.9 * len(found)
 
 
 def test_a_sample_is_spread_over_the_operators_and_the_same_each_time(written):
     found = mutations(written["drive"])
-    names = {each.operator.name for each in found}
+    names = {mutation.operator.name for mutation in found}
     chosen = sample(found, len(names))
-    assert {found[each].operator.name for each in chosen} == names
+    assert {found[index].operator.name for index in chosen} == names
     assert chosen == sorted(chosen) == sample(mutations(written["drive"]), len(names))
     assert sample(found, 10_000) == list(range(len(found)))
     assert [len(sample(found, limit)) for limit in range(len(names) + 3)] == [

@@ -14,7 +14,7 @@ import yaml
 GUARDS = (".pre-commit-hooks.yaml",)
 
 ROOT = Path(__file__).resolve().parents[2]
-HOOKS = {each["id"]: each for each in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())}
+HOOKS = {hook["id"]: hook for hook in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())}
 RIGHT = "component vehicle { address: 1.1.1 }\n"
 
 

@@ -9,7 +9,7 @@ from sources import PACKAGES
 def circles():
     """All groups of modules that import each other, directly or through others."""
     graph = grimp.build_graph(*PACKAGES, cache_dir=None)
-    assert {each.partition(".")[0] for each in graph.modules} == set(PACKAGES)
+    assert {module_name.partition(".")[0] for module_name in graph.modules} == set(PACKAGES)
     found = set()
     for module in graph.modules:
         others = graph.find_upstream_modules(module) & graph.find_downstream_modules(module)

@@ -42,7 +42,7 @@ EXPRESSION = re.compile(r"\$\{\{\s*(.*?)\s*\}\}")
         ("gitlab-ci", FOLDER / "gitlab-ci.yml"),
         ("azure-pipelines", FOLDER / "azure-pipelines.yml"),
     ],
-    ids=lambda each: each if isinstance(each, str) else each.name,
+    ids=lambda parameter: parameter if isinstance(parameter, str) else parameter.name,
 )
 def test_it_is_what_the_schema_of_its_system_says(schema, file, tmp_path):
     # Some schemas have expressions as browsers took them before Unicode.
@@ -60,7 +60,9 @@ def test_it_is_what_the_schema_of_its_system_says(schema, file, tmp_path):
 def test_what_it_runs_of_others_cannot_change(file):
     used = re.findall(r"uses: (.*)", (ROOT / file).read_text(encoding="utf-8"))
     assert used
-    assert [each for each in used if not re.fullmatch(r"\S+@[0-9a-f]{40} # v[\d.]+", each)] == []
+    assert [
+        action for action in used if not re.fullmatch(r"\S+@[0-9a-f]{40} # v[\d.]+", action)
+    ] == []
 
 
 @pytest.fixture
@@ -75,9 +77,15 @@ def repository(tmp_path, monkeypatch):
 
 def run_action(folder, **given):
     """Runs the scripts of the action but for the installation, as a runner does."""
-    inputs = {name: each["default"] for name, each in ACTION["inputs"].items()} | given
+    inputs = {
+        name: action_input["default"] for name, action_input in ACTION["inputs"].items()
+    } | given
     known = {f"inputs.{name}": value for name, value in inputs.items()}
-    (step,) = (each for each in ACTION["runs"]["steps"] if each.get("name") == "Validate models")
+    (step,) = (
+        action_step
+        for action_step in ACTION["runs"]["steps"]
+        if action_step.get("name") == "Validate models"
+    )
     assert "${{" not in step["run"], "an input within a script could be a command"
     values = {
         name: EXPRESSION.sub(lambda match: known[match[1]], text)
@@ -150,7 +158,7 @@ def test_the_action_fails_at_what_it_cannot_mean(given, repository):
 def test_the_action_installs_itself_and_uploads_what_it_wrote():
     steps = ACTION["runs"]["steps"]
     assert steps[1]["env"] == {"ACTION_PATH": "${{ github.action_path }}"}
-    (upload,) = (each for each in steps if "upload-sarif" in each.get("uses", ""))
+    (upload,) = (step for step in steps if "upload-sarif" in step.get("uses", ""))
     assert upload["with"]["sarif_file"] == ACTION["outputs"]["sarif"]["value"]
     assert "always()" in upload["if"]
 
@@ -159,7 +167,7 @@ def test_the_workflow_gives_the_permission_that_the_upload_needs():
     workflow = yaml.safe_load((FOLDER / "github-workflow.yml").read_text(encoding="utf-8"))
     validate = workflow["jobs"]["validate"]
     assert validate["permissions"]["security-events"] == "write"
-    given = next(each for each in validate["steps"] if "jausml" in each.get("uses", ""))
+    given = next(step for step in validate["steps"] if "jausml" in step.get("uses", ""))
     assert set(given["with"]) <= set(ACTION["inputs"])
     assert workflow["permissions"] == {"contents": "read"}
 
@@ -170,7 +178,7 @@ EXAMPLES = ("github-workflow.yml", "gitlab-ci.yml", "azure-pipelines.yml")
 @pytest.mark.slow
 def test_the_commands_of_the_examples_run(repository):
     """Those that several have are run once."""
-    texts = {each: (FOLDER / each).read_text(encoding="utf-8") for each in EXAMPLES}
+    texts = {example: (FOLDER / example).read_text(encoding="utf-8") for example in EXAMPLES}
     found = {
         name: re.findall(r"\bjausml ((?:validate|generate) .+)$", text, re.MULTILINE)
         for name, text in texts.items()
@@ -178,27 +186,29 @@ def test_the_commands_of_the_examples_run(repository):
     assert all(found.values())
     (repository / "models" / "doubtful.xmi").unlink()
     assert CliRunner().invoke(main, ["generate", "models/robot.xmi", "-o", "src"]).exit_code == 0
-    for command in dict.fromkeys(each for commands in found.values() for each in commands):
+    for command in dict.fromkeys(
+        command_line for commands in found.values() for command_line in commands
+    ):
         done = CliRunner().invoke(main, command.split())
         assert done.exit_code == 0, done.output
     for report in ("jausml.xml", "generated.xml"):
         assert (repository / report).read_text().startswith("<?xml")
-    for each in EXAMPLES[1:]:
+    for example in EXAMPLES[1:]:
         for report in ("jausml.xml", "generated.xml"):
-            assert texts[each].count(report) == 2, "what is written is what is shown"
+            assert texts[example].count(report) == 2, "what is written is what is shown"
 
 
 def test_the_image_is_made_of_what_is_there():
     """A daemon that builds it is not everywhere; its words are."""
     text = (FOLDER / "Containerfile").read_text(encoding="utf-8").replace("\\\n", "")
-    lines = [each for each in text.splitlines() if each and not each.startswith("#")]
-    words = [each.split()[0] for each in lines]
+    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
+    words = [line.split()[0] for line in lines]
     assert set(words) <= {"FROM", "COPY", "RUN", "USER", "WORKDIR", "CMD"}
-    assert all(":" in each for each in lines if each.startswith("FROM"))
-    assert words.index("USER") > max(n for n, each in enumerate(words) if each == "RUN")
+    assert all(":" in line for line in lines if line.startswith("FROM"))
+    assert words.index("USER") > max(n for n, word in enumerate(words) if word == "RUN")
     held = re.search(r"cp /source/(requirements/\S+) /wheels\b", text)[1]
     assert "graphviz-pure==" in (ROOT / held).read_text(encoding="utf-8")
     assert f"--require-hashes --requirement /wheels/{Path(held).name}" in text
-    for each in (line for line in lines if line.startswith("RUN")):
-        script = each.removeprefix("RUN ")
+    for instruction in (line for line in lines if line.startswith("RUN")):
+        script = instruction.removeprefix("RUN ")
         assert subprocess.run(["sh", "-n", "-c", script]).returncode == 0

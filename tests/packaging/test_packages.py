@@ -19,7 +19,7 @@ def test_each_folder_of_modules_says_what_it_is():
     silent = [
         str(folder)
         for package in PACKAGES.values()
-        for folder in {each.parent for each in package.rglob("*.py")}
+        for folder in {path.parent for path in package.rglob("*.py")}
         if not set(folder.parts) & set(PAGES)
         if not (folder / "__init__.py").is_file()
         or not (folder / "__init__.py").read_text(encoding="utf-8").startswith('"""')
@@ -32,8 +32,8 @@ def test_no_folder_holds_more_modules_than_one_can_look_over():
     crowded = {
         folder.name: len(modules)
         for package in PACKAGES.values()
-        for folder in [package, *(each for each in package.rglob("*") if each.is_dir())]
-        if len(modules := [each for each in folder.glob("*.py") if each.stem != "__init__"]) > 24
+        for folder in [package, *(path for path in package.rglob("*") if path.is_dir())]
+        if len(modules := [path for path in folder.glob("*.py") if path.stem != "__init__"]) > 24
     }
     assert {name: count for name, count in crowded.items() if count > known.get(name, 24)} == {}
 
@@ -50,7 +50,7 @@ def test_the_wheel_takes_the_data_of_each_package():
     for name, place in folders.items():
         for folder in {
             ROOT / place,
-            *(each.parent for each in (ROOT / place).rglob("__init__.py")),
+            *(path.parent for path in (ROOT / place).rglob("__init__.py")),
         }:
             package = ".".join([name, *folder.relative_to(ROOT / place).parts])
             for pattern in (*told["package-data"].get(package, ()), *told["package-data"]["*"]):
@@ -58,8 +58,8 @@ def test_the_wheel_takes_the_data_of_each_package():
     listed = subprocess.run(
         ["git", "ls-files", "-z", *folders.values()], cwd=ROOT, capture_output=True, text=True
     ).stdout.split("\0")
-    data = {Path(ROOT, each) for each in listed if each and not each.endswith(".py")}
+    data = {Path(ROOT, path) for path in listed if path and not path.endswith(".py")}
     # Of a skeleton beside its model the modules are enough: who generates it gets the rest.
-    lost = {each for each in data if each.is_file() and "src" not in each.parts} - taken
+    lost = {datum for datum in data if datum.is_file() and "src" not in datum.parts} - taken
     assert data
     assert lost == set()

@@ -18,14 +18,14 @@ LOOPBACK = "127.0.0.1"
 SERVICES = ("Transport", "Events", "AccessControl", "Management", "Discovery", "Liveness")
 STANDBY, READY, EMERGENCY = 2, 1, 5
 MANAGEMENT = tuple(
-    each.CODE.to_bytes(2, "little")
-    for each in (core.Shutdown, core.Standby, core.Resume, core.Reset, core.SetEmergency)
+    message_class.CODE.to_bytes(2, "little")
+    for message_class in (core.Shutdown, core.Standby, core.Resume, core.Reset, core.SetEmergency)
 )
 CONTROL_TIMEOUT = 1
 INPUTS = {
-    each.CODE: each
-    for each in vars(core).values()
-    if isinstance(each, type) and hasattr(each, "CODE")
+    member.CODE: member
+    for member in vars(core).values()
+    if isinstance(member, type) and hasattr(member, "CODE")
 }
 
 
@@ -286,9 +286,10 @@ class FaultyPeer:
     def on_query_services(self, message, sender):
         own = self.address
         wanted = any(
-            node.node_rec.node_id in (own.node, 255) and each.component_id in (own.component, 255)
+            node.node_rec.node_id in (own.node, 255)
+            and component_record.component_id in (own.component, 255)
             for node in message.node_list
-            for each in node.component_list
+            for component_record in node.component_list
         )
         self.send(
             self.listed(core.ReportServices, SERVICES)
@@ -325,7 +326,7 @@ class FaultyPeer:
         if silly or (message.event_type == 0 and not message.requested_periodic_rate):
             self.send(core.RejectEventRequest(message.request_id, 4), sender)
             return
-        number = next(each for each in range(200) if each not in self.events)
+        number = next(index for index in range(200) if index not in self.events)
         event = {
             "client": sender,
             "query": message.query_message,

@@ -33,7 +33,7 @@ def console(network, catalogue, vehicle):
         ("send SetWrench", ["SetWrenchEffort"]),
         (
             "send SetWrenchEffort propulsivelinear",
-            [f"PropulsiveLinearEffort{each}=" for each in "XYZ"],
+            [f"PropulsiveLinearEffort{axis}=" for axis in "XYZ"],
         ),
         (
             "request 100.1.1 SetWrenchEffort PropulsiveLinearEffortX=1 PropulsiveL",
@@ -57,7 +57,7 @@ def test_a_shell_offers_the_messages_of_the_component_that_is_named(vehicle, fre
 
     def offered(begun, *words):
         arguments = ["ocu", words[0], "--port", str(free_port), *words[1:]]
-        return [each.value for each in shell.get_completions(arguments, begun)]
+        return [completion.value for completion in shell.get_completions(arguments, begun)]
 
     assert offered("Velocity", "query", "100.1.1") == ["VelocityState"]
     assert offered("SetW", "request", "100.1.1") == ["SetWrenchEffort"]
@@ -65,4 +65,4 @@ def test_a_shell_offers_the_messages_of_the_component_that_is_named(vehicle, fre
     # Of one that does not answer nothing is known.
     assert "SetGlobalWaypoint" in offered("SetGlobalW", "request", "100.1.9")
     fields = offered("PropulsiveLinear", "request", "100.1.1", "SetWrenchEffort")
-    assert fields == [f"PropulsiveLinearEffort{each}=" for each in "XYZ"]
+    assert fields == [f"PropulsiveLinearEffort{axis}=" for axis in "XYZ"]

@@ -144,12 +144,12 @@ def test_who_does_not_say_who_controls_it_is_judged_by_what_it_grants(peer, netw
     assert first.verdict is Verdict.FAIL
     assert first.messages == ("QueryControl is not answered with ReportControl",)
     assert first.evidence
-    found = {each.check.id: each for each in others}
+    found = {other.check.id: other for other in others}
     assert found["access.request"].messages == (
         "who has control is not seen, for QueryControl is not answered",
     )
     assert found["access.preemption"].verdict is Verdict.NOTE
-    assert Verdict.FAIL not in {each.verdict for each in others}
+    assert Verdict.FAIL not in {other.verdict for other in others}
 
 
 @pytest.mark.parametrize("default", [150, 256])
@@ -288,7 +288,7 @@ def test_services_of_a_target_without_discovery_come_from_its_subsystem(
             report = run(session, groups, lambda _: None)
     finally:
         other.stop()
-    assert report.services == tuple(f"{each.urn} 1.1" for each in services)
+    assert report.services == tuple(f"{service.urn} 1.1" for service in services)
     assert verdicts(report)["liveness.event"] is Verdict.PASS
     (winch,) = [r for r in report.results if r.check.id == "codecs.Winch"]
     assert winch.check.explanation.startswith("The layouts of the service are not known")

@@ -95,14 +95,14 @@ def test_what_it_leaves_unanswered_is_told_as_that(jausml):
 @pytest.mark.usefixtures("waypoint_driver")
 def test_what_it_inherits_is_checked_though_it_announces_the_leaf_alone(network, catalogue):
     report = checked(network, catalogue, "access", "management", "events")
-    found = {each.check.id: each for each in report.results}
+    found = {result.check.id: result for result in report.results}
     assert found["management.resume"].verdict is Verdict.PASS
     assert found["access.request"].verdict is Verdict.NOTE
     assert found["access.uncontrolled"].verdict is Verdict.FAIL
-    (first, *others) = (each for each in report.results if each.check.group == "events")
+    (first, *others) = (result for result in report.results if result.check.group == "events")
     assert first.verdict is Verdict.FAIL
     assert "inherits Events, but QueryEvents is not answered" in first.messages[0]
-    assert {each.messages[0] for each in others} == {
+    assert {other.messages[0] for other in others} == {
         f"the group could not begin; see {first.check.id}"
     }
 
@@ -110,12 +110,12 @@ def test_what_it_inherits_is_checked_though_it_announces_the_leaf_alone(network,
 @pytest.mark.slow
 def test_it_dies_of_the_last_checks_and_not_before(network, catalogue, waypoint_driver):
     report = checked(network, catalogue, "transport", "management.resume")
-    ids = [each.check.id for each in report.results]
+    ids = [result.check.id for result in report.results]
     died = ids.index(NO_MESSAGE)
     assert ids.index("management.resume") < died
     assert report.results[died].left_silent
     assert not waypoint_driver.alive
-    assert all(each.verdict is Verdict.SKIPPED for each in report.results[died + 1 :])
+    assert all(result.verdict is Verdict.SKIPPED for result in report.results[died + 1 :])
     assert len(report.results[died + 1 :]) < 4
 
 
@@ -123,15 +123,15 @@ def test_it_dies_of_the_last_checks_and_not_before(network, catalogue, waypoint_
 def test_a_target_that_comes_back_is_tested_further(network, catalogue, waypoint_driver):
     with supervised(waypoint_driver):
         report = checked(network, catalogue, "transport", limits=Limits(restart=20.0))
-    results = {each.check.id: each for each in report.results}
+    results = {result.check.id: result for result in report.results}
     assert results[NO_MESSAGE].verdict is Verdict.FAIL
     gone = "the target does not answer any more"
-    assert [each.check.id for each in report.results if each.messages == (gone,)] == []
+    assert [result.check.id for result in report.results if result.messages == (gone,)] == []
 
 
 def test_a_check_can_be_left_out(network, catalogue, waypoint_driver):
     report = checked(network, catalogue, "transport", skip=(NO_MESSAGE,))
-    ids = {each.check.id for each in report.results}
+    ids = {result.check.id for result in report.results}
     assert NO_MESSAGE not in ids
     assert "transport.truncated-bodies" in ids
     assert waypoint_driver.alive
@@ -139,7 +139,7 @@ def test_a_check_can_be_left_out(network, catalogue, waypoint_driver):
 
 def test_the_selection_of_a_check_is_of_its_group_alone():
     selection = CheckFilter(frozenset({"access.request", "list"}), frozenset({"list.elements"}))
-    assert [each.name for each in selection.groups()] == ["access", "list"]
+    assert [group.name for group in selection.groups()] == ["access", "list"]
     assert selection.takes("access.request")
     assert not selection.takes("access.release")
     assert not selection.takes("list.elements")

@@ -33,7 +33,7 @@ def test_it_is_controlled_and_commanded_though_it_refuses_events_without_a_code(
     result = jausml(*words)
     assert result.exit_code == 0, result.output
     assert f"{ADDRESS} is in READY" in result.stdout + result.stderr
-    assert {each.hex() for each in winch.commands} == {"01d1ffbf"}
+    assert {command.hex() for command in winch.commands} == {"01d1ffbf"}
     assert any(payload[:2] == b"\x0e\x00" for payload in winch.payloads)
 
 

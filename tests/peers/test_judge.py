@@ -26,7 +26,7 @@ JAUS, IOP, CONFORMANCE = COMPETITIONS
 
 
 def on_the_way(*numbers, of=("reached", "active", "speed", "waypoint")):
-    return {f"waypoints.{each}-{number}" for number in numbers for each in of}
+    return {f"waypoints.{aspect}-{number}" for number in numbers for aspect in of}
 
 
 DRIVE = on_the_way(1, 2, 3, 4)
@@ -36,8 +36,8 @@ NO_CONTROL = {
     *NO_LIST,
 }
 CAPABILITIES = {
-    f"capabilities.{each}"
-    for each in (
+    f"capabilities.{capability}"
+    for capability in (
         *("Discovery", "AccessControl", "Management", "VelocityStateSensor", "LocalPoseSensor"),
         *("LocalWaypointListDriver", "services"),
     )
@@ -124,9 +124,9 @@ def judged(fault="", name=JAUS, *, only=(), course=None, on_score=lambda _: None
 
 def lost(sheet):
     return {
-        each.part.check.id
-        for each in sheet.scores
-        if sheet.counts(each) and each.result.verdict not in (Verdict.PASS, Verdict.NOTE)
+        score.part.check.id
+        for score in sheet.scores
+        if sheet.counts(score) and score.result.verdict not in (Verdict.PASS, Verdict.NOTE)
     }
 
 
@@ -135,20 +135,20 @@ def test_a_right_robot_has_full_marks(name, points):
     sheet = judged(name=name)
     assert lost(sheet) == set()
     assert [
-        each.result.messages for each in sheet.scores if each.result.verdict is Verdict.NOTE
+        score.result.messages for score in sheet.scores if score.result.verdict is Verdict.NOTE
     ] == []
     assert sheet.reached() == sheet.possible() == (points or len(sheet.scores) - skipped(sheet))
     assert sheet.is_full
 
 
 def skipped(sheet):
-    return sum(each.result.verdict is Verdict.SKIPPED for each in sheet.scores)
+    return sum(score.result.verdict is Verdict.SKIPPED for score in sheet.scores)
 
 
 def test_each_task_has_the_points_of_the_rules():
     sheet = judged()
-    assert [sheet.possible(each) for each in sheet.tasks] == [10] * 6
-    assert [each.name for each in sheet.tasks] == [
+    assert [sheet.possible(task) for task in sheet.tasks] == [10] * 6
+    assert [task.name for task in sheet.tasks] == [
         *("discovery", "capabilities", "management", "velocity", "position", "waypoints"),
     ]
 
@@ -158,10 +158,10 @@ def test_a_wrong_robot_loses_what_it_should(fault):
     sheet = judged(fault)
     assert lost(sheet) == LOST[fault]
     worth = {part.check.id: part.points for task in sheet.competition.tasks for part in task.parts}
-    assert sheet.reached() == pytest.approx(60 - sum(worth[each] for each in LOST[fault]))
+    assert sheet.reached() == pytest.approx(60 - sum(worth[part_id] for part_id in LOST[fault]))
     assert not sheet.is_full
-    told = [each for each in sheet.scores if each.result.verdict is Verdict.FAIL]
-    assert all(each.result.messages for each in told)
+    told = [score for score in sheet.scores if score.result.verdict is Verdict.FAIL]
+    assert all(score.result.messages for score in told)
 
 
 def test_there_are_thirty_faults_and_each_part_is_lost_by_one():
@@ -197,7 +197,7 @@ def test_conformance_loses_a_point_for_a_check():
 
 def test_only_some_tasks_and_what_a_part_needs():
     sheet = judged(only=["velocity", "management.standby"])
-    assert [each.part.check.id for each in sheet.scores] == [
+    assert [score.part.check.id for score in sheet.scores] == [
         *("management.request", "management.status", "management.resume", "management.standby"),
         *("velocity.report", "velocity.forward", "velocity.time"),
     ]
@@ -207,7 +207,7 @@ def test_only_some_tasks_and_what_a_part_needs():
 def test_waypoints_of_ones_own_share_the_points():
     two, three = ((3.0, 1.0), (-1.0, 1.0)), ((3.0, 1.0), (-1.0, 1.0), (0.0, 2.0))
     sheet = judged(only=["waypoints"], course=Course(two))
-    assert {each.part.points for each in sheet.scores} == {0, 2, 1}
+    assert {score.part.points for score in sheet.scores} == {0, 2, 1}
     for course in (two, three):
         sheet = judged(only=["waypoints"], course=Course(course))
         assert sheet.reached() == sheet.possible() == 10
@@ -247,7 +247,7 @@ def test_a_robot_that_babbles_gets_a_sheet(seed):
     assert sheet.reached() < sheet.possible()
     Page(sheets.render_html(sheet))
     assert json.loads(sheets.render_json(sheet))["full"] is False
-    assert all(line.isprintable() for each in sheet.scores for line in sheets.score_lines(each))
+    assert all(line.isprintable() for score in sheet.scores for line in sheets.score_lines(score))
 
 
 def test_the_same_run_gives_the_same_sheet():
@@ -308,10 +308,12 @@ def test_json_has_all_that_a_program_needs():
     assert found["begun"].startswith("2026-01-01T00:00:")
     drive = found["tasks"][-1]
     assert (drive["task"], drive["points"], drive["of"]) == ("waypoints", 7.5, 10)
-    second = next(each for each in drive["parts"] if each["id"] == "waypoints.reached-2")
+    second = next(part for part in drive["parts"] if part["id"] == "waypoints.reached-2")
     assert (second["points"], second["of"], second["verdict"]) == (0, 1, "fail")
     assert found["not_covered"]
 
 
 def test_options_offer_what_there_is():
-    assert set(COMPETITIONS) == {each for each in COMPETITIONS if competitions.competition(each)}
+    assert set(COMPETITIONS) == {
+        competition for competition in COMPETITIONS if competitions.competition(competition)
+    }

@@ -42,7 +42,7 @@ def recorded(free_port, tmp_path, wait_until):
         reader = UdpReader(free_port)
         with path.with_suffix(".pcap").open("rb") as stream:
             found = [reader.read(frame) for frame in read_frames(stream)]
-        return [(each.time, each.data.hex()) for each in found if each is not None]
+        return [(datagram.time, datagram.data.hex()) for datagram in found if datagram is not None]
 
     return record
 

@@ -71,7 +71,7 @@ def test_every_report_of_a_component_is_shown_as_a_table(jausml):
     head, under, *rows = result.stdout.splitlines()
     assert " ".join(head.split()) == "component report reports Hz jitter age query lost"
     assert under.split() == ["median", "p99"] * 3
-    assert [each.split()[:2] for each in rows] == [["100.1.1", "ReportVelocityState"]]
+    assert [row.split()[:2] for row in rows] == [["100.1.1", "ReportVelocityState"]]
 
 
 @pytest.mark.ports
@@ -161,7 +161,7 @@ def stream(catalogue):
 
 
 def test_rate_and_jitter_of_arrivals(stream):
-    stream.arrivals = [(each, 0.0, b"") for each in (0.0, 0.1, 0.2, 0.35, 0.4)]
+    stream.arrivals = [(arrival_time, 0.0, b"") for arrival_time in (0.0, 0.1, 0.2, 0.35, 0.4)]
     assert stream.rate == pytest.approx(10.0)
     assert stream.jitter.median == pytest.approx(0.0, abs=1e-9)
     assert stream.jitter.greatest == pytest.approx(0.05)

@@ -30,16 +30,16 @@ def test_of_two_changes_at_once_one_is_refused_and_the_other_can_be_dropped(
     with running_operator(network, catalogue) as operator:
         threads = [Thread(target=change) for _ in range(2)]
         with operator._component.loop.lock:  # both have got as far as they can without the other
-            for each in threads:
-                each.start()
-            wait_until(lambda: all(waits_in_set_list(each) for each in threads))
+            for thread in threads:
+                thread.start()
+            wait_until(lambda: all(waits_in_set_list(thread) for thread in threads))
         assert outcomes.get(timeout=10) == "the list of 100.1.1 is being changed"
         operator.drop_list_changes()
         assert outcomes.get(timeout=10) == (
             "100.1.1 does not take the list: it was stopped meanwhile"
         )
-        for each in threads:
-            each.join()
+        for thread in threads:
+            thread.join()
 
 
 def waits_in_set_list(thread):

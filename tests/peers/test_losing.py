@@ -65,7 +65,7 @@ def test_a_lost_command_of_management_is_sent_again_but_what_lets_move(jausml, p
     assert "100.1.1 stays in STANDBY after Resume" in result.output
     assert result.output.count("100.1.1 is in READY") == 1
     assert "stays in READY" not in result.output
-    assert target.lost == [each.encode() for each in (Resume(), Standby())]
+    assert target.lost == [command.encode() for command in (Resume(), Standby())]
     assert target.state == STANDBY
 
 

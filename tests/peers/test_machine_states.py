@@ -66,8 +66,10 @@ def test_a_generated_winch_is_seen_to_move(winch):
     (told,) = component["machines"]
     assert told["state"] == f"{READY}.Moving.PayingOut"
     assert told["seconds"] > 0
-    assert {each["state"]: each["entries"] for each in told["times"]}[told["state"]] == 1
-    (line,) = [each for each in table.stdout.splitlines() if "ReceiveFSM" in each]
+    assert {state_time["state"]: state_time["entries"] for state_time in told["times"]}[
+        told["state"]
+    ] == 1
+    (line,) = [row for row in table.stdout.splitlines() if "ReceiveFSM" in row]
     assert line.split()[:4] == [ADDRESS, "Winch", "ReceiveFSM", "Moving.PayingOut"]
     assert "NotControlled.Available.Standby" in line
 
@@ -182,7 +184,7 @@ with running_transport(TransportSettings(port=int(sys.argv[1]))) as transport:
     component.start()
     time.sleep(600)
 """
-CORE = [f"urn:jaus:jss:core:{each}" for each in ("Transport", "Events", "Management")]
+CORE = [f"urn:jaus:jss:core:{service}" for service in ("Transport", "Events", "Management")]
 DISCOVERY = "urn:jaus:jss:core:Discovery"
 
 
@@ -212,14 +214,16 @@ def test_what_one_provided_that_was_replaced_is_forgotten(
 
     with running_operator(network, catalogue) as operator, polling(monitor, operator):
         with rover(free_port, "first", [*CORE, DISCOVERY, "urn:jaus:jss:mobility:X"]):
-            wait_for(lambda: seen(lambda each: any("mobility" in e for e in each.services)))
-        wait_for(lambda: seen(lambda each: each.is_gone))
+            wait_for(
+                lambda: seen(lambda component: any("mobility" in e for e in component.services))
+            )
+        wait_for(lambda: seen(lambda component: component.is_gone))
         with rover(free_port, "second", [*CORE, DISCOVERY] if answers else CORE):
-            found = wait_for(lambda: seen(lambda each: each.level is Level.OK))
-            assert not any("mobility" in each for each in found.services)
-            assert not any("mobility" in each.urn for each in operator.services(target))
+            found = wait_for(lambda: seen(lambda component: component.level is Level.OK))
+            assert not any("mobility" in service for service in found.services)
+            assert not any("mobility" in service.urn for service in operator.services(target))
             if answers:
-                wait_for(lambda: seen(lambda each: each.services))
+                wait_for(lambda: seen(lambda component: component.services))
 
 
 @pytest.mark.slow
@@ -233,10 +237,12 @@ def test_who_was_replaced_before_it_was_missed_is_another_one(network, catalogue
 
     with running_operator(network, catalogue) as operator, polling(monitor, operator):
         with rover(free_port, "rover", [*CORE, DISCOVERY, "urn:jaus:jss:mobility:X"]):
-            wait_for(lambda: seen(lambda each: any("mobility" in e for e in each.services)))
+            wait_for(
+                lambda: seen(lambda component: any("mobility" in e for e in component.services))
+            )
             heard = operator.lives()[target]
         with rover(free_port, "rover", CORE):
-            found = wait_for(lambda: seen(lambda each: not each.services))
+            found = wait_for(lambda: seen(lambda component: not component.services))
             assert not found.is_gone
             assert operator.lives()[target] == heard + 1
             assert not operator.services(target)

@@ -224,10 +224,10 @@ def run(command, *words):
 def said(output, told):
     """Returns the first part that is not said after those before it; empty for none."""
     place = 0
-    for each in told:
-        place = output.find(each, place)
+    for part in told:
+        place = output.find(part, place)
         if place < 0:
-            return each
+            return part
     return ""
 
 
@@ -238,8 +238,8 @@ def test_a_message_says_what_to_do_next(name, project, monkeypatch):
         path = project / file
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text)
-    for each in row.before:
-        done = run(each)
+    for command in row.before:
+        done = run(command)
         assert done.exit_code == 0, done.output
     monkeypatch.chdir(project / row.folder)
     done = run(row.command)

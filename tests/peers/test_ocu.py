@@ -278,7 +278,7 @@ def test_nobody_there(arguments, error, jausml):
     assert result.exit_code == 2
     assert error in result.stderr
     causes = result.stderr.partition("nothing at all was heard")[2]
-    places = [causes.find(each) for each in ("nothing runs", "--interface", "--peer", "firewall")]
+    places = [causes.find(cause) for cause in ("nothing runs", "--interface", "--peer", "firewall")]
     assert places == sorted(places)
     assert -1 not in places
 

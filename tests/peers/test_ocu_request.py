@@ -47,8 +47,8 @@ def test_a_list_is_confirmed_and_read_as_it_was_given(jausml, component):
 def test_what_was_set_is_asked_for_by_its_type(jausml, component, catalogue):
     target = component(services=("mobility:VelocityStateDriver",))
     query, report, command = (
-        message_class(catalogue.message(f"{each}VelocityCommand"))
-        for each in ("Query", "Report", "Set")
+        message_class(catalogue.message(f"{prefix}VelocityCommand"))
+        for prefix in ("Query", "Report", "Set")
     )
     set_by_type = {}
 
@@ -95,7 +95,7 @@ def test_a_rejection_is_told_though_there_is_no_report(jausml, component, tmp_pa
     catalogue = load_catalogue([model], notations=NOTATIONS)
     target = component(services=("example:Motors",))
     command, rejection = (
-        message_class(catalogue.message(f"{each}Motors")) for each in ("Set", "Reject")
+        message_class(catalogue.message(f"{prefix}Motors")) for prefix in ("Set", "Reject")
     )
     refused = rejection({"Body": {"Reason": "the e-stop is pressed"}})
     target.handle(command, lambda _, sender: target.send(refused, sender), when=Guard.READY)

@@ -22,8 +22,8 @@ def test_answers_and_a_summary_are_shown(jausml, vehicle):
     assert result.exit_code == 0, result.stderr
     first, *answers, counts, figures = result.stdout.splitlines()
     assert first == "100.1.1: QueryHeartbeatPulse every 0.01 s"
-    assert [each.partition(":")[2].split()[1] for each in answers] == ["1:", "2:", "3:"]
-    assert all(each.endswith(" ms") for each in answers)
+    assert [answer.partition(":")[2].split()[1] for answer in answers] == ["1:", "2:", "3:"]
+    assert all(answer.endswith(" ms") for answer in answers)
     assert counts == "3 asked, 3 answered, 0.0% lost"
     assert figures.startswith("round trip in ms: min ")
 
@@ -112,7 +112,7 @@ def test_ctrl_c_ends_with_the_summary(vehicle, free_port):
 
 
 def test_figures_of_times():
-    spread = spread_of([0.001 * each for each in range(1, 201)])
+    spread = spread_of([0.001 * number for number in range(1, 201)])
     assert spread.count == 200
     assert spread.milliseconds() == {"min": 1.0, "median": 100.0, "p99": 198.0, "max": 200.0}
     assert spread_of([0.5]).milliseconds() == dict.fromkeys(("min", "median", "p99", "max"), 500.0)

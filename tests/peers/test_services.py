@@ -15,12 +15,12 @@ TWO_RECORDS = bytes.fromhex(
 
 
 def names(services):
-    return [each.urn.rpartition(":")[2] for each in services]
+    return [service.urn.rpartition(":")[2] for service in services]
 
 
 def test_a_component_of_two_node_records_has_the_services_of_both():
     found = services_of(ReportServices.decode(TWO_RECORDS), 126)
-    assert {str(address): names(each) for address, each in found.items()} == {
+    assert {str(address): names(service_list) for address, service_list in found.items()} == {
         "126.1.199": ["LocalPoseSensor", "LocalWaypointListDriver"]
     }
 
@@ -47,6 +47,6 @@ def test_a_service_list_of_two_component_records_is_merged_too():
         subsystem_rec=ReportServiceList.SubsystemRec(subsystem_id=7), node_list=[node]
     )
     found = services_of(ReportServiceList(subsystem_list=[subsystem]), 0)
-    assert {address: names(each) for address, each in found.items()} == {
+    assert {address: names(service_list) for address, service_list in found.items()} == {
         JausAddress(7, 2, 9): ["One", "Two"]
     }

@@ -19,7 +19,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.library import has_package, library_paths, library_root, module_of
 
 GUARDS = ("jausml", "generators")
-SOURCES = [Path(each.__file__).parent for each in (jausml, jausml_generators)]
+SOURCES = [Path(module_type.__file__).parent for module_type in (jausml, jausml_generators)]
 WALKS = frozenset({"rglob", "glob", "walk", "iterdir", "scandir"})
 HOME = "jausml/language/model/library.py"
 
@@ -62,7 +62,7 @@ def test_parts_are_added_without_reading_the_ready_maps(verb, arguments, monkeyp
 
 def test_the_library_without_maps_has_all_services():
     whole, parts = of_library.library(), of_library.library(with_maps=False)
-    services = [[each.urn for each in of.instances(jaus.Service)] for of in (whole, parts)]
+    services = [[instance.urn for instance in of.instances(jaus.Service)] for of in (whole, parts)]
     assert services[0] == services[1]
     assert whole.instances(bridge.AttributeMap)
     assert not parts.instances(bridge.AttributeMap)
@@ -83,7 +83,7 @@ def test_its_files_by_kind_and_their_names():
     every = library_paths()
     assert every == tuple(sorted(every))
     assert set(library_paths("ros")) < set(every)
-    assert {each.parent.name for each in library_paths("ros")} == {"ros"}
+    assert {library_path.parent.name for library_path in library_paths("ros")} == {"ros"}
     assert module_of(library_root() / "jaus" / "mobility.xmi") == "jaus.mobility"
     assert has_package("geometry_msgs")
     assert not has_package("abyss_msgs")
@@ -95,9 +95,9 @@ def walks_of_the_library(path):
     for function in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             names = {
-                each.id if isinstance(each, ast.Name) else each.attr
-                for each in ast.walk(function)
-                if isinstance(each, ast.Name | ast.Attribute)
+                syntax.id if isinstance(syntax, ast.Name) else syntax.attr
+                for syntax in ast.walk(function)
+                if isinstance(syntax, ast.Name | ast.Attribute)
             }
             if "library_root" in names and names & WALKS:
                 yield function.lineno
@@ -105,12 +105,12 @@ def walks_of_the_library(path):
 
 @pytest.mark.slow
 def test_nobody_else_looks_into_its_folders():
-    files = [each for root in SOURCES for each in root.rglob("*.py")]
+    files = [path for root in SOURCES for path in root.rglob("*.py")]
     found = {
-        f"{each.as_posix()}:{line}"
-        for each in files
-        if not each.as_posix().endswith(HOME)
-        for line in walks_of_the_library(each)
+        f"{file.as_posix()}:{line}"
+        for file in files
+        if not file.as_posix().endswith(HOME)
+        for line in walks_of_the_library(file)
     }
     assert len(files) > 500
     assert found == set()

@@ -17,9 +17,9 @@ from jausml.language.model.project import (
 
 
 def touch(*paths):
-    for each in paths:
-        each.parent.mkdir(parents=True, exist_ok=True)
-        each.write_text("", encoding="utf-8")
+    for path in paths:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("", encoding="utf-8")
 
 
 @pytest.mark.parametrize(
@@ -36,7 +36,7 @@ def touch(*paths):
 )
 def test_its_folder_and_the_root_of_references(tmp_path, marks, project, root, made):
     file = tmp_path / "a" / "b" / "robot.xmi"
-    touch(file, *(tmp_path / each for each in marks))
+    touch(file, *(tmp_path / mark for mark in marks))
     assert project_folder(file) == tmp_path / project
     assert find_project_root([file]) == tmp_path / root
     assert made_project(file.parent) == (None if made is None else tmp_path / made)
@@ -53,8 +53,8 @@ def test_its_model_files(tmp_path):
     root = tmp_path / "root"
     mine = [root / "b.xmi", root / "models" / "a.ros2jaus"]
     left = [
-        *(root / each / "x.xmi" for each in (".hidden", "build", "install", "log")),
-        *(root / each / "x.xmi" for each in ("node_modules", "__pycache__")),
+        *(root / folder / "x.xmi" for folder in (".hidden", "build", "install", "log")),
+        *(root / folder / "x.xmi" for folder in ("node_modules", "__pycache__")),
         root / ".x.xmi",
         root / "notes.txt",
     ]

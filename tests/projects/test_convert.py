@@ -25,7 +25,7 @@ def test_xmi_that_became_text_is_the_same_when_it_comes_back(text_of_xmi, jausml
     again = model.with_name("again.xmi")
     done = jausml("convert", text, again)
     assert done.exit_code == 0, done.output
-    before, after = (re.sub(IDS, "", each.read_text("utf-8")) for each in (model, again))
+    before, after = (re.sub(IDS, "", path.read_text("utf-8")) for path in (model, again))
     assert after == before
 
 
@@ -87,7 +87,7 @@ def test_joins_go_where_their_maps_go(joined, jausml):
     endings = [".xmi", ".ros2jaus"] * 2
     names = [f"{number}{ending}" for number, ending in enumerate(endings)]
     source = joined
-    for target in (joined.with_name(each) for each in names):
+    for target in (joined.with_name(name) for name in names):
         done = jausml("convert", source, target)
         assert done.exit_code == 0, done.output
         done = jausml("validate", target, "--strict")

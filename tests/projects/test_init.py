@@ -55,11 +55,11 @@ def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch):
     assert run("generate", model, "-o", "src").exit_code == 0
     jobs = yaml.safe_load(Path(".github/workflows/models.yml").read_text(encoding="utf-8"))["jobs"]
     commands = [step.get("run", "") for step in jobs["check"]["steps"]]
-    own = [each.split()[1:] for each in commands if each.startswith("jausml ")]
-    assert [each[0] for each in own] == ["validate", "validate", "generate"]
-    assert any(each.startswith("pip install wheels/jausml-") for each in commands)
-    for each in own:
-        assert run(*each).exit_code == 0
+    own = [command.split()[1:] for command in commands if command.startswith("jausml ")]
+    assert [command_line[0] for command_line in own] == ["validate", "validate", "generate"]
+    assert any(command.startswith("pip install wheels/jausml-") for command in commands)
+    for command_line in own:
+        assert run(*command_line).exit_code == 0
     hooks = yaml.safe_load(Path(".pre-commit-config.yaml").read_text(encoding="utf-8"))
     for hook in hooks["repos"][0]["hooks"]:
         if re.search(hook["files"], model):
@@ -71,25 +71,27 @@ def test_the_commands_that_it_names_work(project):
     folder = project()
     readme = (folder / "README.md").read_text(encoding="utf-8")
     commands = [line.split() for line in readme.splitlines() if line.startswith("    jausml ")]
-    assert [each[1] for each in commands] == ["validate", "generate", "run"]
-    for each in commands[:2]:
-        command = [sys.executable, "-m", "jausml", *each[1:]]
+    assert [command_line[1] for command_line in commands] == ["validate", "generate", "run"]
+    for command_line in commands[:2]:
+        command = [sys.executable, "-m", "jausml", *command_line[1:]]
         subprocess.run(command, cwd=folder, check=True, capture_output=True)
 
 
 def test_copies_of_the_library_are_the_library(project):
     result = read_models([project() / "models" / "rover.xmi"])
     service = next(
-        each for each in result.model.instances(jaus.Service) if each.name == "Management"
+        candidate
+        for candidate in result.model.instances(jaus.Service)
+        if candidate.name == "Management"
     )
     assert result.model.is_library(service)
-    assert [each.display for each in result.model.documents if not each.is_library] == [
+    assert [document.display for document in result.model.documents if not document.is_library] == [
         str(result.model.documents[0].path)
     ]
 
 
 def test_copies_of_the_library_are_no_files_of_an_opened_project(project):
-    assert [each.path for each in Project(project()).files] == ["models/rover.xmi"]
+    assert [file.path for file in Project(project()).files] == ["models/rover.xmi"]
 
 
 def test_a_copy_that_was_edited_is_the_users(project):
@@ -97,7 +99,7 @@ def test_a_copy_that_was_edited_is_the_users(project):
     copy = folder / "library" / "jaus" / "mobility.xmi"
     copy.write_text(copy.read_text("utf-8").replace('code="0x', 'code="0X', 1), "utf-8")
     result = read_models([folder / "models" / "rover.xmi"])
-    own = {each.path for each in result.model.documents if not each.is_library}
+    own = {document.path for document in result.model.documents if not document.is_library}
     assert copy.resolve() in own
 
 
@@ -111,7 +113,7 @@ def test_eclipse_opens_it_without_a_word(project):
 
 def test_again_is_nothing_and_own_files_stay(project):
     folder = project()
-    before = {each: each.read_bytes() for each in folder.rglob("*") if each.is_file()}
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
     done = run("init", folder)
     assert (done.exit_code, done.output.splitlines()[0]) == (0, f"0 files in {folder}; next:")
     (folder / "README.md").write_text("mine", encoding="utf-8")
@@ -120,8 +122,8 @@ def test_again_is_nothing_and_own_files_stay(project):
     assert done.exit_code == 2
     assert "README.md is there already; nothing was written" in done.output
     assert not (folder / ".gitignore").exists()
-    for each in before.keys() - {folder / "README.md", folder / ".gitignore"}:
-        assert each.read_bytes() == before[each]
+    for key in before.keys() - {folder / "README.md", folder / ".gitignore"}:
+        assert key.read_bytes() == before[key]
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,7 @@ def test_a_robot_for_the_judge_leaves_safety_to_a_person(tmp_path, monkeypatch, 
 
     lines = model.read_text(encoding="utf-8").splitlines(keepends=True)
     model.write_text(
-        "".join(each for each in lines if "openDecisions" not in each), encoding="utf-8"
+        "".join(line for line in lines if "openDecisions" not in line), encoding="utf-8"
     )
     done = jausml("validate", "models", "--strict")
     assert done.exit_code == 0, done.output
@@ -68,8 +68,8 @@ def test_a_profile_of_iop_leaves_safety_to_a_person(
     assert jausml("format", "--check", "models").exit_code == 0
     done = jausml("validate", "models")
     assert done.exit_code == 1
-    errors = [each for each in done.output.splitlines() if ": error: " in each]
-    assert [each.split(": error: ")[1][:6] for each in errors] == codes
+    errors = [line for line in done.output.splitlines() if ": error: " in line]
+    assert [error.split(": error: ")[1][:6] for error in errors] == codes
     assert f"say {asked}" in done.output
     assert jausml("generate", model, "-o", "src").exit_code == 1
 
@@ -107,9 +107,9 @@ def test_what_cannot_be_begun_writes_nothing(tmp_path, jausml, options, status, 
 
 def test_it_overwrites_nothing(tmp_path, jausml):
     assert jausml("init", tmp_path / "rover", "--from", "empty").exit_code == 0
-    before = {each: each.read_bytes() for each in tmp_path.rglob("*") if each.is_file()}
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
     for origin in (TOPICS, JSIDL):
         done = jausml("init", tmp_path / "rover", *origin)
         assert done.exit_code == 2
         assert "is there already; nothing was written" in done.output
-    assert {each: each.read_bytes() for each in tmp_path.rglob("*") if each.is_file()} == before
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before

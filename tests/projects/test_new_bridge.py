@@ -36,7 +36,7 @@ def ways(model):
     """What each connection carries: topics, map, direction and exchange."""
     return [
         (
-            [each.name for each in one.topics],
+            [topic.name for topic in one.topics],
             name_of(one.map),
             one.direction.name,
             one.exchange.name,
@@ -65,7 +65,9 @@ def test_it_validates_and_generates(rover, jausml, notation):
     ]
     made = the_bridge(model)
     assert sorted(map(name_of, made.provides)) == ["LocalPoseSensor", "VelocityStateDriver"]
-    drive, odometry = (each.topics[0].qos for each in made.bridgeConnections)
+    drive, odometry = (
+        bridge_connection.topics[0].qos for bridge_connection in made.bridgeConnections
+    )
     assert (drive.reliability.name, drive.depth) == ("reliable", 1)
     assert (odometry.reliability.name, odometry.depth) == ("best_effort", 5)
 
@@ -77,7 +79,7 @@ def test_eclipse_opens_what_it_wrote(rover, jausml):
     assert jausml("new", "bridge", "rover", DRIVE, ODOM, "--yes").exit_code == 0
     assert jausml("new", "component", "ocu", "--uses", "LocalPoseSensor").exit_code == 0
     assert jausml("new", "node", "planner", "--publishes", "goal:geometry_msgs/Pose").exit_code == 0
-    files = sorted(each.relative_to(model.parents[1]) for each in model.parent.rglob("*.xmi"))
+    files = sorted(path.relative_to(model.parents[1]) for path in model.parent.rglob("*.xmi"))
     assert len(files) == 3
     done = emf_check.ask(*map(str, files), cwd=model.parents[1])
     assert (done.returncode, done.stdout) == (0, "")
@@ -163,10 +165,10 @@ def test_a_type_alone_says_nothing(rover, jausml):
 
 
 def test_of_several_robots_somebody_says_which_one():
-    topics = [TopicEnd(f"{each}/cmd_vel", "geometry_msgs/Twist", to_ros=True) for each in "ab"]
+    topics = [TopicEnd(f"{robot}/cmd_vel", "geometry_msgs/Twist", to_ros=True) for robot in "ab"]
     with pytest.raises(click.UsageError, match="a bridge of its own:\n  --namespace a\n"):
         of_one_robot(topics, None)
-    assert [each.name for each in of_one_robot(topics, "/b")] == ["cmd_vel"]
+    assert [end.name for end in of_one_robot(topics, "/b")] == ["cmd_vel"]
     assert of_one_robot(topics[:1], None) == topics[:1]
     with pytest.raises(click.UsageError, match="no topic runs in the namespace 'c'"):
         of_one_robot(topics, "c")
@@ -281,7 +283,10 @@ def test_a_bridge_gets_further_topics(rover, jausml, notation):
         (["report"], "velocity_command_report"),
     ]
     made = the_bridge(model)
-    assert [each.name for each in made.bridgeConnections][1:3] == ["odom", "velocity_state"]
+    assert [bridge_connection.name for bridge_connection in made.bridgeConnections][1:3] == [
+        "odom",
+        "velocity_state",
+    ]
     provided = ["VelocityStateDriver", "LocalPoseSensor", "VelocityStateSensor", "RangeSensor"]
     assert list(map(name_of, made.provides)) == provided
     done = jausml("validate", "models", "--strict")
@@ -344,11 +349,11 @@ def test_of_several_bridges_one_gets_the_topics(rover, jausml):
 )
 def test_bad_words_change_nothing(rover, jausml, words, told):
     model = rover("xmi")
-    before = {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()}
+    before = {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()}
     done = jausml("new", "bridge", "rover", *words)
     assert done.exit_code == 2
     assert told in done.output
-    assert {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()} == before
+    assert {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()} == before
 
 
 @pytest.mark.parametrize(
@@ -358,11 +363,11 @@ def test_bad_words_change_nothing(rover, jausml, words, told):
 def test_bad_names_change_nothing(rover, jausml, name, told):
     model = rover("xmi")
     assert jausml("new", "bridge", "rover", ODOM, "--yes").exit_code == 0
-    before = {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()}
+    before = {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()}
     done = jausml("new", "bridge", name, DRIVE, "--yes")
     assert done.exit_code == 2
     assert told in done.output
-    assert {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()} == before
+    assert {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()} == before
 
 
 @pytest.mark.slow

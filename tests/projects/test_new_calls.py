@@ -72,8 +72,8 @@ def decide(model):
     """Removes what is open from a model, as a person does who has decided it."""
     project = Project(model.parent)
     read = project.model(model.name).model
-    for each in reversed(read.instances(bridge.OpenDecision, library=False)):
-        project.do([Remove(ref_of(each, read, project.root))], "decided")
+    for open_decision in reversed(read.instances(bridge.OpenDecision, library=False)):
+        project.do([Remove(ref_of(open_decision, read, project.root))], "decided")
 
 
 @NOTATION
@@ -120,7 +120,7 @@ def test_services_of_an_operator_ask_jaus(robot, jausml, notation):
         "management_status",
         "QueryStatus",
     )
-    assert [name_of(each) for each in status.search.services] == ["Management"]
+    assert [name_of(service) for service in status.search.services] == ["Management"]
     # Anybody may set an emergency: it does not wait for control.
     assert (name_of(stop.request), stop.control) == ("set_emergency", False)
     assert ([*map(name_of, drop.peers)], drop.search, drop.control) == (["weights"], None, True)
@@ -151,7 +151,7 @@ def test_a_list_driver_gives_its_goals(robot, jausml, notation):
         "index",
         "error_msg",
     )
-    assert [each.text.partition(" of")[0] for each in made.openDecisions] == [
+    assert [open_decision.text.partition(" of")[0] for open_decision in made.openDecisions] == [
         "defaults are sent in number_of_loops, goal_index"
     ]
     decide(model)
@@ -221,7 +221,10 @@ def test_own_types_of_the_project_are_carried(robot, jausml, notation):
     assert (name_of(pull.request), name_of(pull.response)) == ("pull_request", "pull_response")
     assert (pull.successMember, survey.progressMember) == (None, None)
     assert survey.goalMember == "path.poses"
-    defaults = [(each.text.split(":")[0], each.blocking) for each in survey.openDecisions]
+    defaults = [
+        (open_decision.text.split(":")[0], open_decision.blocking)
+        for open_decision in survey.openDecisions
+    ]
     assert defaults[0] == ("nothing tells which element is active", False)
     assert defaults[1][0].startswith("defaults are sent in depth of the goal")
     done = jausml("validate", "models", "--strict")

@@ -43,12 +43,19 @@ except AbsentFieldError:
 
 def maps_in(model):
     read = read_models([model], project_root=model.parents[1], notations=NOTATIONS).model
-    return {name_of(each): each for each in read.instances(bridge.AttributeMap, library=False)}
+    return {
+        name_of(attribute_map): attribute_map
+        for attribute_map in read.instances(bridge.AttributeMap, library=False)
+    }
 
 
 def names_of(used):
     ways = (*used.toRos, *used.toJaus)
-    return [list(each.names) for each in ways if isinstance(each, bridge.ListAssignment)]
+    return [
+        list(assignment.names)
+        for assignment in ways
+        if isinstance(assignment, bridge.ListAssignment)
+    ]
 
 
 @NOTATION
@@ -89,7 +96,7 @@ def test_its_messages_pass_by_name(rover, jausml, tmp_path):
     assert done.exit_code == 0, done.output
     script = tmp_path / "translate.py"
     script.write_text(TRANSLATED, "utf-8")
-    folders = sorted({str(each.parents[1]) for each in (model.parents[1] / "src").rglob("*.py")})
+    folders = sorted({str(path.parents[1]) for path in (model.parents[1] / "src").rglob("*.py")})
     ran = subprocess.run(
         [sys.executable, script, *folders], capture_output=True, text=True, check=False
     )
@@ -117,11 +124,13 @@ def test_the_stop_of_a_copy_has_each_joint_of_the_robot(rover, jausml, notation)
     assert done.exit_code == 0, done.output
     done = jausml("validate", "models", "--strict")
     assert done.exit_code == 0, done.output
-    (made,) = (each for name, each in maps_in(model).items() if "set_joint_vel" in name)
-    stop = {str(each.target): str(each.value) for each in made.stopRos.values}
+    (made,) = (
+        attribute_map for name, attribute_map in maps_in(model).items() if "set_joint_vel" in name
+    )
+    stop = {str(value.target): str(value.value) for value in made.stopRos.values}
     expected = {"name[0]": "elbow", "velocity[0]": "0", "name[1]": "shoulder", "velocity[1]": "0"}
     assert stop == expected
-    stop = [str(each.target) for each in made.stopJaus.values]
+    stop = [str(value.target) for value in made.stopJaus.values]
     assert stop == [f"JointVelocityList[{at}].JointVelocity.radianPerSecond" for at in range(2)]
 
 
@@ -135,9 +144,11 @@ def test_a_pan_tilt_unit_has_the_names_of_the_robot(rover, jausml, notation):
     done = jausml("new", "bridge", "ptu", f"{PAN_TILT}:set_pan_tilt_velocities", "--yes", *joints)
     assert done.exit_code == 0, done.output
     assert "joints ptu_pan, ptu_tilt" in done.output
-    (made,) = (each for name, each in maps_in(model).items() if "set_pan_tilt" in name)
+    (made,) = (
+        attribute_map for name, attribute_map in maps_in(model).items() if "set_pan_tilt" in name
+    )
     assert named_places(made) == NamedPlaces("name", ("ptu_pan", "ptu_tilt"), ("velocity",))
-    assert [str(each.target) for each in made.stopRos.values] == ["velocity[0]", "velocity[1]"]
+    assert [str(value.target) for value in made.stopRos.values] == ["velocity[0]", "velocity[1]"]
     done = jausml("validate", "models", "--strict")
     assert done.exit_code == 0, done.output
 
@@ -177,9 +188,9 @@ def test_a_copy_of_a_map_of_a_pan_tilt_unit_has_its_two_names(rover, jausml):
 )
 def test_bad_joints_change_nothing(rover, jausml, joints, told):
     model = rover("xmi")
-    before = {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()}
+    before = {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()}
     topics = (f"{STATES}:joint_positions", "odom:nav_msgs/Odometry:local_pose")
     done = jausml("new", "bridge", "arm", *topics, "--joints", joints)
     assert done.exit_code == 2
     assert told in done.output
-    assert {each: each.read_bytes() for each in model.parent.rglob("*") if each.is_file()} == before
+    assert {path: path.read_bytes() for path in model.parent.rglob("*") if path.is_file()} == before

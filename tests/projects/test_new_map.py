@@ -85,7 +85,7 @@ def ears(tmp_path, monkeypatch):
 def map_in(model, name):
     read = read_models([model], project_root=model.parents[1], notations=NOTATIONS).model
     maps = read.instances(bridge.AttributeMap, library=False)
-    return next(each for each in maps if name_of(each) == name)
+    return next(attribute_map for attribute_map in maps if name_of(attribute_map) == name)
 
 
 def rules_in(output):
@@ -96,7 +96,10 @@ def rules_in(output):
 def opens_in(model, name):
     """What is open in a map, by whether it is an error."""
     found = map_in(model, name).openDecisions
-    return {way: [each.text for each in found if each.blocking is way] for way in (True, False)}
+    return {
+        way: [decision.text for decision in found if decision.blocking is way]
+        for way in (True, False)
+    }
 
 
 @pytest.mark.parametrize(
@@ -212,9 +215,9 @@ def test_conversions_that_are_said_keep_what_absence_asks_for(ears, jausml):
     done = jausml("new", "map", "own", *ends, "--to-ros", "pose.position.y=Y : negate")
     assert done.exit_code == 0, done.output
     own = {
-        each.target: each.whenAbsent.name
-        for each in map_in(model, "own").toRos
-        if hasattr(each, "whenAbsent")
+        assignment.target: assignment.whenAbsent.name
+        for assignment in map_in(model, "own").toRos
+        if hasattr(assignment, "whenAbsent")
     }
     assert own["pose.orientation"] == "useDefault"
     assert own["pose.position.y"] == "dropMessage"
@@ -240,7 +243,7 @@ def test_a_decision_is_open_until_a_person_removes_it(ears, jausml):
     done = jausml("generate", model, "-o", "src")
     assert (done.exit_code, "nothing generated" in done.output) == (1, True), done.output
     lines = model.read_text("utf-8").splitlines(keepends=True)
-    [line] = [each for each in lines if "openDecisions" in each]
+    [line] = [text_line for text_line in lines if "openDecisions" in text_line]
     lines.remove(line)
     model.write_text("".join(lines), "utf-8")
     assert jausml("generate", model, "-o", "src").exit_code == 0
@@ -255,11 +258,11 @@ def test_what_is_open_is_listed_with_its_place(ears, jausml, output_format):
     done = jausml("new", "--open", "--format", output_format)
     assert done.exit_code == 0, done.output
     lines = model.read_text("utf-8").splitlines()
-    at = 1 + next(n for n, each in enumerate(lines) if "the first of 4" in each)
+    at = 1 + next(n for n, line in enumerate(lines) if "the first of 4" in line)
     text = 'CommandType takes "Set current command", the first of 4 that fit'
     if output_format == "json":
         told = json.loads(done.stdout)["diagnostics"]
-        assert {each["rule"] for each in told} == {"JML451", "JML498"}
+        assert {diagnostic["rule"] for diagnostic in told} == {"JML451", "JML498"}
         [found] = [e for e in told if (e["rule"], e["severity"]) == ("JML498", "error")]
         assert (found["file"], found["line"]) == ("models/rover.ros2jaus", at)
         assert (found["message"], found["hint"]) == (f"open in 'own': {text}", HINT)
@@ -280,7 +283,7 @@ def test_a_model_that_cannot_be_read_is_not_taken_for_one_without_decisions(ears
 def test_the_page_has_the_rules_of_what_is_listed():
     text = (ROOT / "docs/how-to/map-a-message.md").read_text("utf-8")
     section = text.partition("## What stays open\n")[2].partition("\n## ")[0]
-    asking = {each.id for each in all_rules() if each.is_decision}
+    asking = {rule.id for rule in all_rules() if rule.is_decision}
     assert {*re.findall(r"JML\d+", section)} == asking
 
 
@@ -356,7 +359,7 @@ def test_it_asks_on_a_terminal(ears):
         terminal.type("\n")
         terminal.wait_for("next: jausml validate")
     made = map_in(model, "own")
-    filled = {each.target: getattr(each, "value", "") for each in made.toJaus}
+    filled = {assignment.target: getattr(assignment, "value", "") for assignment in made.toJaus}
     assert filled["CommandType"] == "Set maximum allowed values"
     assert (made.stopRos, made.stopJaus) == (None, None)
 
@@ -382,14 +385,14 @@ def test_only_a_word_of_its_own_lets_zeros_stop_a_command(ears, jausml, notation
     assert done.exit_code == 0, done.output
     assert "state what stops the command: stopRos and stopJaus; all of" in done.output
     undecided = map_in(model, "undecided")
-    assert not any("stops" in each.text for each in undecided.openDecisions)
+    assert not any("stops" in open_decision.text for open_decision in undecided.openDecisions)
     assert (undecided.stopRos, undecided.stopJaus) == (None, None)
     done = jausml("new", "map", "decided", *COMMAND, "--fill", "--yes", "--zeros-stop")
     assert done.exit_code == 0, done.output
     assert "JML451" not in done.output
     made = map_in(model, "decided")
     assert (made.stopRos is not None, list(made.stopRos.values)) == (True, [])
-    zeros = {each.target: each.value for each in made.stopJaus.values}
+    zeros = {value.target: value.value for value in made.stopJaus.values}
     assert zeros["Velocity_X"] == zeros["YawRate"] == "0"
     assert "CommandType" not in zeros
 
@@ -409,12 +412,16 @@ def test_values_of_one_name_are_mapped_by_a_table(ears, jausml, notation):
     assert "JML440 table 'supply' lacks POWER_SUPPLY_STATUS_DISCHARGING, " in done.output
     own = map_in(model, "supply")
     [table] = own.tables
-    assert [(each.jaus, each.ros) for each in table.entries] == [
+    assert [(entry.jaus, entry.ros) for entry in table.entries] == [
         ("full", full),
         ("charging", charging),
     ]
     for assignments in (own.toRos, own.toJaus):
-        used = [step.table for each in assignments for step in getattr(each, "conversions", ())]
+        used = [
+            step.table
+            for assignment in assignments
+            for step in getattr(assignment, "conversions", ())
+        ]
         assert used == [table]
 
 

@@ -102,8 +102,8 @@ def test_eclipse_knows_where_each_metamodel_is_that_is_needed(rover, jausml):
 def _places(model):
     """Returns the languages whose metamodels a model places beside its folder."""
     written = re.search(r'xsi:schemaLocation="([^"]*)"', model.read_text("utf-8"))[1].split()
-    names = [re.fullmatch(r"\.\./metamodels/(\w+)\.ecore", each)[1] for each in written[1::2]]
-    assert written[::2] == [f"http://www.jausml.org/{each}/1.0" for each in names]
+    names = [re.fullmatch(r"\.\./metamodels/(\w+)\.ecore", value)[1] for value in written[1::2]]
+    assert written[::2] == [f"http://www.jausml.org/{name}/1.0" for name in names]
     return names
 
 

@@ -39,7 +39,7 @@ def water(tmp_path, monkeypatch):
 
 def services(model):
     read = read_models([model], project_root=model.parent, notations=NOTATIONS).model
-    return {name_of(each): each for each in read.instances(jaus.Service, library=False)}
+    return {name_of(service): service for service in read.instances(jaus.Service, library=False)}
 
 
 def codes(service):
@@ -67,8 +67,8 @@ def test_named_messages_have_kinds_codes_and_queries(water, jausml, notation):
         "ReportDepth": "D401",
         "RejectStop": "D402",
     }
-    assert {"Management", "Events"} <= {name_of(each) for each in lineage(sonar)}
-    assert {name_of(each): each.isCommand for each in sonar.inputs} == {
+    assert {"Management", "Events"} <= {name_of(service) for service in lineage(sonar)}
+    assert {name_of(message): message.isCommand for message in sonar.inputs} == {
         "QueryDepth": False,
         "SetDepth": True,
         "Stop": True,
@@ -154,7 +154,7 @@ def test_a_file_of_services_has_no_system(rover, jausml, suffix):
     model = read_models([f"models/services.{suffix}"], notations=NOTATIONS).model
     [services] = model.documents[0].roots
     assert services.name == "services"
-    assert [each.name for each in services.services] == ["Sonar", "Lamp"]
+    assert [service.name for service in services.services] == ["Sonar", "Lamp"]
 
 
 @NOTATION

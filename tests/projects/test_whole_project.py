@@ -184,7 +184,7 @@ def test_a_broken_model_beside_it_hides_no_other_messages(tanks, jausml):
 @pytest.mark.usefixtures("tanks")
 def test_an_own_package_is_looked_for_on_this_machine(jausml):
     done = jausml("doctor", "--format", "json")
-    found = {each["name"]: each for each in json.loads(done.stdout)["checks"]}
+    found = {check["name"]: check for check in json.loads(done.stdout)["checks"]}
     assert found["abyss_msgs"]["verdict"] == "error"
     assert "colcon build" in found["abyss_msgs"]["cure"]
     assert "apt" not in found["abyss_msgs"]["cure"]

@@ -14,7 +14,7 @@ from jausml.authoring.proposals.quick_fixes.fixes import QUICK_FIXES, quick_fixe
 from jausml.language.validation.engine import check
 
 RULES = Path(__file__).resolve().parents[1] / "cases" / "rules"
-CASES = sorted(each for each in RULES.iterdir() if each.name[:6] in QUICK_FIXES)
+CASES = sorted(path for path in RULES.iterdir() if path.name[:6] in QUICK_FIXES)
 UNCOVERED = {
     # What the error of a path or of a conversion hides is found when that is fixed.
     ("JML411", "JML433"),
@@ -40,7 +40,9 @@ HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 
 def judged(project, file):
     report = check(project.model(file))
-    return report, Counter((each.rule, each.message) for each in report.diagnostics)
+    return report, Counter(
+        (diagnostic.rule, diagnostic.message) for diagnostic in report.diagnostics
+    )
 
 
 def cure_all(project, file, rule):
@@ -52,7 +54,11 @@ def cure_all(project, file, rule):
             project.do(fix.commands, fix.label)
             _, after = judged(project, file)
             assert after[rule, found.message] < before[rule, found.message], fix
-            new = {each for each in after - before if (rule, each[0]) not in UNCOVERED}
+            new = {
+                finding_key
+                for finding_key in after - before
+                if (rule, finding_key[0]) not in UNCOVERED
+            }
             assert not new, (found, fix)
             project.undo()
             assert judged(project, file)[1] == before
@@ -90,7 +96,7 @@ def test_names_that_nobody_has_are_cured_in_text(tmp_path):
     project = Project(tmp_path)
     report, _ = judged(project, "bad.ros2jaus")
     scope = Scope(report.model, project.root)
-    [found] = [each for each in report.diagnostics if each.rule == "JML215"]
+    [found] = [diagnostic for diagnostic in report.diagnostics if diagnostic.rule == "JML215"]
     best, *_ = quick_fixes(scope, found)
     [value] = best.commands[0].values
     assert scope.find(value).name == "LocalPoseSensor"
@@ -102,4 +108,4 @@ def test_the_library_is_not_cured():
     scope = Scope(report.model, project.root)
     for document in scope.model.documents:
         document.is_library = True
-    assert not any(quick_fixes(scope, each) for each in report.diagnostics)
+    assert not any(quick_fixes(scope, diagnostic) for diagnostic in report.diagnostics)

@@ -30,7 +30,7 @@ def ways(name, kind, side="vehicle", **known):
 
 
 def first(name, kind, side="vehicle", **known):
-    return next((name_of(each.map) for each in ways(name, kind, side, **known)), None)
+    return next((name_of(crossing.map) for crossing in ways(name, kind, side, **known)), None)
 
 
 @pytest.mark.parametrize(
@@ -77,7 +77,7 @@ def suggested():
     """The topics that the list of ready maps suggests, with their types, and the maps of each."""
     found = defaultdict(set)
     for line in (ROOT / "models/library/mappings/README.md").read_text("utf-8").splitlines():
-        cells = [each.strip() for each in line.split("|")[1:-1]]
+        cells = [word.strip() for word in line.split("|")[1:-1]]
         kind = re.match(r"\w+_msgs/\w+\b(?!\.)", cells[1]) if len(cells) == 5 else None
         for topic in re.findall(r"`([^`]+)`", cells[2]) if kind else ():
             found[topic, kind[0]] |= {*re.findall(r"`([^`]+)`", cells[3])}
@@ -97,19 +97,23 @@ def test_a_suggested_topic_is_proposed_by_its_map():
 
 def test_a_join_is_fed_by_what_it_is_named_after():
     [lamps] = ways("headlights", "std_msgs/Bool", maps=("report_lamps",), to_ros=False)[:1]
-    topics = [TopicEnd(each, "std_msgs/Bool") for each in ("e_stop", "brake_lights", "armed")]
+    topics = [
+        TopicEnd(topic_name, "std_msgs/Bool") for topic_name in ("e_stop", "brake_lights", "armed")
+    ]
     assert name_of(lamps.map) == "report_lamps"
     assert joins_of(lamps, topics, set()) == {"brake_lights": "brake_lights"}
-    pose = next(each for each in ways("fix", "sensor_msgs/NavSatFix") if each.map.joins)
-    imus = [TopicEnd(each, "sensor_msgs/Imu") for each in ("camera/accel", "imu/data")]
+    pose = next(crossing for crossing in ways("fix", "sensor_msgs/NavSatFix") if crossing.map.joins)
+    imus = [TopicEnd(topic_name, "sensor_msgs/Imu") for topic_name in ("camera/accel", "imu/data")]
     assert joins_of(pose, imus, set()) == {"imu": "imu/data"}
     assert joins_of(pose, imus[:1], set()) == {"imu": "camera/accel"}
 
 
 def test_one_message_is_not_that_of_two_topics():
-    twists = [way for each in ("left", "right") for way in ways(each, "nav_msgs/Odometry")[:1]]
+    twists = [
+        way for topic_name in ("left", "right") for way in ways(topic_name, "nav_msgs/Odometry")[:1]
+    ]
     assert clashes(twists) == [(twists[1], twists[0])]
-    lamps = [ways(each, "std_msgs/Bool")[0] for each in ("headlights", "brake_lights")]
+    lamps = [ways(topic_name, "std_msgs/Bool")[0] for topic_name in ("headlights", "brake_lights")]
     assert clashes(lamps) == []
 
 
@@ -125,10 +129,10 @@ def test_one_message_is_not_that_of_two_topics():
     ],
 )
 def test_several_robots_are_seen_by_their_namespaces(names, robots):
-    topics = [TopicEnd(each, "x_msgs/X", to_ros=each.endswith("cmd_vel")) for each in names]
+    topics = [TopicEnd(name, "x_msgs/X", to_ros=name.endswith("cmd_vel")) for name in names]
     assert robots_in(topics) == robots
-    for each in robots:
-        assert robots_in(within(topics, each)) == []
+    for robot in robots:
+        assert robots_in(within(topics, robot)) == []
     if "" in robots:
-        assert [each.name for each in within(topics, "/")] == ["cmd_vel", "scan"]
-        assert [each.name for each in within(topics, "/a")] == ["cmd_vel"]
+        assert [end.name for end in within(topics, "/")] == ["cmd_vel", "scan"]
+        assert [end.name for end in within(topics, "/a")] == ["cmd_vel"]

@@ -18,8 +18,8 @@ GUARDS = ("jausml/live/workers", "jausml/proving/running.py", "jausml/mutating/r
 
 def test_results_are_those_of_their_pieces() -> None:
     work = Work(operator.itemgetter, 1)
-    found = dict(work.results([(each, each * each) for each in range(20)], jobs=3))
-    assert found == {each: each * each for each in range(20)}
+    found = dict(work.results([(number, number * number) for number in range(20)], jobs=3))
+    assert found == {number: number * number for number in range(20)}
 
 
 def test_what_a_worker_raises_is_raised() -> None:

@@ -86,12 +86,16 @@ class Proofs:
         self.path = folder / "proved.ros2jaus"
         self.path.write_text(text, encoding="utf-8")
         report = check_project([self.path])
-        errors = {each.rule for each in report.diagnostics if each.severity.name == "ERROR"}
+        errors = {
+            diagnostic.rule
+            for diagnostic in report.diagnostics
+            if diagnostic.severity.name == "ERROR"
+        }
         assert errors <= {"JML422", "JML423"}, report.diagnostics  # nobody to talk to
         settings = Settings(str(compiler()), budget, 1)
         maps = round_trips(report.model)
         results = list(prove(report.model, maps, settings))
-        self.maps = {each.name: each for each in results}
+        self.maps = {result.name: result for result in results}
         self.report: Report = with_proofs(report, maps, results)
 
     def field(self, path: str, side: str = "JAUS", name: str = "small") -> FieldResult:
@@ -101,9 +105,9 @@ class Proofs:
 
     def rules(self, name: str) -> set[str]:
         return {
-            each.rule
-            for each in self.report.diagnostics
-            if each.element == name and each.rule.startswith("JML92")
+            diagnostic.rule
+            for diagnostic in self.report.diagnostics
+            if diagnostic.element == name and diagnostic.rule.startswith("JML92")
         }
 
 
@@ -163,21 +167,21 @@ def test_every_count_is_that_of_a_loop_over_the_python_form(tmp_path: Path) -> N
             value = -327.68 + raw * (655.35 / 65535) if path == "Speed" else raw
             message = made.messages.SetSmall(**{"speed": 0.0, **others, name: value})
             counted = [made.bridge.up.statistics, made.bridge.down.statistics]
-            for each in counted:
-                each.out_of_range.clear()
+            for tally in counted:
+                tally.out_of_range.clear()
             try:
                 there = made.bridge.translate_up(made.messages.SetSmall.decode(message.encode()))
                 back = made.bridge.translate_down(there).encode()
             except ValueError:
                 counts["refused"] += 1
                 continue
-            if any(each.out_of_range for each in counted):
+            if any(tally.out_of_range for tally in counted):
                 counts["limited"] += 1
                 continue
             error = abs(getattr(made.messages.SetSmall.decode(back), name) - value)
             counts["changed" if error > 1e-9 else "unchanged"] += 1
             largest = max(largest, error)
-        assert {each: getattr(found, each) for each in counts} == counts, path
+        assert {count: getattr(found, count) for count in counts} == counts, path
         assert sum(counts.values()) == found.total
         assert (found.largest.error if found.largest else 0.0) == pytest.approx(largest)
     assert proofs.rules("small") == {"JML922"}
@@ -357,7 +361,9 @@ def test_a_factor_between_two_bridges_names_both(tmp_path: Path) -> None:
     name = "first.up + second.down"
     assert proofs.rules(name) == {"JML922"}
     assert not proofs.rules("there") | proofs.rules("back")  # neither is wrong by itself
-    found = next(each for each in proofs.report.diagnostics if each.element == name)
+    found = next(
+        diagnostic for diagnostic in proofs.report.diagnostics if diagnostic.element == name
+    )
     assert found.message.startswith(f"{name}: JAUS Speed is changed by ")
     line = proofs.path.read_text(encoding="utf-8").splitlines()[found.location.line - 1]
     assert "scale(0.5)" in line
@@ -491,9 +497,9 @@ def test_a_planted_fault_is_found(mutant: Callable[[str], Proofs], name: str) ->
 def test_a_finding_stands_at_the_assignment(mutant: Callable[[str], Proofs]) -> None:
     mutants = mutant("rounded")
     (found,) = (
-        each
-        for each in mutants.report.diagnostics
-        if (each.rule, each.element) == ("JML921", "rounded")
+        diagnostic
+        for diagnostic in mutants.report.diagnostics
+        if (diagnostic.rule, diagnostic.element) == ("JML921", "rounded")
     )
     line = mutants.path.read_text(encoding="utf-8").splitlines()[found.location.line - 1]
     assert "precision: 0.001" in line

@@ -43,15 +43,21 @@ pytestmark = [
 def proved(path: Path, names: Sequence[str] = ()) -> list[MapResult]:
     """Results of maps of a file, in which nothing falls short."""
     report = check_project([path])
-    maps = [each for each in round_trips(report.model) if not names or each.name in names]
+    maps = [
+        round_trip
+        for round_trip in round_trips(report.model)
+        if not names or round_trip.name in names
+    ]
     assert maps, path
     results = list(prove(report.model, maps, Settings(str(compiler()), 0.01, 2)))
     judged = with_proofs(report, maps, results)
-    assert not [each.message for each in judged.diagnostics if each.rule in PROOF_RULES]
-    for each in results:
-        assert each.fields, (each.name, each.remarks)
-        for one in each.fields:
-            assert one.tried, (each.name, one.path)
+    assert not [
+        diagnostic.message for diagnostic in judged.diagnostics if diagnostic.rule in PROOF_RULES
+    ]
+    for result in results:
+        assert result.fields, (result.name, result.remarks)
+        for one in result.fields:
+            assert one.tried, (result.name, one.path)
             assert not one.faults
             assert not one.differing
     return results
@@ -69,15 +75,15 @@ def of_library() -> list[tuple[Path, list[str]]]:
         for path in sorted((library_root() / "mappings").glob("*.ros2jaus"))
     }
     names = {
-        path: [each for each in READY if f"\n{each} {{" in text] for path, text in texts.items()
+        path: [name for name in READY if f"\n{name} {{" in text] for path, text in texts.items()
     }
     assert sum(map(len, names.values())) == len(READY)
-    return [(path, each) for path, each in names.items() if each]
+    return [(path, name_list) for path, name_list in names.items() if name_list]
 
 
 @for_each(("path", "names"), of_library, ids=lambda pair: ", ".join(pair[1]), shards=3)
 def test_ready_maps(path: Path, names: list[str]) -> None:
-    assert {each.name for each in proved(path, names)} == set(names)
+    assert {result.name for result in proved(path, names)} == set(names)
 
 
 def test_what_of_ready_maps_is_known() -> None:
@@ -100,7 +106,7 @@ def test_joined_reports_and_topics_take_all_values() -> None:
     assert rate.tried == rate.unchanged == 65536
     assert rate.reached[0].path == "twist.twist.angular.z"
     (lamps,) = proved(library_root() / "mappings/illumination.ros2jaus", ["set_lamps"])
-    assert {each.path: each.tried for each in lamps.fields}["fog_lights.data"] == 2
+    assert {field.path: field.tried for field in lamps.fields}["fog_lights.data"] == 2
 
 
 def test_lists_have_the_elements_that_a_map_wants() -> None:
@@ -117,15 +123,15 @@ def test_an_integer_of_which_one_value_counts_is_carried() -> None:
     (found,) = proved(path, ["visual_sensor_switched"])
     (sensor,) = found.fields  # of one of the options of a variant
     assert sensor.path == "ConfirmSensorList[0].SensorIdRec.SensorID"
-    assert [each.path for each in sensor.reached] == ["success"]
+    assert [reached.path for reached in sensor.reached] == ["success"]
 
 
 def test_a_map_that_is_left_to_python_is_called_so() -> None:
     report = check_project([library_root() / "mappings/cost_map_2d.ros2jaus"])
-    maps = [each for each in round_trips(report.model) if each.name == "cost_map"]
+    maps = [round_trip for round_trip in round_trips(report.model) if round_trip.name == "cost_map"]
     (found,) = prove(report.model, maps, Settings(str(compiler()), 0.01, 1))
     assert not found.fields
-    assert [each.partition(": ")[0] for each in found.remarks] == ["left to Python"] * 2
+    assert [remark.partition(": ")[0] for remark in found.remarks] == ["left to Python"] * 2
 
 
 def test_a_variant_takes_the_option_of_which_most_comes_back() -> None:

@@ -76,9 +76,11 @@ def frame(payload, **options):
 def nano_pcap(frames, step=10_000_001, begin=BEGIN):
     """Returns a pcap file with times in nanoseconds, one frame each step."""
     data = struct.pack("<IHHiIII", 0xA1B23C4D, 2, 4, 0, 0, 262144, ETHERNET)
-    for index, each in enumerate(frames):
+    for index, frame_bytes in enumerate(frames):
         seconds, rest = divmod(begin + index * step, 10**9)
-        data += struct.pack("<IIII", seconds, rest, len(each), len(each)) + each
+        data += (
+            struct.pack("<IIII", seconds, rest, len(frame_bytes), len(frame_bytes)) + frame_bytes
+        )
     return data
 
 

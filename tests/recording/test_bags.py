@@ -40,7 +40,7 @@ WHOLE = recording()
 def test_a_whole_one_is_read(tmp_path):
     path = tmp_path / "run.mcap"
     path.write_bytes(WHOLE)
-    assert [(each.topic, each.time) for each in Bag(str(path)).messages()] == [
+    assert [(message.topic, message.time) for message in Bag(str(path)).messages()] == [
         ("/on", 0),
         ("/on", 1),
         ("/on", 2),
@@ -102,7 +102,7 @@ def change(path, edit):
 
 def times(path):
     found = Bag(str(path))
-    return [each.time for each in found.messages()], found.fault
+    return [message.time for message in found.messages()], found.fault
 
 
 STORAGES = pytest.mark.parametrize("storage", list(StoragePlugin))
@@ -118,7 +118,7 @@ def test_topics_are_those_of_the_files_whatever_metadata_says_of_them(tmp_path, 
             "depth": 1,
             "reliability": "reliable",
             "durability": "transient_local",
-            **{each: {"sec": 0, "nsec": 0} for each in ("deadline", "lifespan")},
+            **{policy: {"sec": 0, "nsec": 0} for policy in ("deadline", "lifespan")},
             "liveliness_lease_duration": {"sec": 0, "nsec": 0},
             "liveliness": "automatic",
             "avoid_ros_namespace_conventions": False,
@@ -162,9 +162,10 @@ def test_what_a_killed_recorder_left_beside_a_database_is_told(tmp_path):
 @STORAGES
 def test_definitions_stand_beside_the_messages(tmp_path, storage):
     path = bag(tmp_path / "run", storage)
-    definitions = {each.definition for each in Bag(str(path)).messages()}
+    definitions = {message.definition for message in Bag(str(path)).messages()}
     assert {
-        (each.encoding, each.text.split()[:2] == ["string", "data"]) for each in definitions
+        (definition.encoding, definition.text.split()[:2] == ["string", "data"])
+        for definition in definitions
     } == {("ros2msg", True)}
 
 

@@ -56,7 +56,10 @@ def installation(tmp_path):
 def fields(text, name):
     """What rosbags understands of a definition: the names of the fields of each type."""
     found = get_types_from_msg(text, name)
-    return {key.rpartition("/")[2]: [each for each, _ in value[1]] for key, value in found.items()}
+    return {
+        key.rpartition("/")[2]: [field_name for field_name, _ in value[1]]
+        for key, value in found.items()
+    }
 
 
 def test_feedback_of_an_action(installation):
@@ -122,7 +125,7 @@ def test_topics_of_a_model_are_those_of_its_calls_too(request):
     assert "/diagnostics" in topics_of(read(live / "services.ros2jaus"))
     lists = topics_of(read(live / "waypoint_lists.ros2jaus"))
     topics = ("feedback", "status", "send_goal/_service_event", "get_result/_service_event")
-    assert {f"/robot/follow_waypoints/_action/{each}" for each in topics} <= set(lists)
+    assert {f"/robot/follow_waypoints/_action/{topic}" for topic in topics} <= set(lists)
 
 
 @pytest.mark.live
@@ -157,7 +160,7 @@ def test_calls_are_recorded_where_a_node_publishes_them(tmp_path, monkeypatch):
         name = "std_srvs/msg/SetBool_Event"
         store.register(get_types_from_msg(connection.msgdef.data, name))
         found = [store.deserialize_cdr(data, name) for _, _, data in reader.messages()]
-    kinds = {each.info.event_type: each for each in found}
+    kinds = {event.info.event_type: event for event in found}
     assert sorted(kinds) == [0, 1, 2, 3]  # sent and received, by the client and by the server
     assert kinds[1].request[0].data
     assert kinds[2].response[0].message == "on"
@@ -181,9 +184,11 @@ class Introspected:
         self._executor.add_node(self._node)
         self._client = self._node.create_client(SetBool, "/switch")
         service = self._node.create_service(SetBool, "/switch", _switched)
-        for each in (service, self._client):
+        for endpoint in (service, self._client):
             state = ServiceIntrospectionState.CONTENTS
-            each.configure_introspection(self._node.get_clock(), qos_profile_system_default, state)
+            endpoint.configure_introspection(
+                self._node.get_clock(), qos_profile_system_default, state
+            )
         return self
 
     def __exit__(self, *_):

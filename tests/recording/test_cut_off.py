@@ -109,7 +109,10 @@ def test_a_bag_without_metadata_is_read_file_by_file(tmp_path):
     assert len(list(bag.messages())) == EACH * FLUSHES + EACH
     assert "run_11.mcap cannot be read" in bag.fault
     part = Bag(str(tmp_path), TimeSpan(start=10.0))
-    assert [each.time for each in part.messages()][:2] == [BEGIN + 10 * SECOND, BEGIN + 11 * SECOND]
+    assert [message.time for message in part.messages()][:2] == [
+        BEGIN + 10 * SECOND,
+        BEGIN + 11 * SECOND,
+    ]
     for path in tmp_path.glob("run_*.mcap"):
         path.write_bytes(data[:30])
     with pytest.raises(RecordingError, match=r"run_11\.mcap cannot be read"):
@@ -123,7 +126,7 @@ def test_it_is_made_whole_for_all_who_read_such_files(cut, tmp_path):
     assert "it was read until 2023-11-14 22:13:25.000+00:00" in result.stderr
     assert result.exit_code == 1
     expected = [BEGIN + number * SECOND for number in range(2 * EACH)]
-    assert [each.time for each in by_rosbags(whole)] == expected
+    assert [by_rosbag.time for by_rosbag in by_rosbags(whole)] == expected
     assert [message.log_time for _, _, message in by_mcap(whole)] == expected
     again = CliRunner().invoke(main, [*line[:1], str(whole), "-o", str(tmp_path / "again.mcap")])
     assert (again.exit_code, again.stderr) == (0, "6 messages\n")

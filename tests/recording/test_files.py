@@ -17,17 +17,17 @@ from jausml.live.recording.recorder import FilePair, RecordingFiles, SplitLimits
 
 def fill(parts, number):
     """Writes so many messages, each into files of its own where the limits say so."""
-    for each in range(number):
+    for index in range(number):
         file = parts.current.file
         channel = file.ros_channel("/on", "std_msgs/msg/Bool", "bool data")
-        file.write(channel, each, b"\0\1\0\0\1")
+        file.write(channel, index, b"\0\1\0\0\1")
         parts.current.flush()
         parts.turn()
     parts.current.close()
 
 
 def names(folder):
-    return sorted(each.name for each in folder.iterdir())
+    return sorted(path.name for path in folder.iterdir())
 
 
 def test_a_row_by_size_goes_on_where_the_former_one_ended(tmp_path):
@@ -40,7 +40,7 @@ def test_a_row_by_size_goes_on_where_the_former_one_ended(tmp_path):
     again = RecordingFiles(path, SplitLimits(size=1, files=2), overwrites=True)
     fill(again, 1)
     assert names(tmp_path) == ["run_3.mcap", "run_3.pcap", "run_4.mcap", "run_4.pcap"]
-    assert [each.name for each in again.paths] == ["run_3.mcap", "run_4.mcap"]
+    assert [file.name for file in again.paths] == ["run_3.mcap", "run_4.mcap"]
 
 
 def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
@@ -48,7 +48,7 @@ def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
     rows = [RecordingFiles(path, SplitLimits(size=1)) for _ in range(2)]
     for row in rows:
         fill(row, 2)
-    first, second = ([each.name for each in row.paths] for row in rows)
+    first, second = ([file.name for file in row.paths] for row in rows)
     assert first == ["run_0.mcap", "run_2.mcap", "run_3.mcap"]
     assert second == ["run_1.mcap", "run_4.mcap", "run_5.mcap"]
 
@@ -72,7 +72,7 @@ def test_without_limits_there_is_one_pair(tmp_path):
     ],
 )
 def test_topics_by_patterns(selection, wanted):
-    assert [each for each in ("/a", "/a/b", "/c") if selection.wants_topic(each)] == wanted
+    assert [topic for topic in ("/a", "/a/b", "/c") if selection.wants_topic(topic)] == wanted
 
 
 def test_limits_that_make_no_sense_are_told(tmp_path):
@@ -123,7 +123,7 @@ def test_a_file_whose_recorder_was_killed_is_opened_by_others(tmp_path):
         file = McapFile(stream, has_jaus=False)
         file.write(file.ros_channel("/on", "std_msgs/msg/Bool", "bool data"), 7, b"\0\1\0\0\1")
         file.flush()
-        assert [(each.topic, each.time) for each in by_rosbags(path)] == [("/on", 7)]
+        assert [(by_rosbag.topic, by_rosbag.time) for by_rosbag in by_rosbags(path)] == [("/on", 7)]
         file.write(file.ros_channel("/on", "std_msgs/msg/Bool", "bool data"), 8, b"\0\1\0\0\1")
         file.close()
-    assert [each.time for each in by_rosbags(path)] == [7, 8]
+    assert [by_rosbag.time for by_rosbag in by_rosbags(path)] == [7, 8]

@@ -32,8 +32,8 @@ STOPS = st.one_of(st.none(), st.floats(0, 20))
 
 def messages(*seconds):
     return [
-        RosMessage("/on", "std_msgs/msg/Bool", BEGIN + round(each * SECOND), b"")
-        for each in seconds
+        RosMessage("/on", "std_msgs/msg/Bool", BEGIN + round(offset * SECOND), b"")
+        for offset in seconds
     ]
 
 
@@ -52,17 +52,17 @@ def bag(path, count):
 
 @given(st.lists(st.one_of(st.none(), st.integers(0, 20))), st.floats(0, 20), STOPS)
 def test_a_span_has_what_lies_in_it(seconds, start, duration):
-    timed = sorted(each for each in seconds if each is not None)
-    found = TimeSpan(start, duration).of(timed, lambda each: (7 + each) * SECOND)
+    timed = sorted(moment for moment in seconds if moment is not None)
+    found = TimeSpan(start, duration).of(timed, lambda moment: (7 + moment) * SECOND)
     end = float("inf") if duration is None else start + duration
-    since = [each - timed[0] for each in timed]
-    assert [each - timed[0] for each in found] == [
-        each for each in since if each >= start and each - start < end - start
+    since = [moment - timed[0] for moment in timed]
+    assert [moment - timed[0] for moment in found] == [
+        offset for offset in since if offset >= start and offset - start < end - start
     ]
 
 
 def test_what_nobody_timed_is_in_every_span():
-    assert list(TimeSpan(5.0, 1.0).of([None, None], lambda each: each)) == [None, None]
+    assert list(TimeSpan(5.0, 1.0).of([None, None], lambda none_type: none_type)) == [None, None]
 
 
 def test_a_part_of_a_recording(tmp_path):
@@ -83,9 +83,9 @@ def test_a_part_of_a_capture(tmp_path):
     line = ["replay", str(capture), MAPS, "--start", "7.5", "-o", str(part)]
     assert CliRunner().invoke(main, line).exit_code == 0
     speeds = [
-        round(each.message.twist.twist.linear.x, 4)
-        for each in by_rosbags(part)
-        if "Odometry" in type(each.message).__name__
+        round(by_rosbag.message.twist.twist.linear.x, 4)
+        for by_rosbag in by_rosbags(part)
+        if "Odometry" in type(by_rosbag.message).__name__
     ]
     assert speeds == [8.0, 9.0]
 
@@ -102,7 +102,7 @@ def test_nothing_passes_in_a_pause():
         assert passed == []
         pace.is_paused = False
         reader.join(60)
-        assert [each.time for each in passed] == [BEGIN, BEGIN + SECOND, BEGIN + 2 * SECOND]
+        assert [message.time for message in passed] == [BEGIN, BEGIN + SECOND, BEGIN + 2 * SECOND]
         assert pace.position == 2.0
     finally:
         stop.set()
@@ -127,8 +127,8 @@ def test_the_end_comes_in_the_midst_of_waiting():
     stop = Event()
     passed = []
     pace = ReplayPace(1.0, 1000.0, stop)
-    for each in pace.messages(messages(0, 3600)):
-        passed.append(each)
+    for message in pace.messages(messages(0, 3600)):
+        passed.append(message)
         stop.set()
     assert len(passed) == 1
 

@@ -84,13 +84,16 @@ def as_live_folds(system, at):
 def test_a_moment_is_the_fold_of_all_before_it(many_blocks, at):
     places = places_of(model())
     found, wanted = (
-        live_values(each, places)
-        for each in (many_blocks.state(at, model()), as_live_folds(many_blocks, max(at, 0.0)))
+        live_values(state, places)
+        for state in (many_blocks.state(at, model()), as_live_folds(many_blocks, max(at, 0.0)))
     )
     assert found["edges"] == wanted["edges"]
     assert found["boxes"] == wanted["boxes"]
     by_name = [
-        {(each["bridge"], each["connection"]): each for each in values["connections"]}
+        {
+            (connection["bridge"], connection["connection"]): connection
+            for connection in values["connections"]
+        }
         for values in (found, wanted)
     ]
     assert by_name[0] == by_name[1]
@@ -99,9 +102,9 @@ def test_a_moment_is_the_fold_of_all_before_it(many_blocks, at):
 @given(at=st.floats(0.0, 50.0))
 @settings(max_examples=30, deadline=None)
 def test_states_that_are_let_go_change_nothing(many_blocks, at):
-    kept = sum(each.before is not None for each in many_blocks._blocks)
+    kept = sum(block.before is not None for block in many_blocks._blocks)
     assert kept <= 8 < len(many_blocks._blocks)
-    facts = (each for each in many_blocks.facts() if each.time <= at)
+    facts = (fact for fact in many_blocks.facts() if fact.time <= at)
     state = reduce(playback.fold_fact, facts, SystemState())
     assert many_blocks.state(at).connections == fold_time(state, max(at, state.now)).connections
 
@@ -164,7 +167,7 @@ def test_an_override_is_told_of(tmp_path):
         tmp_path / "calls.mcap", LAMPS, ("/front", "100.1.20"), "switch_robot", messages,
         (override,), (override, ("failed: not_translated", "1")),
     )  # fmt: skip
-    assert any("code of yours decides" in each and override[1] in each for each in found.state)
+    assert any("code of yours decides" in line and override[1] in line for line in found.state)
 
 
 def test_before_the_first_drop_nothing_is_explained(opened):
@@ -186,7 +189,7 @@ def test_several_that_were_dropped_are_counted(opened):
 
 def test_marks_are_drops_states_and_controllers_in_their_order(opened):
     marks = opened(Drive()).marks
-    assert [(each.kind, each.time, each.subject, each.before, each.after) for each in marks] == [
+    assert [(mark.kind, mark.time, mark.subject, mark.before, mark.after) for mark in marks] == [
         ("drop", 4.0, DRIVE, "0", "1"),
         ("state", 4.0, DRIVE, "active", "failed"),
         ("state", 5.0, DRIVE, "failed", "active"),

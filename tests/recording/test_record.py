@@ -44,8 +44,8 @@ def test_topics_that_nobody_publishes_are_told_beside_the_recording(capsys):
 def says(number, port):
     """Sends so many messages to a receiver on loopback."""
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as speaker:
-        for each in range(number):
-            speaker.sendto(datagram(velocity(2.0, 0.5, 0.25), number=each), ("127.0.0.1", port))
+        for index in range(number):
+            speaker.sendto(datagram(velocity(2.0, 0.5, 0.25), number=index), ("127.0.0.1", port))
 
 
 class Recording:
@@ -121,9 +121,9 @@ def test_messages_stand_in_the_file_as_json(recording):
 def test_capture_beside_it_has_the_same_at_the_same_times(recording):
     reader = UdpReader(recording.port)
     datagrams = [reader.read(frame) for frame in recording.frames()]
-    assert [each.data[0] for each in datagrams] == [2] * 4
+    assert [packet.data[0] for packet in datagrams] == [2] * 4
     times = [message.log_time for _, _, message in by_mcap(recording.path)]
-    assert [each.nanoseconds for each in datagrams] == times
+    assert [packet.nanoseconds for packet in datagrams] == times
     assert abs(times[0] - time.time_ns()) < 3600 * 10**9
     assert not any(reader.skipped.values())
 
@@ -134,7 +134,7 @@ def test_nothing_is_overwritten_and_nothing_is_left_behind(tmp_path):
     done = subprocess.run(line, capture_output=True, text=True, timeout=PATIENCE)
     assert "run.pcap is there already; --force overwrites it" in done.stderr
     assert done.returncode == 2
-    assert [each.name for each in tmp_path.iterdir()] == ["run.pcap"]
+    assert [path.name for path in tmp_path.iterdir()] == ["run.pcap"]
 
 
 @pytest.mark.slow
@@ -213,7 +213,7 @@ def test_a_full_disk_is_told_and_leaves_what_it_took(small_disk):
         assert "were lost since" in said
         assert "Traceback" not in said
         found = [message.log_time for _, _, message in McapRecording(str(made.path)).messages()]
-        assert found == [each.nanoseconds for each in made.frames()]
+        assert found == [frame.nanoseconds for frame in made.frames()]
         assert len(found) > 20
         assert [message.log_time for _, _, message in by_mcap(made.path)] == found
     finally:
@@ -227,7 +227,7 @@ def test_a_row_of_files_of_the_components_that_are_named(tmp_path):
     made = Recording(tmp_path, port, *options, "--component", "101.*")
 
     def row():
-        return sorted(int(each.stem.removeprefix("run_")) for each in tmp_path.glob("run_*.mcap"))
+        return sorted(int(path.stem.removeprefix("run_")) for path in tmp_path.glob("run_*.mcap"))
 
     def has_gone_on():
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as speaker:
@@ -246,9 +246,9 @@ def test_a_row_of_files_of_the_components_that_are_named(tmp_path):
     numbers = row()
     assert numbers == list(range(numbers[0], numbers[0] + 3))
     files = [tmp_path / f"run_{number}.mcap" for number in numbers]
-    assert {each.with_suffix(".pcap") for each in files} == set(tmp_path.glob("*.pcap"))
-    assert all(each.name in made.log.read_text() for each in files)
-    found = [each for file in files for each in by_mcap(file)]
+    assert {file.with_suffix(".pcap") for file in files} == set(tmp_path.glob("*.pcap"))
+    assert all(file.name in made.log.read_text() for file in files)
+    found = [entry for file in files for entry in by_mcap(file)]
     times = [message.log_time for _, _, message in found]
     assert times
     assert times == sorted(times)

@@ -69,8 +69,8 @@ def velocities(tmp_path_factory):
 def test_values_frames_and_times_by_figures_of_their_own(velocities):
     path, result = velocities
     heard = {}
-    for each in by_rosbags(path):
-        heard.setdefault(each.topic, []).append(each)
+    for by_rosbag in by_rosbags(path):
+        heard.setdefault(by_rosbag.topic, []).append(by_rosbag)
     first, second = heard["/velocity_state"]
     assert (first.time, second.time) == (BEGIN, BEGIN + STEP)  # to the nanosecond
     linear, angular = first.message.twist.twist.linear, first.message.twist.twist.angular
@@ -146,7 +146,7 @@ def test_what_a_bridge_has_sent_stands_on_the_topic_it_came_from(tmp_path):
         frame(effort, source=(200, 1, 1)),
     ]
     path, result = replay(tmp_path, frames, FLEET)
-    speeds = [(each.topic, each.message) for each in by_rosbags(path)]
+    speeds = [(by_rosbag.topic, by_rosbag.message) for by_rosbag in by_rosbags(path)]
     (_, odometry), (_, twist) = speeds
     assert [topic for topic, _ in speeds] == ["/odom", "/cmd_vel"]
     assert odometry.twist.twist.linear.x == pytest.approx(1.0, abs=1e-6)
@@ -173,7 +173,7 @@ def test_maps_are_those_of_the_project_by_default(tmp_path, monkeypatch):
     (tmp_path / ".project").write_text("<projectDescription/>", encoding="utf-8")
     result = CliRunner().invoke(main, words)
     assert result.exit_code == 0, result.output
-    assert [each.topic for each in by_rosbags(found)] == ["/odom"]
+    assert [by_rosbag.topic for by_rosbag in by_rosbags(found)] == ["/odom"]
     # A recording of topics is still copied as it is.
     again = tmp_path / "again.mcap"
     result = CliRunner().invoke(main, ["replay", str(found), "--output", str(again)])

@@ -96,7 +96,7 @@ def subscribed(component, target, name):
 def test_reports_come_as_they_were_recorded(tmp_path):
     port = free_port()
     speeds = [1 + number / 100 for number in range(2000)]
-    messages = [odometry(each, -0.5, 0.25) for each in speeds]
+    messages = [odometry(speed, -0.5, 0.25) for speed in speeds]
     bag = record(tmp_path / "run.mcap", "/odom", "nav_msgs/msg/Odometry", messages, SECOND // 5)
     replay = Replay(tmp_path, bag, FLEET, "--port", str(port), "--wait", "0", "--speed", "2")
     try:
@@ -106,11 +106,11 @@ def test_reports_come_as_they_were_recorded(tmp_path):
             assert replay.end() == 0, replay.log.read_text()
     finally:
         replay.close()
-    moving = [each for each in heard if "Velocity_X" in each]
+    moving = [report for report in heard if "Velocity_X" in report]
     # It comes in the midst, and then everything as it was.
     first = round((moving[0]["Velocity_X"] - 1) * 100)
     expected = speeds[first : first + len(moving)]
-    assert [each["Velocity_X"] for each in moving] == pytest.approx(expected, abs=1e-6)
+    assert [report["Velocity_X"] for report in moving] == pytest.approx(expected, abs=1e-6)
     assert len(moving) >= 5
     assert moving[0]["Velocity_Y"] == pytest.approx(0.5, abs=1e-6)  # left is minus right
     assert moving[0]["YawRate"] == pytest.approx(-0.25, abs=1e-3)
@@ -147,7 +147,7 @@ def test_commands_that_are_allowed_reach_who_obeys(tmp_path):
             replay.close()
     assert taken, replay.log.read_text()
     assert taken[0].sender == "10.1.9"
-    efforts = [each.fields["PropulsiveLinearEffortX"] for each in taken]
+    efforts = [command.fields["PropulsiveLinearEffortX"] for command in taken]
     assert max(efforts) == pytest.approx(50.0, abs=0.01)  # 1 of 2 m/s
     assert efforts[-1] == pytest.approx(0.0, abs=0.01)  # the end stops what was commanded
 

@@ -79,13 +79,16 @@ def test_recordings_carry_the_quality_of_service_of_publishers(tmp_path, publish
     with Reader(path) as reader:
         (connection,) = reader.connections
         profiles = connection.ext.offered_qos_profiles
-    found = {(each.durability.name, each.reliability.name, each.deadline.sec) for each in profiles}
+    found = {
+        (profile.durability.name, profile.reliability.name, profile.deadline.sec)
+        for profile in profiles
+    }
     assert found == {
         ("TRANSIENT_LOCAL", "RELIABLE", 9223372036),
         ("VOLATILE", "BEST_EFFORT", 1),
     }
     metadata = by_mcap(path)[0][1].metadata
-    assert {each.deadline.nsec for each in profiles} == {854775807, 500_000_000}
+    assert {profile.deadline.nsec for profile in profiles} == {854775807, 500_000_000}
     assert re.fullmatch("RIHS01_[0-9a-f]{64}", metadata["topic_type_hash"])
 
 
@@ -105,7 +108,7 @@ def test_each_file_has_the_latest_of_a_latched_topic(tmp_path, publisher):
             wait_for(lambda: len(holding(parts)) >= 3, "files with messages")
         finally:
             ros.stop()
-    for _, channel, message in (each for path in holding(parts) for each in by_mcap(path)):
+    for _, channel, message in (entry for path in holding(parts) for entry in by_mcap(path)):
         assert channel.topic == "/description"
         assert b"a robot" in message.data
     assert not ros.lost
@@ -135,8 +138,8 @@ def test_messages_for_which_there_was_no_time_are_counted(publisher):
         # What was lost before the first that came, nobody can know.
         made.publish(String(data="first"))
         assert entered.wait(PATIENCE)
-        for each in range(1, number):
-            made.publish(String(data=str(each)))
+        for index in range(1, number):
+            made.publish(String(data=str(index)))
             assert made.wait_for_all_acked()
         go_on.set()
         wait_for(lambda: len(came) + ros.lost["/description"] >= number, "messages")

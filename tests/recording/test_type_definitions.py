@@ -20,7 +20,11 @@ def types():
     """The message types of the library, those of services and actions left out."""
     files = sorted((library_root() / "ros").glob("*.xmi"))
     found = read_models(files).model.instances(ros.MessageType)
-    return [each for each in found if isinstance(each.eContainer(), ros.InterfacePackage)]
+    return [
+        message_type
+        for message_type in found
+        if isinstance(message_type.eContainer(), ros.InterfacePackage)
+    ]
 
 
 def fields(text, name):
@@ -30,20 +34,22 @@ def fields(text, name):
 
 def test_definitions_of_all_types_of_the_library_are_understood(types):
     assert len(types) > 50
-    for each in types:
-        found = fields(modelled_definition(each), full_name(each))
-        assert [name for name, _ in found[full_name(each)]] == [str(f.name) for f in each.fields]
+    for message_type in types:
+        found = fields(modelled_definition(message_type), full_name(message_type))
+        assert [name for name, _ in found[full_name(message_type)]] == [
+            str(f.name) for f in message_type.fields
+        ]
 
 
 @pytest.mark.needs("interfaces")
 def test_installed_definitions_say_the_same(types):
     installation = Installation()
     compared = 0
-    for each in types:
-        name = full_name(each)
+    for message_type in types:
+        name = full_name(message_type)
         installed = installed_definition(name, installation)
         if installed:
-            assert fields(installed, name) == fields(modelled_definition(each), name)
+            assert fields(installed, name) == fields(modelled_definition(message_type), name)
             compared += 1
     assert compared
 

@@ -23,7 +23,7 @@ def packet(number: int, payload: bytes = b"\x02\x40", source: JausAddress = SEND
 
 
 def account_of(window: DuplicateWindow, sender: JausAddress = SENDER) -> Account:
-    (found,) = [each for source, _, each in window.accounts() if source == sender]
+    (found,) = [account for source, _, account in window.accounts() if source == sender]
     return found
 
 
@@ -169,7 +169,7 @@ def test_a_sender_that_is_forgotten_begins_anew() -> None:
     window.is_duplicate(packet(1), 0.0)
     window.is_duplicate(packet(1, source=OTHER), 0.0)
     window.is_duplicate(packet(9), 0.0)
-    assert [(source, each.sent) for source, _, each in window.accounts()] == [(SENDER, 1)]
+    assert [(source, account.sent) for source, _, account in window.accounts()] == [(SENDER, 1)]
 
 
 def test_a_packet_to_everybody_is_no_gap() -> None:
@@ -210,7 +210,7 @@ def test_a_sender_with_one_count_for_all_is_never_taken_for_exact(
     for place in range(60):
         number += rng.randint(1, stride)
         hear(window, number, place * 0.5, BROADCAST if rng.random() < 0.2 else HERE)
-        assert not any(each.is_exact for _, _, each in window.accounts())
+        assert not any(account.is_exact for _, _, account in window.accounts())
 
 
 def test_packets_that_are_far_apart_in_time_tell_nothing() -> None:

@@ -360,8 +360,8 @@ def test_what_is_received(row: Row, station, peer, wait_until) -> None:
     wait_until(lambda: LAST in here.payloads)
     assert here.payloads[:-1] == row.delivered
     answers = [peer.receive() for _ in row.acknowledged]
-    assert [each.source for each in answers] == row.acknowledged
-    assert all(each.acknowledge is AckNak.ACK and not each.payload for each in answers)
+    assert [answer.source for answer in answers] == row.acknowledged
+    assert all(answer.acknowledge is AckNak.ACK and not answer.payload for answer in answers)
     assert peer.is_quiet()
     traffic = ("judp.received", "judp.sent", "transport.fragments", "transport.reassembled")
     counts = here.loop.counters.snapshot()

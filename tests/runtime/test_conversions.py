@@ -419,8 +419,8 @@ def test_an_infinite_angle_gives_no_orientation(angle):
 def test_occupancy_and_cost():
     occupancies = [-1, 0, 1, 50, 99, 100]
     costs = [255, 0, 3, 127, 251, 254]
-    assert [c.occupancy_to_cost(float(each)) for each in occupancies] == costs
-    assert [c.cost_to_occupancy(float(each)) for each in costs] == occupancies
+    assert [c.occupancy_to_cost(float(occupancy)) for occupancy in occupancies] == costs
+    assert [c.cost_to_occupancy(float(cost)) for cost in costs] == occupancies
 
 
 def test_each_occupancy_returns():

@@ -77,7 +77,7 @@ def test_errors_are_logged_as_such(caplog: pytest.LogCaptureFixture) -> None:
     counters = Counters()
     counters.count("bridge.a", "worse", level=logging.ERROR)
     counters.count("bridge.b", "bad")
-    assert [(each.levelname, each.message) for each in caplog.records] == [
+    assert [(record.levelname, record.message) for record in caplog.records] == [
         ("ERROR", "bridge.a (1 times): worse"),
         ("WARNING", "bridge.b (1 times): bad"),
     ]

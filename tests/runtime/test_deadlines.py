@@ -47,8 +47,8 @@ def test_each_is_told_once_when_it_is_due(world):
 
 
 def test_nothing_is_told_of_what_waits_no_longer(world):
-    for each in "abc":
-        world.deadlines.add(each, 1.0)
+    for name in "abc":
+        world.deadlines.add(name, 1.0)
     world.deadlines.discard("a", 1.0)
     world.deadlines.discard("c", 1.0)
     world.deadlines.discard("c", 1.0)

@@ -27,8 +27,8 @@ def test_a_number_with_other_content_is_no_duplicate() -> None:
     window = DuplicateWindow()
     other = packet(A, 5, b"\x03\x40")
     elsewhere = packet(A, 5)._replace(destination=JausAddress(9, 1, 2))
-    for each in (packet(A, 5), other, elsewhere, packet(A, 5)):
-        assert not window.is_duplicate(each, 0.1)
+    for new_packet in (packet(A, 5), other, elsewhere, packet(A, 5)):
+        assert not window.is_duplicate(new_packet, 0.1)
     assert window.is_duplicate(packet(A, 5)._replace(acknowledge=AckNak.REQUESTED), 0.2)
     assert len(window) == 2  # one of each destination
 

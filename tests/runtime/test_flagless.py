@@ -56,5 +56,7 @@ def test_a_flood_of_sources_is_forgotten_but_for_the_latest():
     sources = [JausAddress(number, 1, 1) for number in range(1, 301)]
     for source in sources:
         messages.whole(flagless(CHUNK, source), 0.0)
-    doubted = [each for each in sources if messages.whole(flagless(source=each), 1.0) is None]
+    doubted = [
+        address for address in sources if messages.whole(flagless(source=address), 1.0) is None
+    ]
     assert doubted == sources[-256:]

@@ -317,9 +317,9 @@ class TestWildcards:
         stream.send(b"\x02" + from_peer())
         wait_until(lambda: here.received)
         here.transport.send(DRIVER, BROADCAST, STATUS + b"all")
-        for each in (stream, known.accept()):
-            each.read(1)
-            packet = each.receive()
+        for receiving_stream in (stream, known.accept()):
+            receiving_stream.read(1)
+            packet = receiving_stream.receive()
             assert (packet.destination, packet.broadcast) == (BROADCAST, Broadcast.GLOBAL)
         wait_until(lambda: len(here.received) == 2)
         assert here.received[1][0] == SENSOR
@@ -562,7 +562,7 @@ class TestConnecting:
 
 class TestSharedPort:
     def test_processes_of_a_host_reach_each_other_and_the_world(self, tcp, host, wait_until):
-        owner, first, second = (tcp().attach(each) for each in (DRIVER, SENSOR, OCU))
+        owner, first, second = (tcp().attach(address) for address in (DRIVER, SENSOR, OCU))
         assert first.transport.endpoint is None
         wait_until(lambda: owner.counter("jtcp.present") == 2)
         first.transport.send(SENSOR, OCU, STATUS + b"relayed")
@@ -580,15 +580,15 @@ class TestSharedPort:
         assert (packet.source, packet.destination) == (SENSOR, PEER)
 
     def test_a_broadcast_reaches_each_once(self, tcp, host, wait_until):
-        owner, first, second = (tcp().attach(each) for each in (DRIVER, SENSOR, OCU))
+        owner, first, second = (tcp().attach(address) for address in (DRIVER, SENSOR, OCU))
         wait_until(lambda: owner.counter("jtcp.present") == 2)
         first.transport.send(SENSOR, BROADCAST, STATUS)
         wait_until(lambda: owner.received and second.received)
         stream = host.connect(owner.transport.endpoint)
         stream.send(b"\x02" + from_peer(STATUS + b"2", destination=BROADCAST))
-        for each in (owner, first, second):
-            wait_until(lambda each=each: STATUS + b"2" in each.payloads)
-        assert [len(each.received) for each in (owner, first, second)] == [2, 1, 2]
+        for station in (owner, first, second):
+            wait_until(lambda each=station: STATUS + b"2" in each.payloads)
+        assert [len(station.received) for station in (owner, first, second)] == [2, 1, 2]
 
     def test_a_broadcast_that_comes_by_two_ways_arrives_once_and_changes_no_route(
         self, tcp, wait_until
@@ -596,7 +596,8 @@ class TestSharedPort:
         port = ports.free_port()
         far = tcp(port=port).attach(PEER)
         owner, first = (
-            tcp(address_book={PEER: ("127.0.0.1", port)}).attach(each) for each in (DRIVER, SENSOR)
+            tcp(address_book={PEER: ("127.0.0.1", port)}).attach(address)
+            for address in (DRIVER, SENSOR)
         )
         owner.transport.send(DRIVER, PEER, STATUS)
         first.transport.send(SENSOR, PEER, STATUS)
@@ -608,7 +609,7 @@ class TestSharedPort:
         assert far.counter("transport.address_changed") == 0
 
     def test_another_process_takes_over(self, tcp, wait_until):
-        owner, first, second = (tcp().attach(each) for each in (DRIVER, SENSOR, OCU))
+        owner, first, second = (tcp().attach(address) for address in (DRIVER, SENSOR, OCU))
         wait_until(lambda: owner.counter("jtcp.present") == 2)
         endpoint = owner.transport.endpoint
         owner.close()

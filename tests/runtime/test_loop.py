@@ -169,7 +169,7 @@ def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(
 ) -> None:
     """A descriptor that is closed lends its number to the next that is opened."""
     first, second = socket.socketpair(), socket.socketpair()
-    numbers = [each[0].fileno() for each in (first, second)]
+    numbers = [socket_pair[0].fileno() for socket_pair in (first, second)]
     called: list[str] = []
 
     def replace(other: socket.socket, name: str) -> None:
@@ -178,10 +178,10 @@ def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(
         loop.unregister(other)
         other.close()
         made = socket.socketpair()
-        reused = [each for each in made if each.fileno() == number]
+        reused = [endpoint for endpoint in made if endpoint.fileno() == number]
         kept.extend(made)
-        for each in reused:
-            loop.register(each, lambda: called.append("new"))
+        for endpoint in reused:
+            loop.register(endpoint, lambda: called.append("new"))
 
     kept: list[socket.socket] = []
     loop.register(first[0], lambda: replace(second[0], "first"))
@@ -190,9 +190,9 @@ def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(
         far.sendall(b"x")
     assert loop.run_once(5) == 1
     assert called in (["first"], ["second"])
-    assert any(each.fileno() in numbers for each in kept)
-    for each in (*first, *second, *kept):
-        each.close()
+    assert any(endpoint.fileno() in numbers for endpoint in kept)
+    for endpoint in (*first, *second, *kept):
+        endpoint.close()
 
 
 def test_what_is_ready_comes_before_what_is_due(loop: Loop, clock, pair) -> None:

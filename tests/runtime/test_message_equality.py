@@ -12,16 +12,17 @@ from jausml.runtime.messages import QueryStatus, ReportStatus, SetEmergency
 from jausml.runtime.wire import Message
 
 CLASSES = [
-    each
-    for _, each in inspect.getmembers(messages, inspect.isclass)
-    if issubclass(each, Message) and dataclasses.is_dataclass(each)
+    message_class
+    for _, message_class in inspect.getmembers(messages, inspect.isclass)
+    if issubclass(message_class, Message) and dataclasses.is_dataclass(message_class)
 ]
 
 
 def as_the_standard_library_has_it(cls):
     """A dataclass of the same fields that has functions of its own for all it can do."""
     fields = [
-        (each.name, each.type, dataclasses.field(default=None)) for each in dataclasses.fields(cls)
+        (field.name, field.type, dataclasses.field(default=None))
+        for field in dataclasses.fields(cls)
     ]
     made = dataclasses.make_dataclass(cls.__name__, fields)
     made.__qualname__ = cls.__qualname__
@@ -32,17 +33,17 @@ def test_each_message_is_shown_as_a_dataclass_is():
     assert len(CLASSES) > 40
     for cls in CLASSES:
         message = cls()
-        values = {each.name: getattr(message, each.name) for each in dataclasses.fields(cls)}
+        values = {field.name: getattr(message, field.name) for field in dataclasses.fields(cls)}
         assert repr(message) == repr(as_the_standard_library_has_it(cls)(**values))
 
 
 def test_each_field_counts():
     for cls in CLASSES:
         assert cls() == cls()
-        for each in dataclasses.fields(cls):
+        for field in dataclasses.fields(cls):
             other = cls()
-            setattr(other, each.name, object())
-            assert other != cls(), (cls, each.name)
+            setattr(other, field.name, object())
+            assert other != cls(), (cls, field.name)
             assert other == dataclasses.replace(other)
 
 

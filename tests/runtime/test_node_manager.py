@@ -82,8 +82,8 @@ def managers(folder, free_port) -> Iterator[Callable[..., Manager]]:
         return started[-1]
 
     yield start
-    for each in started:
-        each.kill()
+    for manager in started:
+        manager.kill()
 
 
 @pytest.fixture
@@ -147,8 +147,8 @@ def test_the_world_is_reached_through_the_manager(client, managers, peer, wait_u
     question = Packet(BROADCAST, PEER, STATUS, 7, acknowledge=AckNak.REQUESTED)
     peer.send(question)
     answers = [peer.receive(), peer.receive()]
-    assert {each.source for each in answers} == {DRIVER, SENSOR}
-    assert {(each.acknowledge, each.sequence) for each in answers} == {(AckNak.ACK, 7)}
+    assert {answer.source for answer in answers} == {DRIVER, SENSOR}
+    assert {(answer.acknowledge, answer.sequence) for answer in answers} == {(AckNak.ACK, 7)}
     assert peer.is_quiet()
     peer.send(question)
     assert {peer.receive().source, peer.receive().source} == {DRIVER, SENSOR}

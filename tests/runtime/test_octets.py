@@ -35,7 +35,7 @@ def test_a_table_has_what_the_function_gives() -> None:
 def test_values_outside_do_not_fit() -> None:
     table = octets.Table(lambda value: value * 0.5, -10, 10, is_signed=True)
     odd = {octet for octet in range(256) if table.octets[octet] == table.odd}
-    assert odd == set(range(256)) - {each & 0xFF for each in range(-20, 21)}
+    assert odd == set(range(256)) - {number & 0xFF for number in range(-20, 21)}
     assert bytes([251, 5]).translate(table.octets) == bytes([254, 2])
 
 

@@ -73,12 +73,13 @@ class Line:
         """The first letters of what was put on the network since the last time."""
         taken, self.carrier.packets = self.carrier.packets, []
         return "".join(
-            "-" if each.data_flags >= DataFlags.MIDDLE else chr(each.payload[2]) for each in taken
+            "-" if packet.data_flags >= DataFlags.MIDDLE else chr(packet.payload[2])
+            for packet in taken
         )
 
     def acknowledge(self, *packets: Packet) -> None:
-        for each in packets:
-            self.messenger._outbox.acknowledged(each.source, each.sequence, each.destination)
+        for packet in packets:
+            self.messenger._outbox.acknowledged(packet.source, packet.sequence, packet.destination)
         self.pass_time(0)
 
     def pass_time(self, seconds: float) -> None:
@@ -134,7 +135,7 @@ def test_equal_numbers_to_several_destinations_are_acknowledged_apart(clock):
     everybody = JausAddress(300, 255, 255)
     for name, to in (("a", PEER), ("b", OTHER), ("c", everybody)):
         line.send(name, to=to)
-    assert {each.sequence for each in line.carrier.packets} == {7}
+    assert {packet.sequence for packet in line.carrier.packets} == {7}
     at_peer, at_other, at_all = line.carrier.packets
     line.acknowledge(at_other)
     assert line.results == {"b": True}
@@ -148,7 +149,7 @@ def test_equal_numbers_to_several_destinations_are_acknowledged_apart(clock):
 
 def test_a_message_of_few_packets_needs_no_acknowledgement(line):
     line.send("a", packets=10, acknowledge=False)
-    assert {each.acknowledge for each in line.carrier.packets} == {AckNak.NONE}
+    assert {packet.acknowledge for packet in line.carrier.packets} == {AckNak.NONE}
     assert line.out() == "a" + "-" * 9
     line.pass_time(0)
     assert line.results == {"a": True}
@@ -158,7 +159,7 @@ def test_a_message_of_many_packets_is_acknowledged_and_eight_are_under_way(line)
     line.send("a", packets=12, acknowledge=False)
     first = list(line.carrier.packets)
     assert line.out() == "a" + "-" * 7
-    assert {each.acknowledge for each in first} == {AckNak.REQUESTED}
+    assert {packet.acknowledge for packet in first} == {AckNak.REQUESTED}
     line.acknowledge(*first)
     rest = list(line.carrier.packets)
     assert line.out() == "-" * 4
@@ -176,7 +177,7 @@ def test_messages_of_few_packets_wait_for_a_larger_one_and_for_each_other(line):
 def test_packets_of_several_messages_in_a_row_are_counted_together(line, clock):
     line.send("a", packets=6, acknowledge=False)
     line.send("b", packets=6, acknowledge=False)
-    kinds = [each.acknowledge for each in line.carrier.packets]
+    kinds = [packet.acknowledge for packet in line.carrier.packets]
     assert kinds == [AckNak.NONE] * 6 + [AckNak.REQUESTED] * 6
     bursts = Bursts()
     assert bursts.fits(PEER, 6, clock.time)
@@ -243,7 +244,7 @@ def test_messages_of_too_many_small_packets_go_in_larger_ones(line):
         made = line.messenger.packetizer.packets(
             OWN, PEER, bytes(size), Priority.STANDARD, AckNak.NONE
         )
-        assert (len(made), max(len(each.payload) for each in made)) == (packets, largest)
+        assert (len(made), max(len(packet.payload) for packet in made)) == (packets, largest)
 
 
 STEPS = st.lists(
@@ -295,9 +296,9 @@ def test_each_result_comes_once_and_large_messages_never_mix(steps) -> None:
     assert (len(line.messenger._outbox), line.messenger._outbox._size) == (0, 0)
     for to in (PEER, OTHER):
         order = [
-            each.payload[-1]
-            for each in sent
-            if each.destination == to and each.data_flags and each.acknowledge
+            packet.payload[-1]
+            for packet in sent
+            if packet.destination == to and packet.data_flags and packet.acknowledge
         ]
         assert order == sorted(order)
     line.messenger.close()
@@ -324,9 +325,9 @@ def lossy(line, seed, count=10):
 def carry(line, chance):
     packets, line.carrier.packets = line.carrier.packets, []
     line.pass_time(0.01)
-    for each in packets:
+    for packet in packets:
         if all(chance.random() > 0.2 for _ in range(4)):
-            line.acknowledge(each)
+            line.acknowledge(packet)
 
 
 def test_one_lost_message_does_not_take_those_behind_it_along(clock):
@@ -405,7 +406,7 @@ def test_who_answers_and_never_acknowledges_is_known_for_it(line, acknowledged):
 def traffic_to(line, peer):
     if OWN not in line.messenger.inbox.receivers:
         line.messenger.inbox.attach(OWN, lambda _message: None)
-    return [each for each in line.messenger.traffic() if each.peer == peer]
+    return [account for account in line.messenger.traffic() if account.peer == peer]
 
 
 def test_who_begins_its_numbers_anew_more_than_once_is_known_for_it(line):
@@ -415,6 +416,6 @@ def test_who_begins_its_numbers_anew_more_than_once_is_known_for_it(line):
             packet = Packet(OWN, PEER, STATUS + bytes([life, number]), number)
             line.messenger.inbox.take(packet, "here", line.clock.time)
             line.pass_time(0.1)
-        (traffic,) = [each for each in line.messenger.traffic() if each.peer == PEER]
+        (traffic,) = [account for account in line.messenger.traffic() if account.peer == PEER]
         assert (traffic.came, traffic.restarts) == (10 * (life + 1), life)
         assert line.quirks.has(PEER, Quirk.NUMBERS_ANEW) is (life > 1)

@@ -20,8 +20,8 @@ def packetizer() -> Packetizer:
 
 def test_what_goes_to_others_leaves_no_gap(packetizer: Packetizer) -> None:
     taken = [
-        packetizer.reserve(SENDER, each, amount)
-        for each, amount in ((HERE, 1), (OTHER, 3), (HERE, 2), (BROADCAST, 1), (HERE, 1))
+        packetizer.reserve(SENDER, address, amount)
+        for address, amount in ((HERE, 1), (OTHER, 3), (HERE, 2), (BROADCAST, 1), (HERE, 1))
     ]
     assert taken == [100, 5100, 101, 10_100, 103]
     assert packetizer.sent(SENDER) == {HERE: 4, OTHER: 3}
@@ -30,7 +30,7 @@ def test_what_goes_to_others_leaves_no_gap(packetizer: Packetizer) -> None:
 
 def test_all_wildcards_are_numbered_together(packetizer: Packetizer) -> None:
     everybody = (BROADCAST, JausAddress(1, 255, 255), JausAddress(1, 1, 255))
-    assert [packetizer.reserve(SENDER, each, 1) for each in everybody] == [100, 101, 102]
+    assert [packetizer.reserve(SENDER, address, 1) for address in everybody] == [100, 101, 102]
 
 
 def test_strangers_do_not_fill_the_memory(packetizer: Packetizer) -> None:

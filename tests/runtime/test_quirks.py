@@ -18,21 +18,24 @@ def test_a_quirk_is_known_by_name_with_what_showed_it_and_what_is_done(caplog):
     quirks.learn(PEER, Quirk.NO_WILDCARDS, "nothing was reported")
     quirks.learn(PEER, Quirk.OTHER_VERSION, "no version")
     quirks.learn(PEER, Quirk.OTHER_VERSION, "no version")
-    assert [each.quirk for each in quirks.of(PEER)] == [Quirk.OTHER_VERSION, Quirk.NO_WILDCARDS]
+    assert [observation.quirk for observation in quirks.of(PEER)] == [
+        Quirk.OTHER_VERSION,
+        Quirk.NO_WILDCARDS,
+    ]
     told = (
         "acknowledges without the version of JUDP (no version): "
         "an acknowledgement counts where a packet waits for it"
     )
     assert str(quirks.of(PEER)[0]) == told
-    assert [each.message for each in caplog.records].count(f"152.1.1 {told}") == 1
+    assert [record.message for record in caplog.records].count(f"152.1.1 {told}") == 1
 
 
 def test_invented_peers_fill_neither_the_memory_nor_the_log(caplog):
     caplog.set_level(logging.INFO)
     quirks = Quirks()
     strangers = [JausAddress(number, 1, 1) for number in range(1, 2 * MOST_PEERS)]
-    for each in strangers:
-        quirks.learn(each, Quirk.OTHER_VERSION, "no version")
+    for stranger in strangers:
+        quirks.learn(stranger, Quirk.OTHER_VERSION, "no version")
     assert len(caplog.records) == MOST_PEERS
-    assert sum(bool(quirks.of(each)) for each in strangers) == MOST_PEERS
+    assert sum(bool(quirks.of(stranger)) for stranger in strangers) == MOST_PEERS
     assert quirks.of(strangers[-1])

@@ -43,8 +43,8 @@ def test_it_stands_until_the_simulation_has_said_two_times(simulated):
 def test_it_never_goes_back_and_counts_what_passed(times):
     with Loop(lambda: 0.0) as loop:
         simulated, seen = SimulatedClock(loop), []
-        for each in times:
-            simulated.advance_to(each)
+        for time in times:
+            simulated.advance_to(time)
             seen.append(simulated.now())
         steps = [second - first for first, second in pairwise(times)]
         assert seen == sorted(seen)

@@ -91,7 +91,7 @@ class TestAllowedHosts:
         hosts = AllowedHosts(TransportSettings(allowed_hosts=("10.0.0.1",)), Counters())
         for _ in range(1000):
             hosts.admits(("192.0.2.1", 4000))
-        assert [each.getMessage() for each in caplog.records] == [
+        assert [record.getMessage() for record in caplog.records] == [
             f"{NOT_ALLOWED} (1 times): 192.0.2.1:4000"
         ]
 
@@ -116,9 +116,9 @@ class TestAllowedHosts:
     def test_nor_has_one_to_the_multicast_group(self, station, udp, wait_until) -> None:
         driver = station(allowed_hosts=("10.0.0.0/8",)).attach(DRIVER)
         stranger, here = udp(STRANGER), udp()
-        for each in (stranger, here):
+        for udp_socket in (stranger, here):
             interface = socket.inet_aton("127.0.0.1")
-            each.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
+            udp_socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
         group = ("239.255.0.1", driver.transport.endpoint[1])
         stranger.sendto(message(1, b"1", BROADCAST), group)
         here.sendto(message(2, b"2", BROADCAST), group)

@@ -47,8 +47,8 @@ def stranger(robot):
         return made[-1]
 
     yield make
-    for each in made:
-        each.sock.close()
+    for peer in made:
+        peer.sock.close()
 
 
 @pytest.fixture
@@ -67,8 +67,8 @@ def count(robot: JausComponent, name: str) -> int:
 class TestProof:
     def test_a_mute_one_gets_three_times_what_it_sent(self, robot, stranger, wait_until) -> None:
         mute = stranger()
-        for number, each in enumerate(identities(20)):
-            mute.send(each, event(100.0), number)
+        for number, address in enumerate(identities(20)):
+            mute.send(address, event(100.0), number)
         wait_until(lambda: count(robot, "transport.unproved_held") >= 20)
         mute.take()
         assert 0 < mute.received <= 3 * mute.sent
@@ -154,8 +154,8 @@ class TestProof:
     def test_only_so_many_guesses_are_taken(self, asked, wrong: int, counts: bool) -> None:
         prover, entry, _ = asked
         number, by = entry.claim.number, int(STRANGER)
-        for each in range(1, 1 + wrong):
-            assert not prover.acknowledged(by, (number + each) & 0xFFFF)
+        for index in range(1, 1 + wrong):
+            assert not prover.acknowledged(by, (number + index) & 0xFFFF)
         assert prover.acknowledged(by, number) is counts
 
     def test_what_waits_is_bounded(self, asked) -> None:
@@ -176,8 +176,8 @@ class TestPlaces:
 
     def test_invented_names_push_out_each_other(self, book: AddressBook) -> None:
         assert book.learn(FRIEND, ("10.0.0.1", 1), 0.0)
-        for number, each in enumerate(identities(100)):
-            assert book.learn(each, ("192.0.2.1", 1), float(number))
+        for number, address in enumerate(identities(100)):
+            assert book.learn(address, ("192.0.2.1", 1), float(number))
         assert FRIEND in book.learnt
         late = JausAddress(7, 1, 1)
         assert book.learn(late, ("10.0.0.1", 2), 200.0)
@@ -186,26 +186,26 @@ class TestPlaces:
 
     def test_so_do_those_of_forged_hosts(self, book: AddressBook) -> None:
         assert book.learn(FRIEND, ("10.0.0.1", 1), 0.0)
-        for number, each in enumerate(identities(100)):
-            assert book.learn(each, (f"192.0.2.{number}", 1), float(number))
+        for number, address in enumerate(identities(100)):
+            assert book.learn(address, (f"192.0.2.{number}", 1), float(number))
         assert FRIEND in book.learnt
         assert len(book.learnt) == 16
 
     def test_proved_ones_of_one_host_leave_room_for_another(self, book: AddressBook) -> None:
-        for number, each in enumerate(identities(100)):
-            assert book.learn(each, ("10.0.0.66", 1), float(number))
+        for number, address in enumerate(identities(100)):
+            assert book.learn(address, ("10.0.0.66", 1), float(number))
         assert book.learn(FRIEND, ("10.0.0.1", 1), 100.0)
-        for number, each in enumerate(identities(100)):
-            assert book.learn(each, ("10.0.0.66", 1), 100.0 + number)
+        for number, address in enumerate(identities(100)):
+            assert book.learn(address, ("10.0.0.66", 1), 100.0 + number)
         assert FRIEND in book.learnt
 
     def test_stated_and_controlling_ones_have_places_of_their_own(self, book: AddressBook) -> None:
         book.configure({FRIEND: ("10.0.0.1", 1)})
         book.keep_place(ROBOT, STRANGER)
-        for each in (FRIEND, STRANGER):
-            assert book.learn(each, ("10.0.0.66", 1), 0.0)
-        for number, each in enumerate(identities(100)):
-            assert book.learn(each, ("10.0.0.66", 1), 1.0 + number)
+        for address in (FRIEND, STRANGER):
+            assert book.learn(address, ("10.0.0.66", 1), 0.0)
+        for number, address in enumerate(identities(100)):
+            assert book.learn(address, ("10.0.0.66", 1), 1.0 + number)
         assert {FRIEND, STRANGER} <= set(book.learnt)
         assert len(book.learnt) == 18
         book.keep_place(ROBOT, None)

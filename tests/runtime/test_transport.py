@@ -474,8 +474,8 @@ class TestNetworkFailure:
             member = socket.inet_aton(group) + interface
             manager.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, member)
             asking.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, interface)
-            for each in (manager, asking):
-                each.settimeout(5)
+            for udp_socket in (manager, asking):
+                udp_socket.settimeout(5)
             here = station().attach(DRIVER)
             question = from_peer(destination=BROADCAST, acknowledge=AckNak.REQUESTED).encode()
             asking.sendto(question, (group, free_port))

@@ -107,8 +107,8 @@ def start() -> Iterator[Callable[..., Process]]:
         return started[-1]
 
     yield make
-    for each in started:
-        each.kill()
+    for process in started:
+        process.kill()
 
 
 @pytest.fixture
@@ -136,8 +136,8 @@ def operator(station) -> Iterator[Callable[..., JausComponent]]:
         return made[0]
 
     yield make
-    for each in made:
-        each.stop()
+    for jaus_component in made:
+        jaus_component.stop()
 
 
 @pytest.mark.parametrize(
@@ -156,22 +156,24 @@ def test_each_kind_has_its_transport(kind, expected):
 def control_both(operator: JausComponent, wait_until) -> None:
     """Control two robots and see their status."""
     statuses: dict[JausAddress, list[ReportStatus]] = {}
-    sessions = [operator.control(each, authority=100) for each in (ROBOT, OTHER)]
-    for each in (ROBOT, OTHER):
+    sessions = [operator.control(address, authority=100) for address in (ROBOT, OTHER)]
+    for address in (ROBOT, OTHER):
         operator.subscribe(
-            each,
+            address,
             QueryStatus(),
             ReportStatus,
             lambda report, sender: statuses.setdefault(sender, []).append(report),
         )
-    wait_until(lambda: all(each.state is ControlState.READY for each in sessions))
+    wait_until(lambda: all(session.state is ControlState.READY for session in sessions))
     wait_until(lambda: set(statuses) == {ROBOT, OTHER})
 
 
 def test_two_robots_and_an_operator_over_tcp(robot, operator, free_port, wait_until):
-    robots = [robot("--jaus-transport", "jtcp", "--jaus-id", str(each)) for each in (ROBOT, OTHER)]
-    for each in robots:
-        each.expect("initialize")
+    robots = [
+        robot("--jaus-transport", "jtcp", "--jaus-id", str(address)) for address in (ROBOT, OTHER)
+    ]
+    for process in robots:
+        process.expect("initialize")
     here = ("127.0.0.1", free_port)
     tested = operator(
         transport=TransportKind.JTCP,
@@ -179,7 +181,7 @@ def test_two_robots_and_an_operator_over_tcp(robot, operator, free_port, wait_un
         address_book={ROBOT: here, OTHER: here},
     )
     control_both(tested, wait_until)
-    assert [each.end(signal.SIGTERM) for each in robots] == [0, 0]
+    assert [process.end(signal.SIGTERM) for process in robots] == [0, 0]
 
 
 def test_two_robots_and_an_operator_through_a_node_manager(
@@ -187,12 +189,12 @@ def test_two_robots_and_an_operator_through_a_node_manager(
 ):
     start(str(MANAGER_SCRIPT), str(folder), str(free_port), "-").expect("ready")
     options = ("--jaus-transport", "node-manager", "--jaus-node-manager-directory", str(folder))
-    robots = [robot(*options, "--jaus-id", str(each)) for each in (ROBOT, OTHER)]
-    for each in robots:
-        each.expect("initialize")
+    robots = [robot(*options, "--jaus-id", str(address)) for address in (ROBOT, OTHER)]
+    for process in robots:
+        process.expect("initialize")
     tested = operator(transport=TransportKind.NODE_MANAGER, node_manager_directory=str(folder))
     control_both(tested, wait_until)
-    assert [each.end(signal.SIGTERM) for each in robots] == [0, 0]
+    assert [process.end(signal.SIGTERM) for process in robots] == [0, 0]
     assert not (folder / str(ROBOT.packed)).exists()
 
 

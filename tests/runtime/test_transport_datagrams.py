@@ -134,7 +134,7 @@ class TestBadDatagrams:
         for sequence, source in enumerate([DRIVER, DRIVER, SENSOR, DRIVER]):
             peer.send(from_peer(sequence=sequence)._replace(source=source).encode())
         wait_until(lambda: driver.counter("transport.own_source") == 4)
-        errors = [each.message for each in caplog.records if each.levelname == "ERROR"]
+        errors = [record.message for record in caplog.records if record.levelname == "ERROR"]
         assert len(errors) == 2
         place = f"127.0.0.1:{peer.unicast.getsockname()[1]}"
         start = f"another component has your id: {DRIVER} at {place} (first heard "

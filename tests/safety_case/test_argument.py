@@ -26,16 +26,16 @@ LIBRARY = "http://www.jausml.org/library/"
 def goals(path, *evidence, tests=()):
     """Returns the goals of a model by their ids."""
     report = check_project([str(path)], is_one=True)
-    return {each.id: each for each in safety_case(report, evidence, tests).goals}
+    return {goal.id: goal for goal in safety_case(report, evidence, tests).goals}
 
 
 def changed(path, folder, old, new):
     """Returns a copy of a model in which a text stands in the place of another one."""
-    for each in path.parent.glob(f"*{path.suffix}"):
-        text = re.sub(r"(\.\./)+library/", LIBRARY, each.read_text(encoding="utf-8"))
-        assert each != path or old in text
-        text = text.replace(old, new) if each == path else text
-        (folder / each.name).write_text(text, encoding="utf-8")
+    for file in path.parent.glob(f"*{path.suffix}"):
+        text = re.sub(r"(\.\./)+library/", LIBRARY, file.read_text(encoding="utf-8"))
+        assert file != path or old in text
+        text = text.replace(old, new) if file == path else text
+        (folder / file.name).write_text(text, encoding="utf-8")
     return folder / path.name
 
 
@@ -46,8 +46,8 @@ def mower():
 
 
 def test_a_model_may_answer_each_hazard(mower):
-    assert {each.partition("/")[0] for each in mower} == {each.id for each in HAZARDS}
-    assert [each.claim for each in mower.values() if not each.answered] == []
+    assert {goal_name.partition("/")[0] for goal_name in mower} == {hazard.id for hazard in HAZARDS}
+    assert [goal.claim for goal in mower.values() if not goal.answered] == []
 
 
 SAFE_VALUE = '<safeValue target="twist.linear.x" value="0.0"/>'
@@ -74,7 +74,7 @@ REMOVED = [
 ]
 
 
-@pytest.mark.parametrize(("goal", "old", "new"), REMOVED, ids=[each[0] for each in REMOVED])
+@pytest.mark.parametrize(("goal", "old", "new"), REMOVED, ids=[removal[0] for removal in REMOVED])
 def test_without_its_answer_a_goal_is_undeveloped(mower, tmp_path, goal, old, new):
     model = changed(MOWER, tmp_path, old, new)
     if goal == "foreign/mower.drive":  # either is enough
@@ -146,7 +146,7 @@ def test_a_finding_of_a_rule_speaks_against_a_goal(tmp_path):
         "unit/bridge.odometry"
     ]
     assert not found.answered
-    (against,) = (each for each in found.supports if not each.holds)
+    (against,) = (support for support in found.supports if not support.holds)
     assert against.text.startswith("JML433 ")
 
 
@@ -163,20 +163,22 @@ def test_a_hold_needs_the_reason_of_a_person(tmp_path):
 def test_an_open_decision_leaves_its_goals_undeveloped(tmp_path):
     question = 'openDecisions: { text: "is half a second enough?"  blocking: false }'
     found = goals(changed(MOWER, tmp_path, "rateCap: 100", f"rateCap: 100 {question}"))
-    of_drive = [each for name, each in found.items() if name.endswith("/mower.drive")]
+    of_drive = [goal for name, goal in found.items() if name.endswith("/mower.drive")]
     assert len(of_drive) == len(HAZARDS) - 1  # it is no sensor
-    assert {each.gaps for each in of_drive} == {("open decision: is half a second enough?",)}
+    assert {goal.gaps for goal in of_drive} == {("open decision: is half a second enough?",)}
 
 
 def test_what_the_examples_leave_open():
     def undeveloped(path):
-        return sorted(name for name, each in goals(path).items() if not each.answered)
+        return sorted(name for name, goal in goals(path).items() if not goal.answered)
 
     assert undeveloped(WINCH) == []
-    assert {each.partition("/")[0] for each in undeveloped(WAYPOINTS)} == {
+    assert {goal_name.partition("/")[0] for goal_name in undeveloped(WAYPOINTS)} == {
         *("sensor", "stale", "foreign", "overload")
     }
-    assert [each for each in undeveloped(CAR) if each.startswith(("sensor", "unit"))] == [
+    assert [
+        goal_name for goal_name in undeveloped(CAR) if goal_name.startswith(("sensor", "unit"))
+    ] == [
         "sensor/bridge.odometry",
         "sensor/bridge.pose",
         "sensor/bridge.steering_angle",
@@ -190,37 +192,37 @@ def test_only_evidence_that_ran_supports_a_goal():
     goal = "link/blade"
     product = {"name": "blade: ReceiveFSM", "complete": True, "found": []}
     checked = Evidence("E1", "model check", content={"products": [product]})
-    silent, shown = (safety_case(report, each, ()) for each in ((), (checked,)))
+    silent, shown = (safety_case(report, evidence_set, ()) for evidence_set in ((), (checked,)))
     assert silent.summary == (
         "0 of 25 goals supported by evidence that ran; 25 held by rules alone"
     )
-    assert [each.id for each in shown.goals if each.supported] == [
+    assert [shown_goal.id for shown_goal in shown.goals if shown_goal.supported] == [
         goal,
         "operator/blade",
         "foreign/blade",
     ]
-    assert all(each.answered for each in shown.goals)
+    assert all(shown_goal.answered for shown_goal in shown.goals)
 
 
 def test_the_word_of_a_person_is_told_apart_from_evidence():
     goal = "operator/bridge.steering_command"
     product = {"name": "bridge.steering_command to vehicle", "complete": True, "found": []}
     found = goals(CAR, Evidence("E1", "model check", content={"products": [product]}))[goal]
-    assert any(each.evidence == "E1" and each.holds for each in found.supports)
+    assert any(support.evidence == "E1" and support.holds for support in found.supports)
     assert found.standing == "held by the word of a person"
     assert not found.supported
 
 
 def test_a_rate_is_no_time():
     answers = goals(MOWER)["overload/mower.drive"].answers
-    assert [(each.text, each.seconds) for each in answers] == [
+    assert [(answer.text, answer.seconds) for answer in answers] == [
         ("takes 100 messages/s of one source at most", 0.0)
     ]
 
 
 def test_a_stop_is_told_with_what_it_sends():
     answers = goals(MOWER)["operator/mower.spin"].answers
-    assert any("sends its stop (PropulsiveLinearEffortX = 0)" in each.text for each in answers)
+    assert any("sends its stop (PropulsiveLinearEffortX = 0)" in answer.text for answer in answers)
 
 
 def says(goal, kind, content, *, tests=()):
@@ -248,7 +250,7 @@ def test_a_proof_is_of_the_map():
 
 def test_a_product_check_is_of_the_connection_and_its_rules():
     def checked(*rules, complete=True):
-        found = [{"rule": each, "message": "is wrong"} for each in rules]
+        found = [{"rule": rule, "message": "is wrong"} for rule in rules]
         product = {"name": "bridge.cruise_speed", "complete": complete, "found": found}
         return {"products": [product]}
 
@@ -299,7 +301,7 @@ def test_stale_evidence_says_nothing():
     content = {"maps": [{"name": "cruise_speed", "fields": [], "found": []}]}
     stale = Evidence("E1", "proof", stale="is of another version of the model", content=content)
     found = goals(CAR, stale)["unit/bridge.cruise_speed"]
-    assert [each.evidence for each in found.supports] == ["E0"]
+    assert [support.evidence for support in found.supports] == ["E0"]
     assert "proof" in found.lacks
 
 

@@ -46,13 +46,13 @@ def noticing(changes=()):
     report = report_of(changes)
     found = {"validate": [f"{e.rule} {e.message}" for e in report.diagnostics]}
     cases = safety_case(report, (), ()).goals
-    found["case"] = [f"{each.id}: {each.standing}" for each in cases if each.standing != BY_RULES]
+    found["case"] = [f"{case.id}: {case.standing}" for case in cases if case.standing != BY_RULES]
     try:
         products = check_system(system_of(report.model), 20_000, lambda: False)
     except NoSystemError:
         products = []
     found["model-check"] = [
-        f"{example.rule} {example.message}" for each in products for example in each.found
+        f"{example.rule} {example.message}" for product in products for example in product.found
     ]
     return {verb: told for verb, told in found.items() if told}
 
@@ -61,7 +61,7 @@ def test_nothing_is_noticed_without_a_mistake():
     assert noticing() == {}
     goals = safety_case(report_of(), (), ()).goals
     assert len(goals) > 10
-    assert not any(each.supported for each in goals)
+    assert not any(goal.supported for goal in goals)
 
 
 @for_each("name", GUARDING)
@@ -70,7 +70,7 @@ def test_a_planted_mistake_is_noticed(name):
 
 
 @pytest.mark.slow
-@for_each("name", [each for each in PLANTED if each not in GUARDING])
+@for_each("name", [mistake for mistake in PLANTED if mistake not in GUARDING])
 def test_each_other_planted_mistake_is_noticed(name):
     holds_to(name)
 
@@ -78,8 +78,8 @@ def test_each_other_planted_mistake_is_noticed(name):
 def holds_to(name):
     verbs, changes = PLANTED[name]
     found = noticing(changes)
-    assert tuple(each for each in VERBS if each in found) == tuple(
-        each for each in VERBS if each in verbs
+    assert tuple(verb for verb in VERBS if verb in found) == tuple(
+        verb for verb in VERBS if verb in verbs
     ), found
 
 
@@ -87,7 +87,7 @@ def holds_to(name):
 def test_what_no_check_can_know_is_an_assumption_of_the_case(name):
     word, changes = UNKNOWABLE[name]
     assert noticing(changes) == {}
-    assert any(word in each for each in ASSUMPTIONS)
+    assert any(word in assumption for assumption in ASSUMPTIONS)
 
 
 @pytest.mark.needs("compiler")
@@ -95,7 +95,7 @@ def test_what_no_check_can_know_is_an_assumption_of_the_case(name):
 @pytest.mark.parametrize("name", FOR_PROOFS)
 def test_a_proof_finds_what_does_not_come_back(name):
     report = report_of(FOR_PROOFS[name])
-    trips = [each for each in round_trips(report.model) if each.name == "drive"]
+    trips = [round_trip for round_trip in round_trips(report.model) if round_trip.name == "drive"]
     proved = list(prove(report.model, trips, Settings(str(compiler()), 0.01, 1)))
     judged = with_proofs(report, trips, proved)
-    assert [each.rule for each in judged.diagnostics if each.rule in PROOF_RULES]
+    assert [diagnostic.rule for diagnostic in judged.diagnostics if diagnostic.rule in PROOF_RULES]

@@ -33,18 +33,20 @@ GUARDS = (
 LITERALS = load_metamodels().package_named("bridge").enumerations["ConversionKind"].literals
 WRITTEN = (ArgumentKind.TEXT, ArgumentKind.FORMULA, ArgumentKind.METHOD)
 CALLED = [
-    each
-    for each in CONVERSIONS.values()
-    if each.own_argument is None or each.own_argument.kind not in WRITTEN
+    conversion
+    for conversion in CONVERSIONS.values()
+    if conversion.own_argument is None or conversion.own_argument.kind not in WRITTEN
 ]
-EVERY_CONVERSION = for_each("conversion", CONVERSIONS.values(), ids=lambda each: each.name)
+EVERY_CONVERSION = for_each(
+    "conversion", CONVERSIONS.values(), ids=lambda conversion: conversion.name
+)
 
 # ------------------------------------------------------------ one of each, wherever it is told
 
 
 def test_each_literal_has_its_class():
     assert set(CONVERSIONS) == set(LITERALS)
-    assert len({type(each) for each in CONVERSIONS.values()}) == len(LITERALS)
+    assert len({type(conversion) for conversion in CONVERSIONS.values()}) == len(LITERALS)
 
 
 @EVERY_CONVERSION
@@ -56,13 +58,13 @@ def test_literal_and_class_say_the_same(conversion):
 @EVERY_CONVERSION
 def test_the_documentation_names_each_argument(conversion):
     words = re.findall(r"[a-z]+", conversion.documentation.lower())
-    assert [each.name for each in conversion.arguments if each.name not in words] == []
+    assert [argument.name for argument in conversion.arguments if argument.name not in words] == []
 
 
 @EVERY_CONVERSION
 def test_an_argument_that_is_no_number_has_a_feature_of_its_own(conversion):
     features = load_metamodels().classes["bridge.Conversion"].features
-    assert {each.feature for each in conversion.arguments} <= set(features)
+    assert {argument.feature for argument in conversion.arguments} <= set(features)
 
 
 @EVERY_CONVERSION
@@ -93,15 +95,17 @@ RESULTS = {
 }
 
 
-@for_each("conversion", CALLED, ids=lambda each: each.name)
+@for_each("conversion", CALLED, ids=lambda case: case.name)
 def test_each_class_has_its_function_in_the_runtime(conversion):
     signature = inspect.signature(getattr(runtime, conversion.name))
     inputs, arguments = conversion.inputs, conversion.arguments
     positional = [p for p in signature.parameters.values() if p.kind is p.POSITIONAL_OR_KEYWORD]
     named = {p.name for p in signature.parameters.values() if p.kind is p.KEYWORD_ONLY}
-    assert [p.name for p in positional[len(inputs) :]] == [each.name for each in arguments]
+    assert [p.name for p in positional[len(inputs) :]] == [argument.name for argument in arguments]
     types = {ArgumentKind.NUMBER: "float", ArgumentKind.TABLE: "Mapping[Key, Value]"}
-    wanted = [PARAMETERS[each] for each in inputs] + [types[each.kind] for each in arguments]
+    wanted = [PARAMETERS[input_kind] for input_kind in inputs] + [
+        types[argument.kind] for argument in arguments
+    ]
     assert [p.annotation for p in positional] == wanted
     assert signature.return_annotation == RESULTS[conversion.outputs]
     assert named == ({"near"} if conversion.needs_clock else set())
@@ -109,7 +113,7 @@ def test_each_class_has_its_function_in_the_runtime(conversion):
 
 def test_each_function_of_the_runtime_has_its_class():
     functions = {name for name in runtime.__all__ if inspect.isfunction(getattr(runtime, name))}
-    assert functions == {each.name for each in CALLED}
+    assert functions == {conversion.name for conversion in CALLED}
 
 
 # These words mean something else too, such as a feature or a policy.
@@ -127,7 +131,7 @@ def test_no_other_file_lists_names_of_conversions():
         if not any(name in text for name in names):  # to parse all takes five seconds
             continue
         tree = ast.parse(text)
-        texts = {each.value for each in ast.walk(tree) if isinstance(each, ast.Constant)}
+        texts = {syntax.value for syntax in ast.walk(tree) if isinstance(syntax, ast.Constant)}
         if named := texts & names:
             found[place.as_posix()] = named
     assert found == {}
@@ -139,7 +143,9 @@ def test_no_other_file_lists_names_of_conversions():
 NUMBERS = st.floats(-1e6, 1e6)
 ANGLES = st.floats(-50.0, 50.0)
 POSITIVE = st.floats(1e-3, 1e6)
-PARTS = st.tuples(*[st.floats(-1.0, 1.0)] * 4).filter(lambda each: math.hypot(*each) > 1e-2)
+PARTS = st.tuples(*[st.floats(-1.0, 1.0)] * 4).filter(
+    lambda quaternion: math.hypot(*quaternion) > 1e-2
+)
 SECONDS = st.integers(-(2**31), 2**31 - 1)
 INSTANTS = st.tuples(SECONDS, st.integers(0, 10**9 - 1))
 STAMPS = st.tuples(
@@ -179,7 +185,11 @@ HEADERS = st.tuples(
     st.sampled_from([" ", "\n#\n"]),
     st.sampled_from(["255", "65535", "254", ""]),
     st.sampled_from(["\n", " ", "#9\n", "", "x"]),
-).map(lambda each: f"{each[0]}{each[1]}{each[3]}{each[2]}{each[4]}{each[5]}{each[6]}{each[7]}")
+).map(
+    lambda header: (
+        f"{header[0]}{header[1]}{header[3]}{header[2]}{header[4]}{header[5]}{header[6]}{header[7]}"
+    )
+)
 # Where the usual numbers would only ever miss.
 OWN_INPUTS = {
     "occupancy_to_cost": st.tuples(st.integers(-1, 101)),
@@ -190,9 +200,9 @@ OWN_INPUTS = {
     "covariance_to_rms": st.tuples(*[st.floats(-1.0, 1e6)] * 3),
     "pixels_to_pnm": st.tuples(
         SIDES, SIDES, ENCODINGS, st.booleans(), st.integers(0, 9), st.binary(max_size=27)
-    ).map(lambda each: (*each[:5], (each[5] * 27)[: each[0] * each[4]] if each[5] else b"a")),
+    ).map(lambda image: (*image[:5], (image[5] * 27)[: image[0] * image[4]] if image[5] else b"a")),
     "pnm_to_pixels": st.tuples(HEADERS, st.sampled_from([1, 2, 3, 4, 6, 8, 12]), st.binary()).map(
-        lambda each: (each[0].encode() + (each[2] * 12)[: each[1]],)
+        lambda image: (image[0].encode() + (image[2] * 12)[: image[1]],)
     ),
 }
 KINDS = {
@@ -219,7 +229,7 @@ def computed(conversion, values, arguments, named):
         KINDS[kind](*value) if kind in KINDS else value
         for kind, value in zip(conversion.inputs, values, strict=True)
     ]
-    numbers = [dict(each) if each is TABLE else each for each in arguments]
+    numbers = [dict(argument) if argument is TABLE else argument for argument in arguments]
     near = {name: runtime.Time(*value) for name, value in named.items()}
     try:
         return getattr(runtime, conversion.name)(*given_values, *numbers, **near)
@@ -254,7 +264,7 @@ def is_steep(conversion, values):
     return abs(2 * (w * y - z * x)) / length**2 > 1 - 1e-6
 
 
-@pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in CALLED])
+@pytest.mark.parametrize("conversion", [pytest.param(case, id=case.name) for case in CALLED])
 @FEWER
 @given(data=st.data())
 def test_both_compute_the_same(conversion, data):
@@ -386,10 +396,14 @@ def test_a_stamp_of_the_last_of_the_month_on_the_first():
 # ------------------------------------------------------------ ranges, ways back, signs
 
 
-NUMERIC = [each for each in CALLED if set(each.inputs) == {"number"} and not each.frames]
+NUMERIC = [
+    conversion
+    for conversion in CALLED
+    if set(conversion.inputs) == {"number"} and not conversion.frames
+]
 
 
-@pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in NUMERIC])
+@pytest.mark.parametrize("conversion", [pytest.param(case, id=case.name) for case in NUMERIC])
 @FEWER
 @given(data=st.data())
 def test_results_lie_in_the_range(conversion, data):
@@ -406,10 +420,10 @@ def test_results_lie_in_the_range(conversion, data):
         assert math.isnan(found) or low - slack <= found <= high + slack
 
 
-LIMITED = [each for each in CALLED if each.limits]
+LIMITED = [conversion for conversion in CALLED if conversion.limits]
 
 
-@pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in LIMITED])
+@pytest.mark.parametrize("conversion", [pytest.param(case, id=case.name) for case in LIMITED])
 @given(data=st.data())
 def test_results_lie_in_stated_limits(conversion, data):
     try:
@@ -420,10 +434,10 @@ def test_results_lie_in_stated_limits(conversion, data):
         assert low <= found <= high
 
 
-UNDONE = [each for each in CALLED if each.inverse and not each.needs_clock]
+UNDONE = [conversion for conversion in CALLED if conversion.inverse and not conversion.needs_clock]
 
 
-@pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in UNDONE])
+@pytest.mark.parametrize("conversion", [pytest.param(case, id=case.name) for case in UNDONE])
 @FEWER
 @given(data=st.data())
 def test_the_inverse_leads_back(conversion, data):
@@ -434,7 +448,7 @@ def test_the_inverse_leads_back(conversion, data):
         return
     values = data.draw(inputs_of(conversion))
     if len(values) == 3:
-        values = [math.remainder(each, math.pi) / 1.1 for each in values]
+        values = [math.remainder(value, math.pi) / 1.1 for value in values]
     arguments = data.draw(ARGUMENTS.get(conversion.name, st.just(())))
     result = conversion.forward(*values, *arguments)
     back = parts_of(inverse.forward(result, *arguments))
@@ -457,10 +471,14 @@ def test_what_has_no_inverse_computes_the_way_back(name, data):
     assert back == pytest.approx(value, rel=1e-6, abs=1e-6)
 
 
-SIGNED = [each for each in NUMERIC if each.name != "wrap_angle" and len(each.inputs) == 1]
+SIGNED = [
+    conversion
+    for conversion in NUMERIC
+    if conversion.name != "wrap_angle" and len(conversion.inputs) == 1
+]
 
 
-@pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in SIGNED])
+@pytest.mark.parametrize("conversion", [pytest.param(case, id=case.name) for case in SIGNED])
 @given(data=st.data())
 def test_signs(conversion, data):
     (value,) = data.draw(inputs_of(conversion))
@@ -472,13 +490,15 @@ def test_signs(conversion, data):
         assert conversion.forward(value, *arguments) * sign * value >= 0
 
 
-@pytest.mark.parametrize("conversion", [pytest.param(each, id=each.name) for each in CALLED])
+@pytest.mark.parametrize("conversion", [pytest.param(case, id=case.name) for case in CALLED])
 @given(data=st.data())
 def test_integers_are_kept(conversion, data):
     if not conversion.keeps_integers:
         return
     value = data.draw(st.integers(-(2**53), 2**53))
-    arguments = [round(each) for each in data.draw(ARGUMENTS.get(conversion.name, st.just(())))]
+    arguments = [
+        round(argument) for argument in data.draw(ARGUMENTS.get(conversion.name, st.just(())))
+    ]
     found = conversion.forward(value, *arguments)
     assert found == int(found)
     assert not conversion.keeps_size or abs(found) <= max(abs(value), *map(abs, arguments), 0)

@@ -26,10 +26,14 @@ GUARDS = (
 
 CASES = 2000
 ROWS = 20
-DEFINED = [each for each in CONVERSIONS.values() if isinstance(each.definition, Definition)]
-CALLED = [each for each in DEFINED if not each.changes_nothing]
-EVERY_DEFINITION = for_each("conversion", DEFINED, ids=lambda each: each.name)
-EVERY_CALLED = for_each("conversion", CALLED, ids=lambda each: each.name)
+DEFINED = [
+    conversion
+    for conversion in CONVERSIONS.values()
+    if isinstance(conversion.definition, Definition)
+]
+CALLED = [conversion for conversion in DEFINED if not conversion.changes_nothing]
+EVERY_DEFINITION = for_each("conversion", DEFINED, ids=lambda conversion: conversion.name)
+EVERY_CALLED = for_each("conversion", CALLED, ids=lambda conversion: conversion.name)
 
 # ------------------------------------------------------------ what definitions are made of
 
@@ -53,7 +57,7 @@ def test_a_definition_takes_and_gives_what_the_conversion_does(conversion):
         at = len(given)
         given += PARTS.get(kind, definition.parameters[at : at + 1])
     if not conversion.changes_nothing:
-        given += [each.name for each in conversion.arguments]
+        given += [argument.name for argument in conversion.arguments]
     given += ["near_sec", "near_nanosec"] if conversion.needs_clock else []
     assert list(definition.parameters) == given
     results = [len(PARTS.get(kind, "1")) for kind in conversion.outputs]
@@ -69,12 +73,18 @@ def test_each_name_stands_for_a_part_or_an_earlier_step(conversion):
         assert name not in known
         assert set(variables(value)) <= known, name
         known.add(name)
-    assert all(set(variables(each)) <= known for each in definition.results)
+    assert all(set(variables(result)) <= known for result in definition.results)
 
 
 def test_what_the_library_decides():
-    of_library = {each.name for each in DEFINED if not each.definition.is_portable}
-    turns = {each.name for each in DEFINED if "geometry_msgs/Quaternion" in each.signature}
+    of_library = {
+        conversion.name for conversion in DEFINED if not conversion.definition.is_portable
+    }
+    turns = {
+        conversion.name
+        for conversion in DEFINED
+        if "geometry_msgs/Quaternion" in conversion.signature
+    }
     assert of_library == turns
 
 
@@ -84,14 +94,14 @@ def test_what_the_library_decides():
 def python_function(conversion):
     """The definition as a function of Python."""
     definition = conversion.definition
-    names = {each: each for each in (*definition.parameters, *definition.steps)}
+    names = {parameter: parameter for parameter in (*definition.parameters, *definition.steps)}
     lines = [f"def function({definition.takes}):"]
     if definition.refusal is not None:
         condition = python_condition(definition.refusal, names)
         lines += [f" if {condition}: raise Refused({definition.reason!r})"]
     for name, value in definition.steps.items():
         lines += [f" {name} = {python_expression(value, names)}"]
-    results = (python_expression(each, names) for each in definition.results)
+    results = (python_expression(result, names) for result in definition.results)
     space = {"arithmetic": arithmetic, "Refused": runtime.ConversionError}
     exec("\n".join([*lines, f" return {', '.join(results)},"]), space)  # noqa: S102 - ours
     return space["function"]
@@ -133,7 +143,7 @@ def outcome(function, parts, conversion):
 
 
 ODD = [0.0, -0.0, 1.0, -1.0, math.nan, math.inf, -math.inf, 5e-324, -5e-324, 1e308, -1e308]
-ODD += [math.pi * each for each in (-3, -2, -1, -0.5, 0.5, 1, 2, 3, 5, 7)]
+ODD += [math.pi * factor for factor in (-3, -2, -1, -0.5, 0.5, 1, 2, 3, 5, 7)]
 ODD += [2.5, 99.5, 100.0, 100.5, 254.0, 255.0, 256.0, math.nextafter(255.0, 0.0), 1e-170]
 SECONDS = [0, -1, 86399, 2**31 - 1, -(2**31)]
 # Around the end of February of years that leap and of years that do not.
@@ -170,7 +180,7 @@ def orientation(chance):
     tilt = chance.choice([1.0, -1.0]) * chance.choice([0.0, 1e-9, 1e-7, 1e-6, 1.1e-6, 2e-6])
     pitch = chance.choice([-1.0, 1.0]) * math.pi / 2 + tilt
     turn = runtime.frd_angles_to_flu_quaternion(chance.uniform(-4, 4), pitch, chance.uniform(-4, 4))
-    return [length * each for each in turn]
+    return [length * coordinate for coordinate in turn]
 
 
 def seconds(chance):

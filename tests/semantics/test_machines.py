@@ -29,8 +29,8 @@ READY = "Receiving.Ready.Controlled.Available.Ready"
 @pytest.fixture(scope="module")
 def lamps():
     result = read_models([LAMP], project_root=ROOT)
-    services = {each.name: each for each in result.model.instances(jaus.Service)}
-    return {each.name: each for each in machines_of([services["Lamp"], services["Spot"]])}
+    services = {service.name: service for service in result.model.instances(jaus.Service)}
+    return {machine.name: machine for machine in machines_of([services["Lamp"], services["Spot"]])}
 
 
 @pytest.fixture(scope="module")
@@ -47,13 +47,13 @@ def test_a_machine_of_an_heir_is_the_inherited_one(lamps):
     assert list(machine.nodes) == ["Off", "On", "On.Dim", "On.Bright", "Broken", "On.Turning"]
     # What the heir says of a state is tried before what it inherits.
     heir, inherited = machine.nodes["On"].elements
-    assert [each.message.name for each in heir.defaults] == ["TurnSpot"]
-    assert [each.event for each in inherited.defaults] == ["Burnt", "class"]
+    assert [default.message.name for default in heir.defaults] == ["TurnSpot"]
+    assert [default.event for default in inherited.defaults] == ["Burnt", "class"]
 
 
 def test_heirs_that_do_not_inherit_each_other_have_machines_of_their_own():
     result = read_models([WINCH, LAMP], project_root=ROOT)
-    found = {each.name: each for each in result.model.instances(jaus.Service)}
+    found = {service.name: service for service in result.model.instances(jaus.Service)}
     machines = machines_of([found["Winch"], found["Lamp"], found["Spot"]])
     assert [machine.name for machine in machines] == ["ReceiveFSM", "LampFSM", "ReceiveFSM"]
 
@@ -130,4 +130,4 @@ def test_states_too_deep_are_found_by_branch_without_their_paths():
     long = state(".".join("b" * 100_000), state("inside"))
     edge = state(".".join("c" * DEEPEST), state("first", state("further")), state("second"))
     machine = SimpleNamespace(states=[shallow, long, edge])
-    assert [each.name for each in too_deep(machine)] == [long.name, "first", "second"]
+    assert [state.name for state in too_deep(machine)] == [long.name, "first", "second"]

@@ -29,7 +29,7 @@ class Counting:
 def test_each_answer_is_worked_out_once_within():
     asked = Counting()
     with remembering():
-        assert [asked.double(each) for each in (1, 2, 1, 2)] == [2, 4, 2, 4]
+        assert [asked.double(number) for number in (1, 2, 1, 2)] == [2, 4, 2, 4]
     assert asked.count == 2
 
 
@@ -67,7 +67,9 @@ def test_the_layouts_of_two_messages_are_compared_without_resolving_them_again(m
     message.name, message.code = "ReportThing", "4D00"
     resolved = []
     resolve = wire.resolve
-    monkeypatch.setattr(wire, "resolve", lambda each: (resolved.append(each), resolve(each))[1])
+    monkeypatch.setattr(
+        wire, "resolve", lambda definition: (resolved.append(definition), resolve(definition))[1]
+    )
     with remembering():
         assert signature(message) == signature(message)
     assert resolved == [message]

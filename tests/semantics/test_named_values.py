@@ -60,7 +60,7 @@ def test_names_are_compared_without_case_and_separators() -> None:
     found = compared(ros, jaus)
     assert found is not None
     assert [(one.name, other.name) for one, other in found.renumbered] == [("MODE_READY", "ready")]
-    assert [each.name for each in found.unmatched] == ["MODE_LOST"]
+    assert [value.name for value in found.unmatched] == ["MODE_LOST"]
     assert found.is_of_one_enumeration
     assert table_text(found, to_ros=False) == '"Stand By" <-> MODE_STAND_BY  ready <-> MODE_READY'
 

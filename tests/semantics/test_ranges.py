@@ -20,7 +20,7 @@ from jausml.language.text.notation import NOTATIONS
 from jausml.runtime import conversions as runtime
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
-FACTORS = st.floats(-1e3, 1e3, allow_nan=False).filter(lambda each: abs(each) > 1e-6)
+FACTORS = st.floats(-1e3, 1e3, allow_nan=False).filter(lambda factor: abs(factor) > 1e-6)
 WIDTHS = st.floats(0.0, 100.0)
 ANGLES = ("ned_heading_to_enu_yaw", "enu_yaw_to_ned_heading", "wrap_angle")
 PLAIN = ("negate", "square", "square_root", "degrees_to_radians", "radians_to_degrees", *ANGLES)
@@ -63,7 +63,7 @@ def placed(model, chain=(), *, to_ros=True):
     for kind, arguments, expression in chain:
         conversion = model.metamodels.classes["bridge.Conversion"].eclass()
         conversion.kind = literals[kind]
-        conversion.arguments.extend([float(each) for each in arguments])
+        conversion.arguments.extend([float(argument) for argument in arguments])
         conversion.expression = expression
         assignment.conversions.append(conversion)
     return place(attribute_map, assignment, to_ros=to_ros)
@@ -87,8 +87,8 @@ def test_what_the_runtime_computes_lies_in_the_range(model, chain, ends, part):
     value = min(max(low + part * (high - low), low), high)
     ranges = [(low, high)]
     steps = steps_of(placed(model, chain))
-    for each, (kind, arguments, _) in zip(steps, chain, strict=True):
-        ranges = each.ranges(ranges)
+    for chain_step, (kind, arguments, _) in zip(steps, chain, strict=True):
+        ranges = chain_step.ranges(ranges)
         value = getattr(runtime, kind)(value, *arguments)
         if math.isnan(value):
             return
@@ -141,7 +141,11 @@ def test_numbers_are_sent_through_to_the_unit_of_the_target(tmp_path):
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    (turn,) = [each for each in model.instances(bridge.AttributeMap) if each.name == "turn"]
+    (turn,) = [
+        attribute_map
+        for attribute_map in model.instances(bridge.AttributeMap)
+        if attribute_map.name == "turn"
+    ]
     assert sent_through(place(turn, turn.toRos[0], to_ros=True), 180.0) == pytest.approx(math.pi)
 
 

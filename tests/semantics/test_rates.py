@@ -30,7 +30,11 @@ def test_of_ready_maps(tmp_path: Path, name: str, expected: bool) -> None:
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    used = next(each for each in model.instances(bridge.AttributeMap) if each.name == name)
+    used = next(
+        attribute_map
+        for attribute_map in model.instances(bridge.AttributeMap)
+        if attribute_map.name == name
+    )
     assert fills_rates_alone(used, to_ros=True) is expected
 
 
@@ -57,7 +61,11 @@ def test_a_speed_beside_other_numbers_is_not_alone(
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    [used] = [each for each in model.instances(bridge.AttributeMap) if each.name == "own"]
+    [used] = [
+        attribute_map
+        for attribute_map in model.instances(bridge.AttributeMap)
+        if attribute_map.name == "own"
+    ]
     assert fills_rates_alone(used, to_ros=True) is expected
 
 
@@ -70,5 +78,9 @@ def test_a_number_of_no_unit_is_what_its_source_is(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    [used] = [each for each in model.instances(bridge.AttributeMap) if each.name == "speed"]
+    [used] = [
+        attribute_map
+        for attribute_map in model.instances(bridge.AttributeMap)
+        if attribute_map.name == "speed"
+    ]
     assert fills_rates_alone(used, to_ros=True)

@@ -14,13 +14,13 @@ WINCH = library_root().parent / "examples" / "winch" / "winch.xmi"
 @pytest.fixture(scope="module")
 def services():
     files = [*sorted((library_root() / "jaus").glob("*.xmi")), WINCH]
-    model = read_models([str(each) for each in files]).model
+    model = read_models([str(file) for file in files]).model
     return [*model.instances(jaus.Service)]
 
 
 def found(services, service, message):
-    owner = next(each for each in services if each.name == service)
-    return owner, next(each for each in owner.inputs if each.name == message)
+    owner = next(candidate for candidate in services if candidate.name == service)
+    return owner, next(candidate for candidate in owner.inputs if candidate.name == message)
 
 
 @pytest.mark.parametrize(
@@ -39,7 +39,7 @@ def found(services, service, message):
 )
 def test_confirmations_and_rejections(services, service, message, names):
     owner, command = found(services, service, message)
-    assert sorted(str(each.name) for each in responses(command, owner)) == names
+    assert sorted(str(response.name) for response in responses(command, owner)) == names
 
 
 @pytest.mark.parametrize(

@@ -96,7 +96,9 @@ def test_one_component_answers_for_its_subsystem(read, components, answering):
     ]
     [whole] = read("\n".join(named)).instances(system.System)
     found = [
-        each.address for each in whole.components if "SUBSYSTEM" in component_settings(whole, each)
+        component.address
+        for component in whole.components
+        if "SUBSYSTEM" in component_settings(whole, component)
     ]
     assert found == answering
 
@@ -123,4 +125,4 @@ def test_own_messages_of_a_core_code_are_told_of(tmp_path):
     assert "coreServices" in finding.hint
     text = path.read_text(encoding="utf-8").replace("1.1.1", '1.1.1" coreServices="none')
     path.write_text(text, encoding="utf-8")
-    assert [each.rule for each in check_project([path]).diagnostics] == ["JML357"]
+    assert [diagnostic.rule for diagnostic in check_project([path]).diagnostics] == ["JML357"]

@@ -48,7 +48,11 @@ def connection(tmp_path):
 
 
 def sent(connection):
-    return [path for each in stops.stop_assignments(connection) for path in target_paths(each)]
+    return [
+        path
+        for stop_assignment in stops.stop_assignments(connection)
+        for path in target_paths(stop_assignment)
+    ]
 
 
 def test_a_constant_speed_of_a_map_does_not_fill_its_stop(connection):

@@ -94,4 +94,6 @@ def test_what_becomes_reports_hears_everybody_and_commands_and_latched_topics_ar
 
 
 def test_a_best_effort_driver_and_a_report_are_no_finding(model):
-    assert [each.rule for each in check(model).diagnostics if each.rule == "JML403"] == []
+    assert [
+        diagnostic.rule for diagnostic in check(model).diagnostics if diagnostic.rule == "JML403"
+    ] == []

@@ -62,7 +62,7 @@ def status(name="odometry", level=0, values=VALUES, message="running"):
 
 def edges_of(model, row):
     found = graph_of(model, "system").edges
-    return [each.id for each in found if row in (each.source.port, each.target.port)]
+    return [edge.id for edge in found if row in (edge.source.port, edge.target.port)]
 
 
 def test_a_connection_is_told_at_its_row_and_at_each_of_its_edges(model, places, silent):
@@ -80,18 +80,18 @@ def test_a_connection_is_told_at_its_row_and_at_each_of_its_edges(model, places,
     }
     edges = edges_of(model, row)
     assert len(edges) == 3
-    assert row in [each["row"] for each in values["connections"]]
-    assert "vehicle" in [each["box"] for each in values["components"]]
-    assert all(values["edges"][each] == values["edges"][row] for each in edges)
+    assert row in [connection["row"] for connection in values["connections"]]
+    assert "vehicle" in [component["box"] for component in values["components"]]
+    assert all(values["edges"][edge] == values["edges"][row] for edge in edges)
     json.dumps(values, allow_nan=False)
 
 
 def test_every_row_and_edge_of_bridges_is_told_of_before_anybody_is_heard(model, places, silent):
     values = live_values(silent, places)
     graph = graph_of(model, "system")
-    assert values["edges"].keys() >= {each.id for each in graph.edges}
+    assert values["edges"].keys() >= {edge.id for edge in graph.edges}
     assert values["boxes"].keys() == {
-        each.id for each in graph.nodes if each.kind in ("component", "bridge")
+        node.id for node in graph.nodes if node.kind in ("component", "bridge")
     }
     assert values["edges"][places.rows["/loop_bridge", "drive"]]["level"] == "not heard"
     without_ros = live_values(fold_source(silent, "ROS", "no ROS here"), places)
@@ -104,7 +104,7 @@ def test_silence_and_failure_are_told_in_a_word(places, silent):
     failed = status("drive", 2, message="nobody obeys")
     values = live_values(fold_statuses(silent, [stale, failed], 1.0), places)
     told = [values["edges"][places.rows["/loop_bridge", name]] for name in ("odometry", "drive")]
-    assert [(each["level"], each["text"]) for each in told] == [
+    assert [(edge["level"], edge["text"]) for edge in told] == [
         ("stale", "s"),
         ("error", "error"),
     ]
@@ -115,8 +115,8 @@ def test_control_is_told_at_its_edge_and_in_the_box(places, silent):
 
     def told(*answers):
         state = silent
-        for each in answers:
-            state = fold_answer(state, ComponentAnswer(LOOP, **each), 1.0)
+        for answer in answers:
+            state = fold_answer(state, ComponentAnswer(LOOP, **answer), 1.0)
         values = live_values(state, places)
         return values["edges"][edge], values["boxes"]["loop_bridge"]
 
@@ -142,7 +142,9 @@ def test_little_is_told_of_much(places, silent):
     for number in range(HISTORY + 9):
         state = fold_statuses(state, [status()], float(number))
     (told,) = [
-        each for each in live_values(state, places)["connections"] if each["told"] is not None
+        connection
+        for connection in live_values(state, places)["connections"]
+        if connection["told"] is not None
     ]
     assert len(told["history"]) == HISTORY
     assert "values" not in told
@@ -151,11 +153,15 @@ def test_little_is_told_of_much(places, silent):
 def test_a_changed_model_keeps_what_was_heard(model, places, silent):
     heard = fold_statuses(silent, [status()], 1.0)
     heard = fold_answer(heard, ComponentAnswer(LOOP, state="READY"), 1.0)
-    declared = [each for each in declarations_of(model) if each.name != "odometry"]
+    declared = [
+        declaration for declaration in declarations_of(model) if declaration.name != "odometry"
+    ]
     state = fold_model(heard, declared, {"10.1.77": "new"}, 2.0)
     assert state.connections["/loop_bridge", "odometry"].declaration is None
     assert state.connections["/loop_bridge", "odometry"].rate == 19.5
-    assert {each for each, told in state.components.items() if told.is_declared} == {"10.1.77"}
+    assert {address for address, told in state.components.items() if told.is_declared} == {
+        "10.1.77"
+    }
     assert state.components[LOOP].state == "READY"
     assert "10.1.2" not in state.components  # nobody ever heard of it, and the model lost it
     again = fold_model(state, declarations_of(model), components_of(model), 3.0)
@@ -179,10 +185,10 @@ def test_a_death_is_told_as_one_and_ages_go_on(places, silent):
     edge = values["edges"][row]
     assert (edge["gone"], edge["text"], edge["rate"], edge["latency"]) == (True, "gone", None, {})
     assert edge["age"] == pytest.approx(62.031)
-    (listed,) = (each for each in values["connections"] if each["row"] == row)
+    (listed,) = (connection for connection in values["connections"] if connection["row"] == row)
     assert listed["age"] == pytest.approx(62.031)
     # What it told of itself holds no longer, and is no more than history.
-    (component,) = (each for each in values["components"] if each["id"] == LOOP)
+    (component,) = (shown for shown in values["components"] if shown["id"] == LOOP)
     assert [component[name] for name in ("state", "controller", "round_trip_ms")] == [None] * 3
     assert component["reason"] == "does not answer any more; was in READY"
     box = values["boxes"][component["box"]]
@@ -263,8 +269,8 @@ def machine(state=OUT, *times):
 def watched(winch, *machines):
     """The values of the winch model, whose components have these machines, one each."""
     state = expected(declarations_of(winch), components_of(winch), 0.0)
-    for number, each in enumerate(machines, 1):
-        answer = ComponentAnswer(f"120.1.{number}", state="READY", machines=(each,))
+    for number, state_machine in enumerate(machines, 1):
+        answer = ComponentAnswer(f"120.1.{number}", state="READY", machines=(state_machine,))
         state = fold_answer(state, answer, 1.0)
     return state, live_values(state, places_of(winch))
 
@@ -272,8 +278,8 @@ def watched(winch, *machines):
 def states_of(winch, values):
     """What is told at boxes and frames of the view of the machine, by paths."""
     graph = graph_of(winch, "machine:Winch.ReceiveFSM")
-    ids = {each.id: each.id.rpartition("!")[2] for each in (*graph.nodes, *graph.groups)}
-    return {ids[each]: told for each, told in values["boxes"].items() if each in ids}
+    ids = {node.id: node.id.rpartition("!")[2] for node in (*graph.nodes, *graph.groups)}
+    return {ids[box_id]: told for box_id, told in values["boxes"].items() if box_id in ids}
 
 
 def test_states_are_told_at_their_boxes_in_the_view_of_the_machine(winch):
@@ -320,8 +326,12 @@ def test_what_the_model_does_not_have_is_told_as_unknown(winch):
     elsewhere = MachineState("urn:other", "M", "A", 1.0)
     unknown = machine(f"{WINCH_READY}.Nowhere\x1b", StateTime("Nowhere", 1, 0.0))
     _, values = watched(winch, unknown, elsewhere)
-    found = [each for component in values["components"] for each in component["machines"]]
-    assert [each["known"] for each in found] == [False, False]
+    found = [
+        state_machine
+        for component in values["components"]
+        for state_machine in component["machines"]
+    ]
+    assert [state_machine["known"] for state_machine in found] == [False, False]
     told = states_of(winch, values)
     assert told[WINCH_READY]["level"] == "around"
     assert json.loads(json.dumps(values)) == values
@@ -333,4 +343,4 @@ def test_a_component_that_is_lost_is_in_no_state(winch):
         state = fold_answer(state, ComponentAnswer("120.1.1", source=AnswerSource.NOBODY), 2.0)
     values = live_values(state, places_of(winch))
     assert states_of(winch, values) == {}
-    assert [each["machines"] for each in values["components"]] == [[], []]
+    assert [component["machines"] for component in values["components"]] == [[], []]

@@ -37,9 +37,9 @@ def test_nothing_stands_in_the_page_itself():
     named = [
         part.partition('"')[0] for key in ("src", "href") for part in text.split(f'{key}="')[1:]
     ]
-    own = [each for each in named if not each.startswith("data:")]
+    own = [reference for reference in named if not reference.startswith("data:")]
     assert len(own) > 1
-    assert all((PAGE.parent / each).is_file() for each in own)
+    assert all((PAGE.parent / path).is_file() for path in own)
     assert text.count("<script") == text.count('<script type="module" crossorigin src="./')
 
 
@@ -51,8 +51,8 @@ def test_licences_of_what_is_in_it_are_beside_it():
 
 def test_all_of_it_stays_light():
     """What a slow link carries: all parts, though those that load late are seldom wanted."""
-    parts = [each for each in (PAGE.parent / "assets").iterdir() if each.suffix in (".js", ".css")]
-    assert sum(len(gzip.compress(each.read_bytes())) for each in parts) < 700_000
+    parts = [path for path in (PAGE.parent / "assets").iterdir() if path.suffix in (".js", ".css")]
+    assert sum(len(gzip.compress(part.read_bytes())) for part in parts) < 700_000
     # Who edits models does not load the operator unit, nor what draws its plots.
     first = re.findall(r'src="\./([^"]+)"', PAGE.read_text(encoding="utf-8"))
-    assert all("Take control" not in (PAGE.parent / each).read_text() for each in first)
+    assert all("Take control" not in (PAGE.parent / script).read_text() for script in first)

@@ -10,7 +10,9 @@ def broken(page):
     needs.ask("axe")
     page.evaluate(needs.AXE.read_text(encoding="utf-8"))
     found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
-    return {each["id"]: [node["html"][:120] for node in each["nodes"]] for each in found}
+    return {
+        violation["id"]: [node["html"][:120] for node in violation["nodes"]] for violation in found
+    }
 
 
 _CONTROLS = """

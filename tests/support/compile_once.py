@@ -28,9 +28,9 @@ def use(folder: Path, compiler: str | None) -> None:
     if compiler is None or Path(compiler).parent == folder:
         return
     folder.mkdir(parents=True, exist_ok=True)
-    for each in folder.iterdir():
-        if each.stat().st_mtime < time.time() - _FORGOTTEN:
-            each.unlink(missing_ok=True)
+    for path in folder.iterdir():
+        if path.stat().st_mtime < time.time() - _FORGOTTEN:
+            path.unlink(missing_ok=True)
     script = folder / Path(compiler).name
     new = script.with_suffix(f".{os.getpid()}")
     line = shlex.join([sys.executable, "-SE", __file__, str(folder), compiler])
@@ -62,28 +62,28 @@ def _parts(arguments: list[str]) -> tuple[list[str], list[str], str]:
     """Returns options, sources, and what is made; nothing where it is not made of sources alone."""
     options, sources, made = [], [], ""
     rest = iter(arguments)
-    for each in rest:
-        if each == "-o":
+    for argument in rest:
+        if argument == "-o":
             made = next(rest, "")
-        elif each.startswith("-"):
-            options.append(each)
+        elif argument.startswith("-"):
+            options.append(argument)
         else:
-            sources.append(each)
-    plain = all(each.endswith(".cpp") for each in sources)
-    alone = not any(each.startswith(("-l", "-L", "-M", "-x", "-E")) for each in options)
+            sources.append(argument)
+    plain = all(source.endswith(".cpp") for source in sources)
+    alone = not any(option.startswith(("-l", "-L", "-M", "-x", "-E")) for option in options)
     return options, sources, made if sources and plain and alone else ""
 
 
 def _name(line: list[str], sources: list[str]) -> str:
     """Returns the digest of a program; nothing where the preprocessor finds fault with its text."""
     found = hashlib.sha256()
-    for each in (["-dM", "-x", "c++", os.devnull], ["-P", *sources]):
-        done = subprocess.run([*line, "-E", *each], capture_output=True, check=False)
+    for option_list in (["-dM", "-x", "c++", os.devnull], ["-P", *sources]):
+        done = subprocess.run([*line, "-E", *option_list], capture_output=True, check=False)
         if done.returncode or done.stderr:
             return ""
         found.update(done.stdout)
     # Where headers lie is no matter: their text is counted.
-    found.update("\0".join(each for each in line if not each.startswith("-I")).encode())
+    found.update("\0".join(argument for argument in line if not argument.startswith("-I")).encode())
     return found.hexdigest()
 
 

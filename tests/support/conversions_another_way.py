@@ -89,7 +89,7 @@ def timestamp_to_time(stamp, near):
         return None
     days = range(-_FARTHEST, _FARTHEST + 1)
     instants = [_instant(found + n * _DAY) for n in days if _is_day(found, n, day)]
-    return min(instants, key=lambda each: abs(_nanoseconds(each) - _nanoseconds(near)))
+    return min(instants, key=lambda instant: abs(_nanoseconds(instant) - _nanoseconds(near)))
 
 
 def time_to_timestamp(instant):

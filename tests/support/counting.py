@@ -21,8 +21,8 @@ def calls(work: Callable[[], object]) -> Counter[str]:
     profile = Profile()
     profile.runcall(work)
     found: Counter[str] = Counter()
-    for each in profile.getstats():
-        found[_name(each.code)] += each.callcount
+    for getstat in profile.getstats():
+        found[_name(getstat.code)] += getstat.callcount
     return found
 
 
@@ -34,9 +34,9 @@ def _forget() -> None:
     re.purge()
     for name, module in list(sys.modules.items()):
         if name.partition(".")[0] in {"jausml", "jausml_generators"}:
-            for each in vars(module).values():
-                if hasattr(each, "cache_parameters") and each.cache_parameters()["maxsize"]:
-                    each.cache_clear()
+            for member in vars(module).values():
+                if hasattr(member, "cache_parameters") and member.cache_parameters()["maxsize"]:
+                    member.cache_clear()
 
 
 def _name(code: object) -> str:

@@ -60,7 +60,7 @@ class Desktop:
     def stands(self, node):
         """Where a part of the diagram stands in it, in whole pixels."""
         moved = node.evaluate("node => node.style.transform")
-        return [round(float(each)) for each in re.findall(r"-?[\d.]+(?=px)", moved)]
+        return [round(float(match)) for match in re.findall(r"-?[\d.]+(?=px)", moved)]
 
     def zoom_into(self, part, is_near):
         """Goes nearer to the upper left of a part until something is so."""

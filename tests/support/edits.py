@@ -48,12 +48,12 @@ class Edits:
         return text[: where.start()] + what[0] + text[where.end() :]
 
     def _number(self, text):
-        found = [each for each in WORD.finditer(text) if each[0][0].isdigit()]
+        found = [match for match in WORD.finditer(text) if match[0][0].isdigit()]
         where = self._chance.choice(found)
         return text[: where.start()] + self._chance.choice(NUMBERS) + text[where.end() :]
 
     def _break(self, text):
-        where = self._chance.choice([each.start() for each in re.finditer(r"[{}()]", text)])
+        where = self._chance.choice([match.start() for match in re.finditer(r"[{}()]", text)])
         return text[:where] + text[where + 1 :]
 
     def _remove(self, text):
@@ -73,7 +73,7 @@ class Edits:
 
     def _block(self, text):
         """Returns where lines begin and end that open a brace and close it; at once without any."""
-        starts = [each.start() for each in re.finditer(r"(?m)^ *[^\n{}]*\{", text)]
+        starts = [match.start() for match in re.finditer(r"(?m)^ *[^\n{}]*\{", text)]
         start = self._chance.choice(starts or [len(text)])
         return start, _block_at(text, start) or len(text)
 
@@ -83,13 +83,13 @@ class Edits:
     def _value(self, text):
         values = list(VALUE.finditer(text))[4:]
         where = self._chance.choice(values)
-        what = self._chance.choice([each[1] for each in values] + list(NUMBERS))
+        what = self._chance.choice([value[1] for value in values] + list(NUMBERS))
         return text[: where.start(1)] + what + text[where.end(1) :]
 
     def _line(self, text):
         """Removes an element that stands on a line, or doubles it."""
         lines = text.splitlines(keepends=True)
-        whole = [n for n, each in enumerate(lines) if re.fullmatch(r"\s*<[^>]*/>\s*", each)]
+        whole = [n for n, line in enumerate(lines) if re.fullmatch(r"\s*<[^>]*/>\s*", line)]
         at = self._chance.choice(whole)
         lines[at : at + 1] = [lines[at]] * self._chance.choice((0, 2))
         return "".join(lines)
@@ -97,10 +97,10 @@ class Edits:
 
 def _block_at(text, start):
     depth = 0
-    for each in re.compile(r"[{}]").finditer(text, start):
-        depth += 1 if each[0] == "{" else -1
+    for match in re.compile(r"[{}]").finditer(text, start):
+        depth += 1 if match[0] == "{" else -1
         if depth == 0:
-            return each.end()
+            return match.end()
         if depth < 0:
             return None
     return None

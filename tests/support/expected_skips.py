@@ -73,11 +73,13 @@ def surplus(reasons: Counter[str], config: pytest.Config) -> list[str]:
 
 def beyond(reasons: Counter[str], allowances: list[Allowance]) -> list[str]:
     """Returns what is skipped beyond what is allowed; of two allowances the longer one counts."""
-    longest = sorted(allowances, key=lambda each: -len(each.reason))
+    longest = sorted(allowances, key=lambda candidate: -len(candidate.reason))
     counted: Counter[Allowance] = Counter()
     found = []
     for reason, count in sorted(reasons.items()):
-        allowance = next((each for each in longest if reason.startswith(each.reason)), None)
+        allowance = next(
+            (candidate for candidate in longest if reason.startswith(candidate.reason)), None
+        )
         if allowance is None:
             found.append(f"{count} skipped: {reason}")
         else:

@@ -55,7 +55,7 @@ def for_each(
         fixtures = [p for p in signature.parameters.values() if p.name not in own_names]
         own = ["subtests"] if shards == 1 else ["subtests", "shard"]
         asked = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY) for name in own]
-        fixtures = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in fixtures]
+        fixtures = [fixture.replace(kind=inspect.Parameter.KEYWORD_ONLY) for fixture in fixtures]
         run.__signature__ = signature.replace(parameters=[*asked, *fixtures])  # type: ignore[attr-defined]
         run.pytestmark = list(getattr(test, "pytestmark", ()))  # type: ignore[attr-defined]
         if shards == 1:

@@ -97,8 +97,13 @@ class Robot(JausComponent):
             settings=TransportSettings(address_book={JUDGE: judge.transport.endpoint})
         )
         self._filter(transport)
-        services = [ServiceIdentity(f"urn:jaus:jss:core:{each}", 1, 1) for each in CORE]
-        services += [ServiceIdentity(f"urn:jaus:jss:mobility:{each}", 1, 0) for each in MOBILITY]
+        services = [
+            ServiceIdentity(f"urn:jaus:jss:core:{service_name}", 1, 1) for service_name in CORE
+        ]
+        services += [
+            ServiceIdentity(f"urn:jaus:jss:mobility:{service_name}", 1, 0)
+            for service_name in MOBILITY
+        ]
         super().__init__(
             transport,
             ROBOT,
@@ -140,9 +145,14 @@ class Robot(JausComponent):
 
         def take_rest(datagram, endpoint):
             packets = parse_datagram(datagram, Counters())
-            if any(code(each) == core.ReportIdentification.CODE for each in packets):
+            if any(
+                code(received_packet) == core.ReportIdentification.CODE
+                for received_packet in packets
+            ):
                 self.is_answered = True
-            if kind != "deaf" or all(code(each) != self._code(name) for each in packets):
+            if kind != "deaf" or all(
+                code(received_packet) != self._code(name) for received_packet in packets
+            ):
                 take(datagram, endpoint)
 
         transport.station.sendto, transport.receive_datagram = send_rest, take_rest
@@ -159,9 +169,9 @@ class Robot(JausComponent):
         if kind == "unlisted" and code == core.ReportServices.CODE:
             report = core.ReportServices.decode(payload)
             for node in report.node_list:
-                for each in node.component_list:
-                    each.service_list[:] = [
-                        s for s in each.service_list if not s.uri.endswith(name)
+                for component in node.component_list:
+                    component.service_list[:] = [
+                        s for s in component.service_list if not s.uri.endswith(name)
                     ]
             return report.encode()
         change = _CHANGES.get((self.fault, code))
@@ -212,7 +222,7 @@ class Robot(JausComponent):
                 return None
             wanted = asked.fields.get(f"Query{name}Rec", {}).get("PresenceVector", ALL)
             (record,) = report.ENTRY.record.members
-            members = [each.name for each in record.kind.members]
+            members = [member.name for member in record.kind.members]
             chosen = {k: v for k, v in told.items() if wanted >> members.index(k) & 1}
             return report({record.name: chosen if choosing else told})
 
@@ -220,7 +230,7 @@ class Robot(JausComponent):
 
     def _without(self, fields):
         kind, _, name = self.fault.partition(" ")
-        return {each: fields[each] for each in fields if (kind, name) != ("without", each)}
+        return {field: fields[field] for field in fields if (kind, name) != ("without", field)}
 
     def _stamp(self, what):
         now = self.clock.utc()
@@ -357,7 +367,7 @@ _CHANGES = {
     ("identifies as a subsystem", core.ReportIdentification.CODE): _as_subsystem,
 }
 _CLASSES = {
-    each.CODE: each
-    for each in vars(core).values()
-    if isinstance(each, type) and hasattr(each, "CODE")
+    core_class.CODE: core_class
+    for core_class in vars(core).values()
+    if isinstance(core_class, type) and hasattr(core_class, "CODE")
 }

@@ -183,9 +183,9 @@ class LossyNetwork:
         """Return the longest time that the vehicle was not in Ready and controlled in one go."""
         longest = run = 0.0
         last = float("-inf")
-        for each in self.uncontrolled:
-            if each < since:
+        for moment in self.uncontrolled:
+            if moment < since:
                 continue
-            run = run + STEP if each - last < 1.5 * STEP else STEP
-            last, longest = each, max(longest, run)
+            run = run + STEP if moment - last < 1.5 * STEP else STEP
+            last, longest = moment, max(longest, run)
         return longest

@@ -99,7 +99,7 @@ def _sanitizers() -> str:
         source = Path(folder, "empty.cpp")
         source.write_text("int main() {}\n", encoding="ascii")
         line = (program, source, "-o", Path(folder, "empty"))
-        if all(_runs(*line, f"-fsanitize={each}") for each in _SANITIZERS):
+        if all(_runs(*line, f"-fsanitize={sanitizer}") for sanitizer in _SANITIZERS):
             return ""
     return "apt install g++, or libclang-rt-dev for clang++"
 
@@ -149,14 +149,14 @@ def _namespaces(*command: str) -> Callable[[], str]:
 
 
 def _two_hosts() -> str:
-    absent = [each for each in ("ip", "nsenter", "unshare") if shutil.which(each) is None]
+    absent = [program for program in ("ip", "nsenter", "unshare") if shutil.which(program) is None]
     if absent:
         return "apt install iproute2 util-linux"
     return "" if _runs("unshare", "--net", "ip", "link", "set", "lo", "up") else _CAPABILITY
 
 
 NEEDS: dict[str, Callable[[], str]] = {
-    **{each.name: lambda each=each: "" if each.path() else each.cure for each in PROGRAMS},
+    **{program.name: lambda each=program: "" if each.path() else each.cure for program in PROGRAMS},
     "nft": _nft,  # which works, and is not only there
     "atheris": lambda: (
         "" if find_spec("atheris") else "pip install atheris, which has wheels for some platforms"
@@ -193,7 +193,7 @@ NEEDS: dict[str, Callable[[], str]] = {
 
 
 def _has_font() -> bool:
-    return any(next(each.rglob(_FONT), None) for each in _FONTS)
+    return any(next(font.rglob(_FONT), None) for font in _FONTS)
 
 
 @functools.cache

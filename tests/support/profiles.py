@@ -37,7 +37,7 @@ DECISIONS = {
 def decided(profile: str, text: str) -> str:
     """Returns the text of a model in which the decisions are taken."""
     lines = text.splitlines(keepends=True)
-    text = "".join(each for each in lines if "openDecisions" not in each)
+    text = "".join(line for line in lines if "openDecisions" not in line)
     for what, decision in DECISIONS[profile].items():
         assert text.count(what) == 1, what
         text = text.replace(what, decision)

@@ -56,7 +56,7 @@ def recorded(drive: Drive = Drive()) -> bytes:
     stream = io.BytesIO()
     with McapFile(stream, has_jaus=True) as file:
         writer = _Writer(file)
-        for time, write in sorted(_events(writer, drive), key=lambda each: each[0]):
+        for time, write in sorted(_events(writer, drive), key=lambda event: event[0]):
             write(time)
             if time.is_integer():
                 file.flush()
@@ -87,11 +87,13 @@ def recorded_traffic(catalogue, node, address, messages, told) -> bytes:
     stream = io.BytesIO()
     with McapFile(stream, has_jaus=True) as file:
         writer = _Writer(file, catalogue)
-        events = [(each[0], partial(writer.jaus, *each[:4], **each[4])) for each in messages]
+        events = [
+            (message[0], partial(writer.jaus, *message[:4], **message[4])) for message in messages
+        ]
         for time, statuses in told.items():
-            found = [(0, *each) for each in statuses]
+            found = [(0, *status) for status in statuses]
             events.append((time, partial(writer.statuses, time, found, node, address)))
-        for _, write in sorted(events, key=lambda each: each[0]):
+        for _, write in sorted(events, key=lambda event: event[0]):
             write()
     return stream.getvalue()
 
@@ -108,7 +110,7 @@ def _events(writer, drive):
     count = round(drive.seconds / PERIOD)
     for number in range(count):
         time = number * PERIOD + 0.03
-        is_dropped = any(abs(time - each) < PERIOD / 2 for each in drive.dropped)
+        is_dropped = any(abs(time - drop_time) < PERIOD / 2 for drop_time in drive.dropped)
         speed = 50.0 if is_dropped else 1.0 + number / count
         if drive.has_ros:
             yield time, lambda at, x=speed: writer.twist(at, x)
@@ -163,8 +165,8 @@ class _Writer:
         self.jaus(at, BRIDGE, OPERATOR, "ConfirmControl", ResponseCode=0)
 
     def diagnostics(self, at, drive):
-        lost = sum(each < at for each in drive.dropped)
-        is_new = any(at - 1 <= each < at for each in drive.dropped)
+        lost = sum(drop_time < at for drop_time in drive.dropped)
+        is_new = any(at - 1 <= drop_time < at for drop_time in drive.dropped)
         taken = drive.taken is not None and at > drive.taken
         ready = (
             ("node", "active"),
@@ -194,7 +196,7 @@ class _Writer:
         pair = self.types["diagnostic_msgs/msg/KeyValue"]
         status = self.types["diagnostic_msgs/msg/DiagnosticStatus"]
         told = [
-            status(level, f"{node}: {name}", text, address, [pair(*each) for each in values])
+            status(level, f"{node}: {name}", text, address, [pair(*value) for value in values])
             for level, name, text, values in statuses
         ]
         self.ros(at, "/diagnostics", array, self.types[array](header, told))

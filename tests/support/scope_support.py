@@ -14,9 +14,9 @@ from jausml.language.validation.engine import check
 MODELS = Path(__file__).resolve().parents[2] / "models"
 CAR = "catvehicle/catvehicle.xmi"
 SHIPPED = sorted(
-    each.relative_to(MODELS).as_posix()
+    path.relative_to(MODELS).as_posix()
     for suffix in ("*.xmi", "*.ros2jaus")
-    for each in MODELS.rglob(suffix)
+    for path in MODELS.rglob(suffix)
 )
 
 
@@ -33,6 +33,8 @@ def scope_of(name):
 
 def named(scope, kind, name):
     """Returns the text that names the one element of a class and a name."""
-    found = [each for each in scope.model.instances(kind) if qualified_name(each).endswith(name)]
+    found = [
+        element for element in scope.model.instances(kind) if qualified_name(element).endswith(name)
+    ]
     assert len(found) == 1, found
     return scope.ref(found[0])

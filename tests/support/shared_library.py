@@ -61,4 +61,4 @@ def _shared(known: dict[tuple[Path, str], ReadResult], read: _Read = Reader.libr
 
 
 def _is_in(path: Path, folders: tuple[str, ...]) -> bool:
-    return any(path.is_relative_to(TESTS / each) for each in folders)
+    return any(path.is_relative_to(TESTS / folder) for folder in folders)

@@ -144,11 +144,11 @@ class Teller:
 def _missing(step: Step, output: str) -> str:
     """Returns the first expected part that does not follow those before it; empty for none."""
     place = 0
-    for each in step.expected:
-        place = output.find(each, place)
+    for part in step.expected:
+        place = output.find(part, place)
         if place < 0:
-            return each
-        place += len(each)
+            return part
+        place += len(part)
     return ""
 
 

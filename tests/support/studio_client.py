@@ -95,7 +95,7 @@ class Page:
         return self.answer(self.send(method, **params))
 
     def answer(self, id_: int) -> Any:
-        message = self._next(lambda each: each.get("id") == id_)
+        message = self._next(lambda reply: reply.get("id") == id_)
         if "error" in message:
             raise RefusedError(message["error"])
         return message["result"]
@@ -104,10 +104,10 @@ class Page:
         def wanted(message: dict[str, Any]) -> bool:
             return message.get("method") == method and fits(message["params"])
 
-        for each in self.told:
-            if wanted(each):
-                self.told.remove(each)
-                return each["params"]
+        for notification in self.told:
+            if wanted(notification):
+                self.told.remove(notification)
+                return notification["params"]
         return self._next(wanted)["params"]
 
     def _next(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:

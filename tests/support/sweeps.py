@@ -18,10 +18,10 @@ def sweep(values: Iterable[Any], *, every: int | Callable[[Any], bool]) -> list[
         every: Each so-manieth guards, beginning with the first; or what tells whether one does.
     """
     cases = list(values)
-    guards = [every(each) if callable(every) else at % every == 0 for at, each in enumerate(cases)]
+    guards = [every(case) if callable(every) else at % every == 0 for at, case in enumerate(cases)]
     assert any(guards), "nothing guards"
     pairs = zip(cases, guards, strict=True)
-    return [each if is_guard else _slow(each) for each, is_guard in pairs]
+    return [case if is_guard else _slow(case) for case, is_guard in pairs]
 
 
 def _slow(each: Any) -> Any:

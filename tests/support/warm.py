@@ -165,8 +165,8 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
     by_line = 1 if request["environment"].get("PYTHONUNBUFFERED") else -1
     sys.stdout = sys.__stdout__ = os.fdopen(1, "w", by_line, closefd=False)
     sys.stderr = sys.__stderr__ = os.fdopen(2, "w", 1, errors="backslashreplace", closefd=False)
-    for each in request["ignored"]:
-        signal.signal(each, signal.SIG_IGN)
+    for signal_number in request["ignored"]:
+        signal.signal(signal_number, signal.SIG_IGN)
     os.chdir(request["folder"])
     sys.path[:0] = filter(None, request["environment"].get("PYTHONPATH", "").split(os.pathsep))
     os.environ.clear()

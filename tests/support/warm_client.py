@@ -14,7 +14,7 @@ PASSED_ON = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 def main(address: str) -> None:
     """Has a command done, and ends as it does."""
-    ignored = [each for each in PASSED_ON if signal.getsignal(each) is signal.SIG_IGN]
+    ignored = [signals for signals in PASSED_ON if signal.getsignal(signals) is signal.SIG_IGN]
     request = {
         "arguments": sys.argv[1:],
         "folder": os.getcwd(),  # noqa: PTH109 - pathlib takes as long as the rest
@@ -28,8 +28,8 @@ def main(address: str) -> None:
         server.sendall(json.dumps(request).encode() + b"\n")
         answers = server.makefile("r")
         child = int(answers.readline())
-        for each in PASSED_ON:  # those too that are ignored until the command takes them
-            signal.signal(each, lambda number, _: os.kill(child, number))
+        for signals in PASSED_ON:  # those too that are ignored until the command takes them
+            signal.signal(signals, lambda number, _: os.kill(child, number))
         signal.pthread_sigmask(signal.SIG_UNBLOCK, PASSED_ON)
         status = os.waitstatus_to_exitcode(int(answers.readline()))
     if status < 0:

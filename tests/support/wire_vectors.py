@@ -19,7 +19,7 @@ VECTORS = Path(__file__).resolve().parents[1] / "vectors"
 def vectors() -> list[dict[str, Any]]:
     """Returns the vectors of tests/vectors, which its README.md describes."""
     files = sorted(VECTORS.glob("*.json"))
-    return [each for file in files for each in json.loads(file.read_text(encoding="utf-8"))]
+    return [load for file in files for load in json.loads(file.read_text(encoding="utf-8"))]
 
 
 @functools.cache

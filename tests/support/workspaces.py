@@ -54,8 +54,10 @@ def kept(model: Model, targets: Sequence[Target[Any]], *, compiled: bool = False
     All workers have the same one, and later runs, until a document or anything of the project is
     another. What is compiled in it stays, so that there is one with and one without.
     """
-    names = [f"{each.path.name} {sha256(each.data).hexdigest()}" for each in model.documents]
-    folder = _place() / _digest([str(compiled), *(each.name for each in targets), *names])
+    names = [
+        f"{document.path.name} {sha256(document.data).hexdigest()}" for document in model.documents
+    ]
+    folder = _place() / _digest([str(compiled), *(target.name for target in targets), *names])
     if not folder.exists():
         new = Path(tempfile.mkdtemp(dir=folder.parent, prefix="new-"))
         write(model, targets, new)
@@ -71,9 +73,9 @@ def _place() -> Path:
     """Returns the folder for this state of the project; far from it, for tools look upwards."""
     root = Path(tempfile.gettempdir(), f"jausml-workspaces-{os.getuid()}")
     require_own(root)
-    for each in root.iterdir():
-        if each.stat().st_mtime < time.time() - _FORGOTTEN:
-            shutil.rmtree(each, ignore_errors=True)
+    for path in root.iterdir():
+        if path.stat().st_mtime < time.time() - _FORGOTTEN:
+            shutil.rmtree(path, ignore_errors=True)
     place = root / _digest(_state())
     place.mkdir(exist_ok=True)
     os.utime(place)

@@ -186,8 +186,11 @@ def test_two_bridges_of_one_declaration():
     state = expected([DECLARED], {}, 0.0)
     for node, jaus_id in (("/one/bridge", "10.1.9"), ("/two/bridge", "11.1.9")):
         state = fold_statuses(state, [status(node=node, hardware_id=jaus_id)], 1.0)
-    assert [each.bridge for each in state.connections.values()] == ["/one/bridge", "/two/bridge"]
-    assert all(each.declaration == DECLARED for each in state.connections.values())
+    assert [connection.bridge for connection in state.connections.values()] == [
+        "/one/bridge",
+        "/two/bridge",
+    ]
+    assert all(connection.declaration == DECLARED for connection in state.connections.values())
 
 
 def test_without_ros_a_connection_is_unknown_and_no_error():
@@ -234,7 +237,7 @@ def test_a_component_that_answers_no_more():
         assert state.weight == 0
         for address in ("10.1.1", "10.1.2"):
             state = fold_answer(state, ComponentAnswer(address, source=AnswerSource.NOBODY), 3.0)
-    levels = {address: each.level for address, each in state.components.items()}
+    levels = {address: component.level for address, component in state.components.items()}
     # Whom the model has must be there; others come and go, and are forgotten.
     assert levels == {"10.1.1": Level.NOT_HEARD, "10.1.2": Level.STALE}
     assert list(fold_time(state, FORGOTTEN + 1).components) == ["10.1.1"]
@@ -315,15 +318,15 @@ def test_whatever_is_told_the_state_can_be_shown(events):
         state = fold(state, event, now)
         assert state.now == max(before.now, now)
         assert "10.1.1" in state.components
-        assert any(each.name == "odometry" for each in state.connections.values())
+        assert any(connection.name == "odometry" for connection in state.connections.values())
     assert json.loads(json.dumps(state_as_json(state), allow_nan=False))["health"]
     for index in range(len(COLUMNS)):
         shown = arranged(state, index)
-        assert {each.key for each in shown} == state.connections.keys()
+        assert {connection.key for connection in shown} == state.connections.keys()
         assert len(shown) == len(state.connections)
         assert len(arranged(state, index, is_reversed=True)) == len(shown)
-    cells = [text for each in state.connections.values() for text in row(each)]
-    cells += [text for each in state.components.values() for text in component_row(each)]
+    cells = [text for connection in state.connections.values() for text in row(connection)]
+    cells += [text for component in state.components.values() for text in component_row(component)]
     assert all(text.isprintable() and len(text) <= LONGEST_CELL for text in cells)
     assert summary(state).isprintable()
 
@@ -351,7 +354,7 @@ def states(**rates):
 
 
 def names(connections):
-    return [each.name for each in connections]
+    return [connection.name for connection in connections]
 
 
 def test_order_by_a_number_has_the_greatest_first_and_the_unknown_last():
@@ -364,7 +367,7 @@ def test_order_by_a_number_has_the_greatest_first_and_the_unknown_last():
 def test_ages_in_tables_grow_while_the_bridge_says_nothing():
     mute = status("mute", values=(("declared rate (Hz)", "5"),))
     state = fold_time(fold_statuses(SystemState(), [status(), mute], 10.0), 12.0)
-    ages = {each.name: each.age for each in arranged(state, 0)}
+    ages = {connection.name: connection.age for connection in arranged(state, 0)}
     assert ages == {"odometry": 2.031, "mute": None}
 
 

@@ -51,14 +51,16 @@ def declarations(tmp_path, namespace):
 )
 def test_topics_are_in_the_namespace_that_the_bridge_runs_in(tmp_path, namespace, bridge, names):
     declared = declarations(tmp_path, namespace)
-    found = [topic_of(ConnectionState(bridge, each.name), each) for each in declared]
-    assert [each.name for each in found] == names
-    assert {each.type for each in found} == {"std_msgs/msg/Float64"}
+    found = [
+        topic_of(ConnectionState(bridge, declaration.name), declaration) for declaration in declared
+    ]
+    assert [topic_name.name for topic_name in found] == names
+    assert {topic_name.type for topic_name in found} == {"std_msgs/msg/Float64"}
 
 
 def test_a_report_is_asked_of_peers_or_of_the_bridge_that_runs():
     model = read_models([ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"]).model
-    declared = {each.name: each for each in declarations_of(model)}
+    declared = {declaration.name: declaration for declaration in declarations_of(model)}
     assert components_of(model)["10.1.9"] == "loop_bridge"
     assert not declared["drive"].is_report
     assert declared["odometry"].rate == 20.0
@@ -73,13 +75,19 @@ def test_services_and_actions_are_declared_too(name):
     path = ROOT / "tests" / "live" / f"{name}.ros2jaus"
     read = read_models([path], notations=NOTATIONS)
     owners = read.model.instances(Bridge, library=False)
-    called = [each for o in owners for each in (*o.serviceConnections, *o.actionConnections)]
-    found = {each.key: each for each in declarations_of(read.model)}
+    called = [
+        service_connection
+        for o in owners
+        for service_connection in (*o.serviceConnections, *o.actionConnections)
+    ]
+    found = {declaration.key: declaration for declaration in declarations_of(read.model)}
     assert called
-    for each in called:
-        node = f"/{each.eContainer().name}"
+    for decision_owner in called:
+        node = f"/{decision_owner.eContainer().name}"
         (declared,) = [
-            one for (at, name), one in found.items() if name == each.name and at.endswith(node)
+            one
+            for (at, name), one in found.items()
+            if name == decision_owner.name and at.endswith(node)
         ]
         assert declared.message
         assert (declared.topics, declared.rate, declared.is_report) == ((), None, False)

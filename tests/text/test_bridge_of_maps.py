@@ -48,13 +48,15 @@ def connections(result):
     """Returns what each connection is: direction, exchange, whom it searches, its topic."""
     [found] = result.model.instances(bridge.Bridge)
     return found, {
-        each.name: (
-            each.direction.name,
-            each.exchange.name,
-            [] if each.search is None else [one.name for one in each.search.services],
-            [topic.name for topic in each.topics],
+        bridge_connection.name: (
+            bridge_connection.direction.name,
+            bridge_connection.exchange.name,
+            []
+            if bridge_connection.search is None
+            else [one.name for one in bridge_connection.search.services],
+            [topic.name for topic in bridge_connection.topics],
         )
-        for each in found.bridgeConnections
+        for bridge_connection in found.bridgeConnections
     }
 
 
@@ -63,7 +65,7 @@ def test_figure_5_runs_as_printed(read):
     assert not check(result).has_errors
     found, ways = connections(result)
     assert (found.name, found.address, found.frequency) == ("maps_bridge", "100.1.20", 20.0)
-    assert [each.name for each in found.provides] == ["Discovery", "Maps"]
+    assert [provide.name for provide in found.provides] == ["Discovery", "Maps"]
     assert ways == {
         "WinchState_from_jaus": (
             "jausToRos", "periodicEvent", ["Maps"], ["WinchState/from_jaus"],
@@ -82,12 +84,16 @@ def test_messages_of_the_library_go_the_way_of_their_services(read):
         "effort": ("jausToRos", "message", [], ["effort"]),
         "pull": ("rosToJaus", "message", ["PrimitiveDriver"], ["pull"]),
     }
-    assert [each.name for each in found.provides] == ["Discovery", "PrimitiveDriver"]
-    assert [each.name for each in found.uses] == ["VelocityStateSensor", "PrimitiveDriver"]
+    assert [provide.name for provide in found.provides] == ["Discovery", "PrimitiveDriver"]
+    assert [service.name for service in found.uses] == ["VelocityStateSensor", "PrimitiveDriver"]
 
 
 def test_findings_stand_at_the_maps(read):
-    [finding] = [each for each in check(read(FIGURE_5)).diagnostics if each.rule == "JML455"]
+    [finding] = [
+        diagnostic
+        for diagnostic in check(read(FIGURE_5)).diagnostics
+        if diagnostic.rule == "JML455"
+    ]
     assert finding.location.line == FIGURE_5.split("\n").index(
         "  JAUS WinchStatus ( uint16 length  Position here  Codes codes )"
     ) + 1  # fmt: skip
@@ -95,18 +101,20 @@ def test_findings_stand_at_the_maps(read):
 
 def test_a_file_with_a_system_has_its_own_bridge(read):
     result = read(f"component vehicle {{ address: 100.1.1 }}\n{LIBRARY}")
-    assert [each.rule for each in result.diagnostics] == ["JML716"]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML716"]
     assert result.model.instances(bridge.Bridge) == []
 
 
 def test_maps_of_imported_files_have_no_bridge(read, texts):
     texts.write("other.ros2jaus", LIBRARY)
     result = read(f'import "other.ros2jaus"\n{FIGURE_5}')
-    assert [each.name for each in result.model.instances(bridge.Bridge)] == ["maps_bridge"]
+    assert [bridge_element.name for bridge_element in result.model.instances(bridge.Bridge)] == [
+        "maps_bridge"
+    ]
 
 
 def run(*arguments):
-    return CliRunner().invoke(main, [str(each) for each in arguments])
+    return CliRunner().invoke(main, [str(argument) for argument in arguments])
 
 
 def test_tools_take_the_options(texts):

@@ -109,9 +109,9 @@ def test_roots(texts, text, kind):
 
 def test_keyword_goes_to_the_feature_of_its_very_class(texts):
     model = texts.good("system s { component a { address: 1.1.1 } }")
-    assert [each.name for each in model.root.components] == ["a"]
+    assert [component.name for component in model.root.components] == ["a"]
     system = texts.one("system s { bridge b { address: 1.1.2 } }").model.root
-    assert [each.name for each in system.bridges] == ["b"]
+    assert [bridge_element.name for bridge_element in system.bridges] == ["b"]
     assert not system.components
 
 
@@ -130,7 +130,7 @@ node n { publisher p { topic: "/a" type: std_msgs/Float64 qos: { depth: 5 } } }
 """
     )
     [service] = model.root.services
-    assert [each.name for each in service.inputs] == ["SetA"]
+    assert [message.name for message in service.inputs] == ["SetA"]
     assert service.inputs[0].isCommand
     [field] = service.inputs[0].body.fields
     assert (field.name, field.type.name) == ("a", "uint16")
@@ -142,8 +142,8 @@ node n { publisher p { topic: "/a" type: std_msgs/Float64 qos: { depth: 5 } } }
 
 def test_kinds_of_assignments(texts):
     kinds = [
-        each.eClass.name
-        for each in assignments(
+        assignment.eClass.name
+        for assignment in assignments(
             texts,
             'clock -> a  "x" -> b  1 -> c  true -> d  Velocity_X -> e  ignore f\n'
             "L -> g { X -> x }  M -> h { map: m }",
@@ -159,7 +159,10 @@ def test_kinds_of_assignments(texts):
 def test_several_sources_and_targets(texts):
     [one] = assignments(texts, 'a, b.c -> d, e[1].f : expression("a"), scale(-2.5)')
     assert (one.source, one.target) == ("a, b.c", "d, e[1].f")
-    assert [each.kind.name for each in one.conversions] == ["expression", "scale"]
+    assert [conversion_step.kind.name for conversion_step in one.conversions] == [
+        "expression",
+        "scale",
+    ]
     assert one.conversions[0].expression == "a"
     assert list(one.conversions[1].arguments) == [-2.5]
 
@@ -183,7 +186,7 @@ def test_lists_nest(texts):
         "poses -> L { pose.x -> X  inner -> M { . -> . } keys: names names: a, b }",
         "ROS->JAUS",
     )
-    assert [each.target for each in outer.assignments] == ["X", "M"]
+    assert [assignment.target for assignment in outer.assignments] == ["X", "M"]
     assert outer.assignments[1].assignments[0].source == "."
     assert (outer.keys, list(outer.names)) == ("names", ["a", "b"])
 

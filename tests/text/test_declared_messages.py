@@ -15,9 +15,13 @@ from jausml.live.messages import load_catalogue
 def declare(texts, members="", features="{ code: 0xD100 }", body="", name="Own"):
     result = texts.one(f"m {{ JAUS {name} ( {members} ) {features} ROS std_msgs/Float64 {body} }}")
     # The query of a report is given a code.
-    assert [each.message for each in result.diagnostics if "'Query" not in each.message] == []
+    assert [
+        diagnostic.message
+        for diagnostic in result.diagnostics
+        if "'Query" not in diagnostic.message
+    ] == []
     found = result.model.instances(jaus.MessageDef, library=False)
-    return next(each for each in found if each.name == name)
+    return next(message for message in found if message.name == name)
 
 
 def field(texts, member):
@@ -70,7 +74,7 @@ def test_optional_members_have_a_presence_vector(texts, count, width):
     members = " ".join(f"uint8 m{i} {{ optional: true }}" for i in range(count))
     body = declare(texts, f"{members} uint8 last").body
     assert body.presenceVector.name == width
-    assert [each.optional for each in body.fields] == [True] * count + [False]
+    assert [member.optional for member in body.fields] == [True] * count + [False]
 
 
 def test_arrays_and_lists(texts):
@@ -79,9 +83,9 @@ def test_arrays_and_lists(texts):
     assert array.element.type.name == "uint8"
     many = field(texts, "struct [ uint8 x ] [<=9] a")
     assert (many.eClass.name, many.maximumCount, many.countType.name) == ("List", 9, "uint8")
-    assert [each.name for each in many.element.fields] == ["x"]
+    assert [member.name for member in many.element.fields] == ["x"]
     plain = field(texts, "uint8 [] a")
-    assert [each.name for each in plain.element.fields] == ["value"]
+    assert [member.name for member in plain.element.fields] == ["value"]
     assert plain.countType.name == "uint16"
 
 
@@ -95,7 +99,7 @@ def test_listing_a_declared_message_again_is_checked(texts):
     found = texts.one(
         f"m {{ JAUS Own ( {members} ) {{ code: 0xD100 }} {ros} }}\nn {{ JAUS Own ( {wrong} ) {ros} }}"
     )
-    assert [each.rule for each in found.diagnostics] == ["JML709", "JML709"]
+    assert [diagnostic.rule for diagnostic in found.diagnostics] == ["JML709", "JML709"]
 
 
 def test_on_the_wire_structs_and_lists_follow_in_turn(texts):
@@ -147,7 +151,7 @@ def test_codes_are_assigned_in_order_and_skip_what_is_taken(texts):
     result = texts.one(text)
     codes = [m.code for m in result.model.instances(jaus.MessageDef, library=False)]
     assert codes == ["0xD001", "0xD000", "0xD003", "0xD002", "0xD004"]
-    assert [each.rule for each in result.diagnostics] == ["JML711"] * 3
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML711"] * 3
     assert "0xD001" in result.diagnostics[0].message
 
 
@@ -238,7 +242,7 @@ def test_a_near_name_is_hinted_at(texts):
 def test_65_optional_members_are_too_many(texts):
     members = " ".join(f"uint8 m{i} {{ optional: true }}" for i in range(65))
     result = texts.one(f"m {{ JAUS Own ( {members} ) {{ code: 0xD100 }} ROS std_msgs/Float64 }}")
-    assert [each.rule for each in result.diagnostics] == ["JML712"]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML712"]
 
 
 def test_types_that_unfold_without_end_are_bounded(texts):
@@ -246,7 +250,7 @@ def test_types_that_unfold_without_end_are_bounded(texts):
     result = texts.one(
         f"struct [ uint8 a ] t0\n{doubling}m {{ JAUS X ( t30 a ) {{ code: 0xD100 }} ROS Y ( t30 a ) }}"
     )
-    assert {each.rule for each in result.diagnostics} == {"JML712"}
+    assert {diagnostic.rule for diagnostic in result.diagnostics} == {"JML712"}
 
 
 REPORT = (
@@ -256,15 +260,15 @@ REPORT = (
 
 def messages_of(model):
     [service] = model.instances(jaus.Service, library=False)
-    return {each.name: each.code for each in [*service.inputs, *service.outputs]}
+    return {output.name: output.code for output in [*service.inputs, *service.outputs]}
 
 
 def test_reports_get_their_query(texts):
     result = texts.one(REPORT)
     assert messages_of(result.model) == {"QueryWinch": "0xD001", "ReportWinch": "0xD000"}
-    assert [each.rule for each in result.diagnostics] == ["JML711", "JML711"]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML711", "JML711"]
     bridge = "bridge b { address: 100.1.2 provides: Demo connection c { map: m topic t } }"
-    assert not any(each.startswith("JML42") for each in texts.rules(REPORT + bridge))
+    assert not any(rule.startswith("JML42") for rule in texts.rules(REPORT + bridge))
 
 
 def test_a_query_that_is_declared_is_no_second_one(texts):
@@ -288,7 +292,7 @@ bridge b { address: 100.1.2  provides: Winch  connection c { map: m  topic t } }
 
 def test_name_of_the_service_after_another_file_is_explained(texts):
     result = texts.one(f"bridge b {{ address: 100.1.2 provides: Depot }}\n{REPORT}")
-    [finding] = [each for each in result.diagnostics if each.rule == "JML215"]
+    [finding] = [diagnostic for diagnostic in result.diagnostics if diagnostic.rule == "JML215"]
     assert finding.hint == (
         "did you mean 'Demo'?; the messages of this file belong to 'Demo', named after the file: "
         "'service Depot' gives it a name that stays"
@@ -298,7 +302,11 @@ def test_name_of_the_service_after_another_file_is_explained(texts):
 def test_where_no_code_is_left_it_is_told(texts, monkeypatch):
     monkeypatch.setattr(declared_messages, "LAST_CODE", declared_messages.FIRST_CODE)
     text = "a { JAUS One ( uint8 x ) ROS std_msgs/Float64 }\nb { JAUS Two ( uint8 x ) ROS std_msgs/Float64 }"
-    told = [each for each in texts.one(text).diagnostics if "no code is left" in each.message]
-    assert [(each.rule, each.message, each.location.line) for each in told] == [
-        ("JML712", "no code is left for the new message 'Two'", 2)
+    told = [
+        diagnostic
+        for diagnostic in texts.one(text).diagnostics
+        if "no code is left" in diagnostic.message
     ]
+    assert [
+        (diagnostic.rule, diagnostic.message, diagnostic.location.line) for diagnostic in told
+    ] == [("JML712", "no code is left for the new message 'Two'", 2)]

@@ -109,8 +109,8 @@ def test_text_leaves_out_what_follows_and_says_what_does_not(texts):
         text = FRAME.format(bridge=of_bridge, connection=braced(of_connection))
         model = texts.good(text)
         written = to_text(model.documents[0].roots, model, texts.folder / "demo.ros2jaus")
-        lines = [each.strip() for each in written.splitlines()]
-        said = [each for each in lines if each.startswith(("direction:", "exchange:"))]
+        lines = [line.strip() for line in written.splitlines()]
+        said = [line for line in lines if line.startswith(("direction:", "exchange:"))]
         assert said == needed, case
 
 
@@ -130,7 +130,7 @@ def test_several_ways_are_named_with_what_they_mean(texts):
 
 def hints(texts, of_bridge: str, of_connection: str) -> list[tuple[str, str]]:
     result = texts.one(FRAME.format(bridge=of_bridge, connection=braced(of_connection)))
-    return [(each.rule, each.hint) for each in check(result).diagnostics]
+    return [(diagnostic.rule, diagnostic.hint) for diagnostic in check(result).diagnostics]
 
 
 def test_wrong_way_is_answered_with_what_to_write(texts):
@@ -188,4 +188,4 @@ def test_services_that_are_not_known_are_not_judged(texts):
     text = FRAME.format(
         bridge="provides: VelocityStateSensr", connection=braced("map: velocity_state topic odom")
     )
-    assert [each.rule for each in check(texts.one(text)).diagnostics] == ["JML215"]
+    assert [diagnostic.rule for diagnostic in check(texts.one(text)).diagnostics] == ["JML215"]

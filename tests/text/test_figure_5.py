@@ -22,7 +22,7 @@ WinchState {
 
 def test_as_it_stands(texts):
     result = texts.one(FIGURE_5, "winch.ros2jaus")
-    assert [each.rule for each in result.diagnostics] == ["JML711"]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML711"]
     names = [(root.eClass.name, root.name) for root in result.model.roots]
     assert names == [
         ("MapLibrary", "winch"),
@@ -34,9 +34,9 @@ def test_as_it_stands(texts):
         "WinchState", "WinchStatus", "WinchState",
     )  # fmt: skip
     assert found.message.code == "0xD000"
-    kinds = [(each.name, each.eClass.name) for each in found.message.body.fields]
+    kinds = [(field.name, field.eClass.name) for field in found.message.body.fields]
     assert kinds == [("length", "FixedField"), ("here", "Record"), ("codes", "Array")]
-    ros = [(each.name, each.eClass.name) for each in found.type.fields]
+    ros = [(field.name, field.eClass.name) for field in found.type.fields]
     assert ros == [
         ("length", "PrimitiveField"),
         ("here", "MessageField"),
@@ -87,4 +87,4 @@ FAULTS = {
 def test_member_fault(name, texts):
     frame, end, hint = FAULTS[name]
     findings = texts.check(frame.format(end))
-    assert any(hint in each.hint for each in findings), findings
+    assert any(hint in finding.hint for finding in findings), findings

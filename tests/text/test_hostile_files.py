@@ -11,7 +11,7 @@ from jausml.language.validation.engine import check_project
 def rules(folder, data, name="robot.ros2jaus"):
     path = folder / name
     path.write_bytes(data)
-    return [each.rule for each in check_project([path]).diagnostics]
+    return [diagnostic.rule for diagnostic in check_project([path]).diagnostics]
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
@@ -20,7 +20,7 @@ def test_a_comment_ends_with_its_line_whatever_ends_lines(tmp_path, end):
 
     assert "JML301" in rules(tmp_path, text.encode())
     found = check_project([tmp_path / "robot.ros2jaus"]).diagnostics
-    assert {each.location.line for each in found} == {2}
+    assert {diagnostic.location.line for diagnostic in found} == {2}
 
 
 @pytest.mark.parametrize("data", [b"", b"\xef\xbb\xbf"])
@@ -75,5 +75,5 @@ def test_references_from_file_to_file_without_end_are_told(tmp_path):
 
     found = read_models([tmp_path / "f0.xmi"]).diagnostics
 
-    assert "JML202" in {each.rule for each in found}
-    assert any("more than 100" in each.message for each in found)
+    assert "JML202" in {diagnostic.rule for diagnostic in found}
+    assert any("more than 100" in diagnostic.message for diagnostic in found)

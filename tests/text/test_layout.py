@@ -44,12 +44,12 @@ def without_spans(value):
         return (
             type(value)(map(without_spans, value))
             if value.__class__ is tuple
-            else [without_spans(each) for each in value]
+            else [without_spans(child) for child in value]
         )
     if not dataclasses.is_dataclass(value):
         return value
-    fields = {each.name: getattr(value, each.name) for each in dataclasses.fields(value)}
-    fields = {name: without_spans(each) for name, each in fields.items()}
+    fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
+    fields = {name: without_spans(field_value) for name, field_value in fields.items()}
     return type(value)(**{**fields, **({"span": NOWHERE} if "span" in fields else {})})
 
 
@@ -122,9 +122,9 @@ def closed(owner):
 
     def close(item, closing, apart):
         inner = next(
-            getattr(item, each)
-            for each in ("items", "assignments", "entries", "expected")
-            if hasattr(item, each)
+            getattr(item, attribute)
+            for attribute in ("items", "assignments", "entries", "expected")
+            if hasattr(item, attribute)
         )
         if closing:
             item.closing = [*([""] if inner and apart else []), *closing]
@@ -143,7 +143,7 @@ def features_of(values):
 simple_features = features_of(simple | hrefs)
 calls = st.builds(Call, names, st.lists(simple, max_size=2).map(tuple))
 sources = st.lists(names, min_size=1, max_size=3) | (numbers | texts | st.just(Clock())).map(
-    lambda each: [each]
+    lambda source: [source]
 )
 assignments = closed(
     st.builds(
@@ -153,7 +153,7 @@ assignments = closed(
         st.lists(calls, max_size=2),
         listed(simple_features),
     )
-).filter(lambda each: each.items or not each.closing)
+).filter(lambda block: block.items or not block.closing)
 nested_assignments = closed(
     st.builds(
         Assignment,
@@ -169,7 +169,7 @@ plain_members = st.builds(Member, types, sizes, names, listed(simple_features))
 members = plain_members | st.builds(
     Member, listed(plain_members), sizes, names, listed(simple_features)
 )
-arrays = plain_members.filter(lambda each: each.size and "<=" not in each.type.text)
+arrays = plain_members.filter(lambda member: member.size and "<=" not in member.type.text)
 structs = st.builds(Member, listed(members), st.just(""), st.none(), listed(simple_features))
 ends = st.builds(End, st.booleans(), names, st.none() | listed(members), listed(simple_features))
 directions = closed(
@@ -198,7 +198,7 @@ leaves = simple_features | arrays | structs | ends | directions | tables | vecto
 block_items = st.recursive(
     leaves, lambda items: elements_of(items) | features_of(simple | blocks_of(items)), max_leaves=6
 )
-imports = st.builds(Import, names.filter(lambda each: "[" not in each.text) | texts)
+imports = st.builds(Import, names.filter(lambda name: "[" not in name.text) | texts)
 documents = closed(
     st.builds(
         SyntaxTree,
@@ -232,7 +232,7 @@ def test_layout_is_idempotent_and_keeps_all_tokens_and_comments(document, random
             gaps[position] = " "
         elif token.type == "END_BRACKET":
             gaps[position] = "\n"
-        elif [each.type for each in tokens[position : position + 2]] == ["WORD", "WORD"]:
+        elif [neighbour.type for neighbour in tokens[position : position + 2]] == ["WORD", "WORD"]:
             # The two words of an element without a block stand on one line.
             gaps[position] = " "
     loose = "".join(f"{token}{gap}" for token, gap in zip(tokens, gaps, strict=True))
@@ -252,7 +252,7 @@ def as_text(tokens):
 
 def squeezed(comments):
     """Returns what comments say, in any order: those within an item go before it."""
-    return sorted(re.sub(r"\s+", " ", str(each)).strip() for each in comments)
+    return sorted(re.sub(r"\s+", " ", str(comment)).strip() for comment in comments)
 
 
 def test_the_layout():
@@ -338,7 +338,7 @@ def test_lists_share_a_line_while_they_fit():
     assert len(short) == 1
     end.members += [Member(Name("float32"), "", Name("x" * (WIDTH - len(short[0]) - 10)))]
     fitting = lay_out(SyntaxTree([end])).splitlines()
-    assert [len(each) for each in fitting] == [WIDTH]
+    assert [len(text_line) for text_line in fitting] == [WIDTH]
     end.members[-1] = Member(Name("float32"), "", Name("x" * (WIDTH - len(short[0]) - 9)))
     assert len(lay_out(SyntaxTree([end])).splitlines()) == 7
 
@@ -346,7 +346,7 @@ def test_lists_share_a_line_while_they_fit():
 def test_values_that_do_not_fit_go_on_in_the_next_line():
     feature = Feature(Name("provides"), [Name("x" * 40) for _ in range(5)])
     text = lay_out(SyntaxTree([feature]))
-    assert [len(each) <= WIDTH for each in text.splitlines()] == [True, True, True]
+    assert [len(text_line) <= WIDTH for text_line in text.splitlines()] == [True, True, True]
     assert without_spans(parse(text).document) == SyntaxTree([feature])
 
 
@@ -362,6 +362,6 @@ def test_documentation_that_a_comment_holds(text):
 
 def test_documentation_fills_its_lines_and_goes_no_further():
     for room in range(20, 40):
-        sizes = [len(each) for each in comment_lines("one two six ten " * 20, room)]
+        sizes = [len(comment_line) for comment_line in comment_lines("one two six ten " * 20, room)]
         assert max(sizes) <= room
         assert min(sizes[1:-2]) >= room - len(" two")

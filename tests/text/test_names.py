@@ -17,7 +17,9 @@ LIBRARY = "http://www.jausml.org/library/jaus/"
 
 def provided(model):
     return [
-        each.name for c in model.instances(jaus.Component, library=False) for each in c.provides
+        provide.name
+        for c in model.instances(jaus.Component, library=False)
+        for provide in c.provides
     ]
 
 
@@ -26,7 +28,7 @@ def test_library_is_known_without_an_import(texts):
         "component a { address: 1.1.1 provides: VelocityStateSensor, mobility.LocalPoseSensor }"
     )
     assert provided(model) == ["VelocityStateSensor", "LocalPoseSensor"]
-    names = {each.path.name for each in model.documents if each.is_library}
+    names = {document.path.name for document in model.documents if document.is_library}
     assert "mobility.xmi" in names
     assert "environment-sensing.xmi" not in names, "only what a name needs is read"
 
@@ -59,7 +61,7 @@ def test_parts_of_own_ros_actions_go_by_what_they_are(texts):
 
 def test_what_has_no_such_part_is_unknown(texts):
     findings = texts.one("m { JAUS SetWrenchEffort ROS std_srvs/SetBool.goal }").diagnostics
-    assert [each.rule for each in findings] == ["JML215"]
+    assert [finding.rule for finding in findings] == ["JML215"]
 
 
 def test_own_names_go_before_the_library(texts):
@@ -93,8 +95,10 @@ def test_a_topic_names_the_join_of_the_map_of_its_connection(texts):
         + "}"
     )
     [owner] = model.instances(bridge.Bridge)
-    for each in owner.bridgeConnections:
-        assert each.topics[1].join is each.map.joins[0], each.name
+    for bridge_connection in owner.bridgeConnections:
+        assert bridge_connection.topics[1].join is bridge_connection.map.joins[0], (
+            bridge_connection.name
+        )
 
 
 def test_a_source_names_the_report_join_of_the_map_of_its_connection(texts):
@@ -134,7 +138,9 @@ service_set two { service A { urn: "2" inputs: new message_def Query { code: 0xD
   state_machine M { state S { initial: true transitions: { message: Query } } } } }
 """
     )
-    found = [each.message.code for each in model.instances(jaus.Transition, library=False)]
+    found = [
+        transition.message.code for transition in model.instances(jaus.Transition, library=False)
+    ]
     assert found == ["0xD001", "0xD002"]
 
 
@@ -164,7 +170,7 @@ def test_of_two_versions_the_newest_is_meant(texts):
     text = "component a { address: 1.1.1 provides: Events, Discovery }"
     for imported, version in (("", "1.1"), ("import `jaus.core-1.0`\n", "1.0")):
         [component] = texts.good(f"{imported}{text}").instances(jaus.Component, library=False)
-        assert [each.version for each in component.provides] == [version, version]
+        assert [provide.version for provide in component.provides] == [version, version]
 
 
 def test_messages_of_two_versions_are_those_of_the_newest(texts):
@@ -239,18 +245,18 @@ FAULTS = {
 @pytest.mark.parametrize("name", FAULTS)
 def test_fault(name, texts):
     text, hint = FAULTS[name]
-    found = [each for each in texts.check(text) if each.rule == "JML215"]
-    assert all(hint in each.hint for each in found)
+    found = [finding for finding in texts.check(text) if finding.rule == "JML215"]
+    assert all(hint in finding.hint for finding in found)
 
 
 def test_names_of_an_import_that_is_lost_are_not_missed(texts):
     result = texts.one('import "none.xmi"\ncomponent a { address: 1.1.1 provides: Own }')
-    assert [each.rule for each in result.diagnostics] == ["JML203"]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML203"]
 
 
 def test_nothing_is_declared_that_an_import_that_is_lost_may_have(texts):
     result = texts.one('import "none.xmi"\nm { JAUS Own ( uint8 a ) ROS Own ( uint8 a ) }')
-    assert [each.rule for each in result.diagnostics] == ["JML203"]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML203"]
 
 
 def test_referring_twice_is_a_warning(texts):
@@ -280,32 +286,36 @@ def test_referring_twice_is_a_warning(texts):
     ],
 )
 def test_unknown_name_tells_what_makes_it_known(texts, text, hint):
-    findings = [each for each in texts.one(text).diagnostics if each.rule == "JML215"]
-    assert [each.hint for each in findings] == [hint]
+    findings = [
+        diagnostic for diagnostic in texts.one(text).diagnostics if diagnostic.rule == "JML215"
+    ]
+    assert [finding.hint for finding in findings] == [hint]
 
 
 def test_every_map_of_the_library_is_found_by_its_name(texts):
     of_modules = defaultdict(list)
-    for each in library_maps():
-        of_modules[each.module].append(each)
+    for library_map in library_maps():
+        of_modules[library_map.module].append(library_map)
     for module, maps in of_modules.items():
-        lines = [f"connection c{i} {{ map: {each.name} }}" for i, each in enumerate(maps)]
+        lines = [
+            f"connection c{i} {{ map: {library_map.name} }}" for i, library_map in enumerate(maps)
+        ]
         text = f"import {module}\nbridge b {{ {' '.join(lines)} }}"
         connections = list(texts.one(text).model.instances(bridge.Connection))
-        for each, connection in zip(maps, connections, strict=True):
+        for library_map, connection in zip(maps, connections, strict=True):
             used = connection.map
-            assert (used.name, used.message.name) == (each.name, each.message)
+            assert (used.name, used.message.name) == (library_map.name, library_map.message)
             owner, name = used.type.eContainer(), used.type.name
             if not isinstance(owner, ros.InterfacePackage):  # a half of a service or action
                 owner, name = owner.eContainer(), owner.name
-            assert each.type == f"{owner.name}/{name}"
+            assert library_map.type == f"{owner.name}/{name}"
 
 
 def test_index_of_the_library_has_all_its_maps(texts):
     folder = library_root() / "mappings"
-    modules = {each.module for each in library_maps()}
-    assert modules == {f"mappings.{each.stem}" for each in folder.glob("*.ros2jaus")}
-    imports = "".join(f"import {each}\n" for each in sorted(modules))
+    modules = {library_map.module for library_map in library_maps()}
+    assert modules == {f"mappings.{path.stem}" for path in folder.glob("*.ros2jaus")}
+    imports = "".join(f"import {module}\n" for module in sorted(modules))
     model = texts.one(imports).model
-    known = [each.name for each in model.instances(bridge.AttributeMap)]
-    assert sorted(known) == sorted(each.name for each in library_maps())
+    known = [attribute_map.name for attribute_map in model.instances(bridge.AttributeMap)]
+    assert sorted(known) == sorted(library_map.name for library_map in library_maps())

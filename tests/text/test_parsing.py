@@ -50,11 +50,14 @@ MessageName {
 
 def faults(text):
     found = parse(text).faults
-    return [f"{each.span.line}:{each.span.column}: {each.message}" for each in found]
+    return [
+        f"{syntax_fault.span.line}:{syntax_fault.span.column}: {syntax_fault.message}"
+        for syntax_fault in found
+    ]
 
 
 def names(items):
-    return [each.text for each in items]
+    return [item.text for item in items]
 
 
 def test_figure_5_of_the_paper():
@@ -65,10 +68,12 @@ def test_figure_5_of_the_paper():
     assert message.name.text == "MessageName"
     jaus, ros, to_ros, to_jaus = message.items
     assert (jaus.is_jaus, jaus.type.text) == (True, "jausname")
-    assert [each.name.text for each in ros.members] == ["membername2", "secondmembername2"]
+    assert [member.name.text for member in ros.members] == ["membername2", "secondmembername2"]
     assert to_ros.to_ros
     assert not to_jaus.to_ros
-    assert [(names(each.sources), names(each.targets)) for each in to_jaus.assignments] == [
+    assert [
+        (names(assignment.sources), names(assignment.targets)) for assignment in to_jaus.assignments
+    ] == [
         (["membername2"], ["membername"]),
         (["secondmembername2"], ["secondmembername"]),
     ]
@@ -78,7 +83,7 @@ def test_values_of_all_kinds():
     text = 'a: x.y, 0x1F, "\\u00e4\\ud83d\\ude9c\\n", @"f.xmi#//", 100.1.1, { b: 1 }, new c d {}'
     (feature,) = parse(text).document.items
     *plain, block, new = feature.values
-    kinds = [(type(each), each.text) for each in plain]
+    kinds = [(type(value), value.text) for value in plain]
     assert kinds == [
         (Name, "x.y"),
         (Number, "0x1F"),
@@ -101,8 +106,8 @@ def test_an_assignment_with_everything():
     first, second, third, nested = element.items[0].assignments
     assert names(first.sources) == ["Roll", "odd name[2].x"]
     assert names(first.targets) == ["a", "b[3]"]
-    assert [each.name.text for each in first.conversions] == ["scale", "negate"]
-    assert [type(each) for each in first.conversions[0].arguments] == [Number, Name, Text]
+    assert [conversion.name.text for conversion in first.conversions] == ["scale", "negate"]
+    assert [type(argument) for argument in first.conversions[0].arguments] == [Number, Name, Text]
     assert isinstance(first.items[0], Feature)
     assert isinstance(second.sources[0], Clock)
     assert third.sources[0].text == "odom"
@@ -116,7 +121,7 @@ def test_members_of_all_shapes():
     (element,) = parse(text).document.items
     (end,) = element.items
     assert isinstance(end, End)
-    shapes = [(each.size, each.name.text) for each in end.members]
+    shapes = [(member.size, member.name.text) for member in end.members]
     assert shapes == [
         ("", "length"),
         ("4", "codes"),
@@ -128,7 +133,7 @@ def test_members_of_all_shapes():
     ]
     assert end.members[3].type.text == "string<=20"
     assert isinstance(end.members[4].type, list)
-    assert [each.name.text for each in end.features] == ["code"]
+    assert [feature.name.text for feature in end.features] == ["code"]
 
 
 def test_a_struct_is_named_on_the_line_of_its_bracket():
@@ -142,7 +147,7 @@ def test_a_struct_is_named_on_the_line_of_its_bracket():
 
 def test_keywords_are_features_before_a_colon():
     (element,) = parse("c { table: gear clock: 1 }").document.items
-    assert [each.name.text for each in element.items] == ["table", "clock"]
+    assert [item.name.text for item in element.items] == ["table", "clock"]
 
 
 def test_comments_stay_at_their_items():
@@ -228,7 +233,7 @@ velocity {
 }
 node last { }
 """
-    assert [each.partition(": ")[0] for each in faults(text)] == [
+    assert [fault.partition(": ")[0] for fault in faults(text)] == [
         "1:1",  # a word by itself
         "3:10",  # a colon
         "9:5",  # a bracket
@@ -238,17 +243,17 @@ node last { }
         "15:34",  # what is to be expected
     ]
     items = parse(text).document.items
-    assert [each.name.text for each in items] == ["b", "velocity", "last"]
-    assert [type(each).__name__ for each in items[1].items] == ["End", "End", "Direction", "Table"]
+    assert [item.name.text for item in items] == ["b", "velocity", "last"]
+    assert [type(item).__name__ for item in items[1].items] == ["End", "End", "Direction", "Table"]
 
 
 def test_elements_need_no_block():
     (bridge,) = parse(
         "bridge b { a: x topic /odom topic cmd { } topic\n odom\n rate: 5 }"
     ).document.items
-    kinds = [type(each).__name__ for each in bridge.items]
+    kinds = [type(item).__name__ for item in bridge.items]
     assert kinds == ["Feature", "Element", "Element", "Element", "Feature"]
-    assert [each.name.text for each in bridge.items] == ["a", "/odom", "cmd", "odom", "rate"]
+    assert [item.name.text for item in bridge.items] == ["a", "/odom", "cmd", "odom", "rate"]
     assert lay_out(parse("topic cmd { }\ntopic b { // Why.\n}").document) == (
         "topic cmd\ntopic b {\n    // Why.\n}\n"
     )
@@ -309,7 +314,7 @@ def test_missing_brackets_are_added_and_surplus_ones_left_out():
         "2:5: expected an item or '}' behind '{', found ')'",
     ]
     items = parse("m { JAUS->ROS ( a -> b }\nn { ) }").document.items
-    assert [each.name.text for each in items] == ["m", "n"]
+    assert [item.name.text for item in items] == ["m", "n"]
     assert len(items[0].items[0].assignments) == 1
 
 
@@ -372,7 +377,7 @@ def test_the_texts_of_the_language_page():
     page = Path(__file__).parents[2] / "docs" / "ros2jaus.md"
     text = re.sub("^```.*?^```", "", page.read_text("utf-8"), flags=re.MULTILINE | re.DOTALL)
     blocks = re.findall(r"(?:^ {4}.*\n|^\n)+", text, re.MULTILINE)
-    texts = [textwrap.dedent(each).strip() for each in blocks if each.strip()]
+    texts = [textwrap.dedent(block).strip() for block in blocks if block.strip()]
     example, *_, members, structs, wholes, _ = texts
     for text in (example, f"m {{ {members} }}", structs, f"{structs}\n{wholes}"):
         assert faults(text) == []

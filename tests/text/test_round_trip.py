@@ -117,8 +117,8 @@ def surroundings(tmp_path_factory):
 def reread(path):
     """Returns the roots of a file and its model, which lacks nothing but what it must have."""
     result = read_models([path], allow_outside=True, notations=NOTATIONS)
-    wrong = [each for each in result.diagnostics if each.rule not in LACKING]
-    assert [each for each in wrong if each.location.path == str(path)] == []
+    wrong = [diagnostic for diagnostic in result.diagnostics if diagnostic.rule not in LACKING]
+    assert [diagnostic for diagnostic in wrong if diagnostic.location.path == str(path)] == []
     return result.model.documents[0].roots, result.model
 
 
@@ -149,7 +149,7 @@ ROOTS = {
 
 @pytest.mark.parametrize(("roots", "examples"), ROOTS.values(), ids=ROOTS)
 def test_random_models_are_the_same_in_text(roots, examples, surroundings):
-    others = [each for each in surroundings.elements() if getattr(each, "name", None)]
+    others = [element for element in surroundings.elements() if getattr(element, "name", None)]
     drawing = models(SHIPPED, texts=hostile, roots=roots, others=others, model=surroundings)
 
     @settings(QUICK, max_examples=examples // 4)

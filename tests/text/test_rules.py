@@ -45,9 +45,13 @@ n {
     JAUS->ROS ( CostMap2DDataVar.CostDataList -> data )
 }
 """
-    hints = {each.rule: each.hint for each in check(texts.one(text)).diagnostics if each.hint}
+    hints = {
+        diagnostic.rule: diagnostic.hint
+        for diagnostic in check(texts.one(text)).diagnostics
+        if diagnostic.hint
+    }
     assert "set whenAbsent: useDefault" in hints.values()
     assert any(
-        each.endswith("by a ListAssignment: CostMap2DDataVar.CostDataList -> data { ... }")
-        for each in hints.values()
+        hint.endswith("by a ListAssignment: CostMap2DDataVar.CostDataList -> data { ... }")
+        for hint in hints.values()
     ), hints

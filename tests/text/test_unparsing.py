@@ -221,8 +221,8 @@ def test_other_files_are_imported_and_unnamed_elements_are_pointed_at(text_of):
 )
 def test_of_two_versions_the_older_one_is_imported(text_of, often, once, head):
     provides = "".join(
-        f'<provides href="{JAUS}/core-{each}"/>'
-        for each in (f"{often}.xmi#Management", f"{often}.xmi#Events", f"{once}.xmi#Events")
+        f'<provides href="{JAUS}/core-{reference}"/>'
+        for reference in (f"{often}.xmi#Management", f"{often}.xmi#Events", f"{once}.xmi#Events")
     )
     component = f'<components name="a" address="1.1.1">{provides}</components>'
     text = text_of(f'<system:System name="robot">{component}</system:System>')
@@ -337,7 +337,7 @@ def test_comments_stay_with_what_they_explain_when_text_is_laid_out(tmp_path, ja
         "// Both.\nhost a { port: 1 }  // first\n/* Then */\nhost b {\n    // inside\n}\n"
     )
     after = read_models([path], notations=NOTATIONS).model
-    assert [each.port for each in after.root.hosts] == [each.port for each in before.root.hosts]
+    assert [host.port for host in after.root.hosts] == [host.port for host in before.root.hosts]
 
 
 @pytest.fixture

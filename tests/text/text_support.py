@@ -52,7 +52,7 @@ class Texts:
 
     def rules(self, text: str) -> list[str]:
         """Returns the rules of all findings about a document, those of the engine included."""
-        return [each.rule for each in check(self.one(text)).diagnostics]
+        return [diagnostic.rule for diagnostic in check(self.one(text)).diagnostics]
 
 
 def same(model, ours, theirs) -> bool:

@@ -70,7 +70,7 @@ def listed(checkout):
             command, cwd=checkout, env=environment, capture_output=True, text=True, timeout=60
         )
         assert result.returncode == 0, result.stderr
-        return [Path(each).relative_to(checkout).as_posix() for each in result.stdout.split()]
+        return [Path(word).relative_to(checkout).as_posix() for word in result.stdout.split()]
 
     return run
 
@@ -153,6 +153,9 @@ def test_what_is_guarded_is_there():
     files = {path: guards(path) for path in (ROOT / "tests").rglob("test_*.py")}
     assert sum(map(bool, files.values())) > 15
     lost = [
-        (path.name, each) for path in files for each in files[path] if not (ROOT / each).exists()
+        (path.name, guarded_path)
+        for path in files
+        for guarded_path in files[path]
+        if not (ROOT / guarded_path).exists()
     ]
     assert lost == []

@@ -49,7 +49,7 @@ def test_what_it_imports_is_there(path):
             module = importlib.import_module(
                 node.module.replace("jausml_runtime", "jausml.runtime")
             )
-            lost += [each.name for each in node.names if not _has(module, each.name)]
+            lost += [name.name for name in node.names if not _has(module, name.name)]
     assert lost == []
 
 

@@ -27,7 +27,7 @@ class Looking:
         self.outside: list[int] = []
         tree = ast.parse(text)
         for node in ast.walk(tree):
-            if isinstance(node, ast.ImportFrom) and "ROOT" in {each.name for each in node.names}:
+            if isinstance(node, ast.ImportFrom) and "ROOT" in {name.name for name in node.names}:
                 self._known["ROOT"] = ROOT
         for node in tree.body:
             if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):

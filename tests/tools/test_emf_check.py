@@ -22,7 +22,7 @@ def test_emf_says_what_is_recorded(case):
     name = f"zoo/{case}.xmi"
     done = emf_check.ask("--dump", "zoo.ecore", name, cwd=CASES)
     recorded = VERDICTS[name]
-    lines = [f"OBJECT {each}" for each in recorded.get("objects", [])]
+    lines = [f"OBJECT {object_line}" for object_line in recorded.get("objects", [])]
     assert done.stdout.splitlines() == [*recorded["messages"], *lines]
     assert done.returncode == (recorded["verdict"] == "error")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 from collections import defaultdict
@@ -108,3 +109,26 @@ def test_help_says_what_each_target_does():
         ["make", "--no-print-directory", "help"], cwd=ROOT, capture_output=True, text=True
     ).stdout
     assert {line.split()[0] for line in said.splitlines()} == TARGETS
+
+
+def bound(tree: ast.AST) -> list[tuple[int, str]]:
+    """The line and the name of all variables and parameters of a module."""
+    names = [(node.lineno, node.id) for node in ast.walk(tree) if isinstance(node, ast.Name)]
+    return names + [(node.lineno, node.arg) for node in ast.walk(tree) if isinstance(node, ast.arg)]
+
+
+@pytest.mark.parametrize("folder", ["jausml", "generators", "tools", "benchmarks", "experiments"])
+def test_variables_are_called_by_what_they_are(folder):
+    """`each` hides the noun: a loop over services has `service`."""
+    hidden = [
+        f"{path.relative_to(ROOT)}:{line}"
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for line, name in bound(ast.parse(path.read_text(encoding="utf-8")))
+        if name == "each"
+    ]
+    assert hidden == []
+
+
+def test_a_hidden_noun_is_found():
+    assert bound(ast.parse("[each for each in range(3)]"))[0] == (1, "each")
+    assert bound(ast.parse("lambda each: 1")) == [(1, "each")]

@@ -91,10 +91,10 @@ def marked() -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     model = read_models(sorted(LIBRARY.glob("*.xmi"))).model
     for package in model.instances(ros.InterfacePackage):
-        for each in package.eAllContents():
-            if isinstance(each, ros.Field) and each.markers:
-                owner = f"{package.name}/{each.eContainer().name}"
-                found.setdefault(owner, []).append(str(each.name))
+        for element in package.eAllContents():
+            if isinstance(element, ros.Field) and element.markers:
+                owner = f"{package.name}/{element.eContainer().name}"
+                found.setdefault(owner, []).append(str(element.name))
     return found
 
 
@@ -103,11 +103,18 @@ def announced(ros_library: ModuleType, share: Path) -> Iterator[tuple[str, str]]
     result = ros_library.read_packages(share, ros_library.DEFAULT_PACKAGES, comments=True)
     for package in result.packages:
         for message in ros_library.messages_of(package):
-            named = [each for each in message.constants if NAMED.search(each.name)]
+            named = [constant for constant in message.constants if NAMED.search(constant.name)]
             said = [message, *message.fields, *message.constants]
-            said = [each for each in said if ANNOUNCED.search(each.documentation or "")]
-            for each in dict.fromkeys([*named, *said]):
-                yield f"{package.name}/{message.name}", "" if each is message else each.name
+            said = [
+                definition
+                for definition in said
+                if ANNOUNCED.search(definition.documentation or "")
+            ]
+            for definition in dict.fromkeys([*named, *said]):
+                yield (
+                    f"{package.name}/{message.name}",
+                    "" if definition is message else definition.name,
+                )
 
 
 def is_covered(owner: str, name: str) -> bool:

@@ -27,7 +27,7 @@ def test_a_ready_map_makes_a_page(tmp_path: Path) -> None:
     build_proofs.main(["--budget", "0.1", "--page", str(page), str(maps)])
     text = page.read_text(encoding="utf-8")
     model = check_project([str(maps)]).model
-    names = [str(each.name) for each in model.instances(bridge.AttributeMap)]
+    names = [str(attribute_map.name) for attribute_map in model.instances(bridge.AttributeMap)]
     assert re.findall(r"^### (\w+)$", text, re.MULTILINE) == names
     assert text.startswith(build_proofs.HEAD)
     assert "SetAckermannConfiguration and AckermannDriveStamped: 7 numbers" in text

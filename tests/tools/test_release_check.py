@@ -53,4 +53,4 @@ def test_a_wheel_has_the_page_of_the_studio() -> None:
     check_page([*page, "jausml/__init__.py"])
     for missing in page:
         with pytest.raises(NotReleasableError, match="no page"):
-            check_page([each for each in page if each != missing])
+            check_page([file_name for file_name in page if file_name != missing])

@@ -79,7 +79,7 @@ def test_each_gets_its_own_verdict(suite):
 @pytest.mark.slow
 def test_many_failures_are_a_fault(suite):
     names = [f"once{number}" for number in range(4)]
-    status, output = suite(**{each: FAILS_ONCE.format(name=each) for each in names})
+    status, output = suite(**{name: FAILS_ONCE.format(name=name) for name in names})
     assert status == 1
     assert output.count("passed alone, and may hide a race") == 4
 

@@ -23,7 +23,7 @@ CI = Path(__file__).resolve().parents[2] / ".ci" / "run"
 
 
 def slow(values):
-    return [getattr(each, "values", None) for each in values]
+    return [getattr(value, "values", None) for value in values]
 
 
 def test_each_so_manieth_guards_from_the_first_on():
@@ -38,7 +38,7 @@ def test_what_guards_can_be_told():
 def test_names_and_marks_stay():
     skipped = pytest.param(2, marks=pytest.mark.skip, id="two")
     _, made = sweep([1, skipped], every=2)
-    assert (made.id, [each.name for each in made.marks]) == ("two", ["skip", "slow"])
+    assert (made.id, [mark.name for mark in made.marks]) == ("two", ["skip", "slow"])
 
 
 def test_a_sweep_that_guards_nothing_is_refused():

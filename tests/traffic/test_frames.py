@@ -31,7 +31,7 @@ def read(*frames, link_type=ETHERNET, port=3794, is_cut=False):
     found = [
         reader.read(CapturedFrame(n, float(n), link_type, data, is_cut)) for n, data in numbered
     ]
-    return [each for each in found if each is not None], reader
+    return [datagram for datagram in found if datagram is not None], reader
 
 
 @pytest.mark.parametrize(
@@ -83,9 +83,9 @@ def test_only_datagrams_of_the_port():
         bytes(12) + b"\x08\x06" + bytes(28),  # ARP
     ]
     found, reader = read(*frames)
-    assert [each.data for each in found] == [b"from", b"to"]
+    assert [datagram.data for datagram in found] == [b"from", b"to"]
     assert not reader.skipped
-    assert [each.data for each in read(*frames, port=53)[0]] == [b"neither"]
+    assert [datagram.data for datagram in read(*frames, port=53)[0]] == [b"neither"]
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0), (0, 0, 1, 1, 2)])
@@ -98,7 +98,7 @@ def test_ip_fragments_are_put_together(order):
     ]
     other = ipv4(content[:24], more=True, identity=2)
     found, reader = read(ethernet(other), *(ethernet(parts[index]) for index in order))
-    assert [each.data for each in found] == [bytes(range(60))]
+    assert [datagram.data for datagram in found] == [bytes(range(60))]
     assert found[0].number == len(order) + 1
     assert reader.unfinished == 1
 
@@ -108,7 +108,7 @@ def test_ipv6_fragments_are_put_together():
     first = struct.pack(">BBHI", 17, 0, 1, 9) + content[:24]
     last = struct.pack(">BBHI", 17, 0, 24, 9) + content[24:]
     found, _ = read(ethernet(ipv6(last, following=44)), ethernet(ipv6(first, following=44)))
-    assert [each.data for each in found] == [bytes(range(40))]
+    assert [datagram.data for datagram in found] == [bytes(range(40))]
 
 
 def test_fragments_without_end_take_bounded_memory():
@@ -137,8 +137,8 @@ def test_the_length_of_udp_says_where_a_datagram_ends():
     (datagram,), _ = read(ethernet(ipv4(udp(DATA) + b"more")))
     assert datagram.data == DATA
     empty = (struct.pack(">HHHH", 3794, 3794, length, 0) for length in (7, 8))
-    found, reader = read(*(ethernet(ipv4(each)) for each in empty))
-    assert [each.data for each in found] == [b""]
+    found, reader = read(*(ethernet(ipv4(header)) for header in empty))
+    assert [udp_datagram.data for udp_datagram in found] == [b""]
     assert reader.skipped == {"malformed frames": 1}
 
 

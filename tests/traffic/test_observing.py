@@ -69,14 +69,21 @@ def test_header_and_message():
 
 def test_several_messages_share_one_version_byte():
     seen = observe(QUERY_STATUS + QUERY_STATUS[1:])
-    assert [each.message.entry.name for each in seen] == ["QueryStatus", "QueryStatus"]
+    assert [observation.message.entry.name for observation in seen] == [
+        "QueryStatus",
+        "QueryStatus",
+    ]
 
 
 def test_the_data_size_is_what_the_header_says():
     compressed = bytes.fromhex("02 40 1200 0000 01 0201c800 01016500 0220 0700")
     reserved = bytes.fromhex("20 1100 01 0201c800 01016500 0220ff 0700")
     seen = observe(compressed, b"\2" + reserved + compressed[1:])
-    assert [(each.data_size, len(each.packet.payload)) for each in seen if each.packet] == [
+    assert [
+        (observation.data_size, len(observation.packet.payload))
+        for observation in seen
+        if observation.packet
+    ] == [
         (18, 2),
         (18, 2),
     ]
@@ -125,11 +132,11 @@ def test_messages_of_several_packets(order):
     parts = fragments(IDENTIFICATION)
     assert len(parts) == 3
     seen = observe(*(parts[index] for index in order))
-    assert [each.message is None for each in seen] == [True, True, False]
-    assert all("of a message of several" in each.error for each in seen[:2])
-    assert not any(each.is_problem for each in seen)
-    assert ["error" in each.to_json() for each in seen] == [False, False, False]
-    assert ["fragment" in each.to_json() for each in seen] == [True, True, False]
+    assert [observation.message is None for observation in seen] == [True, True, False]
+    assert all("of a message of several" in observation.error for observation in seen[:2])
+    assert not any(observation.is_problem for observation in seen)
+    assert ["error" in observation.to_json() for observation in seen] == [False, False, False]
+    assert ["fragment" in observation.to_json() for observation in seen] == [True, True, False]
     whole = seen[-1].to_json()["message"]
     assert whole["fields"]["ReportIdentificationRec"]["Identification"] == "robot"
 
@@ -160,7 +167,7 @@ def test_every_captured_datagram():
             continue
         content = {"message", "error", "fragment"}
         stated = {name: header[name] for name in printed if name not in content}
-        assert {name: each for name, each in printed.items() if name in stated} == stated
+        assert {name: value for name, value in printed.items() if name in stated} == stated
         assert "destination" in stated
         assert "payload" in stated
         is_empty = header["kind"] == "acknowledgement"
@@ -175,7 +182,7 @@ def test_text_shows_header_fields_units_and_names():
         Packet(OPERATOR, ROBOT, pose, 4).encode(),
         source=here,
     )
-    shown = [line for each in seen for line in observing.lines(each)]
+    shown = [line for observation in seen for line in observing.lines(observation)]
     assert shown == [
         "00:00:01.000000  127.0.0.1:3794 > 127.0.0.1:3794  200.1.2 > *.*.*  #3  "
         "ReportStatus 0x4002 (urn:jaus:jss:core:Management/1.0)",

@@ -18,7 +18,7 @@ def read(*datagrams):
     for number, (data, source, destination) in enumerate(datagrams, 1):
         frame = ethernet(ipv4(udp(data, source, destination)))
         found.append(reader.read(CapturedFrame(number, float(number), ETHERNET, frame)))
-    return [each.number for each in found if each is not None], reader
+    return [datagram.number for datagram in found if datagram is not None], reader
 
 
 def test_unicast_of_an_endpoint_that_has_multicast_is_taken():
@@ -47,10 +47,10 @@ def test_the_ports_of_processes_that_share_are_known(ports):
 def test_speakers_take_bounded_memory():
     ports = OtherPorts(3794)
     known = [Endpoint("10.9.0.1", port) for port in range(10000, 20000)]
-    for each in known:
-        ports.learn(each)
+    for endpoint in known:
+        ports.learn(endpoint)
     stranger = Endpoint("10.9.0.2", 50000)
-    assert sum(ports.takes(each, stranger) for each in known) == 4096
+    assert sum(ports.takes(endpoint, stranger) for endpoint in known) == 4096
 
 
 def test_who_was_not_seen_on_the_port_is_counted():

@@ -19,7 +19,7 @@ TYPE = '<type href="http://www.jausml.org/library/ros/geometry_msgs.xmi#{}"/>'
 def rules_of(tmp_path, text, name="model.xmi"):
     path = tmp_path / name
     path.write_text(text, encoding="utf-8")
-    return [each.rule for each in check_project([path]).diagnostics]
+    return [diagnostic.rule for diagnostic in check_project([path]).diagnostics]
 
 
 def system(*elements):

@@ -80,7 +80,7 @@ def said(where, tag, model=DOUBTFUL):
 
 
 def rules(report):
-    return [each.rule for each in report.diagnostics]
+    return [diagnostic.rule for diagnostic in report.diagnostics]
 
 
 def test_without_an_allowance_it_counts(tmp_path):
@@ -120,7 +120,7 @@ def test_a_day_that_has_passed(tmp_path):
     report = report_on(tmp_path, said("Ten times a second.", ALLOW.replace("2999", "2001")))
     assert sorted(rules(report)) == ["JML426", "JML802"]
     assert report.set_aside == ()
-    (expired,) = (each for each in report.diagnostics if each.rule == "JML802")
+    (expired,) = (diagnostic for diagnostic in report.diagnostics if diagnostic.rule == "JML802")
     assert "ended on 2001-12-31: 'the topic is for the log alone'" in expired.message
 
 
@@ -155,7 +155,7 @@ def _written(tmp_path, model, name="model.xmi"):
 def test_what_cannot_be_read_allows_nothing(tmp_path, tag, what):
     report = report_on(tmp_path, said("Ten times a second.", tag))
     assert sorted(rules(report)) == ["JML426", "JML801"]
-    assert any(what in each.message for each in report.diagnostics)
+    assert any(what in diagnostic.message for diagnostic in report.diagnostics)
 
 
 def test_several_in_one_documentation(tmp_path):
@@ -172,7 +172,7 @@ def test_an_error_cannot_be_allowed(tmp_path):
     report = report_on(tmp_path, said("Ten times a second.", tag, wrong))
     assert sorted(rules(report)) == ["JML425", "JML426", "JML803"]
     assert report.has_errors
-    assert any("is an error here" in each.message for each in report.diagnostics)
+    assert any("is an error here" in diagnostic.message for diagnostic in report.diagnostics)
 
 
 def test_where_not_all_could_be_read_nothing_is_called_idle(tmp_path):
@@ -184,7 +184,7 @@ def test_text_allows_in_its_documentation_comments(tmp_path):
     plain = report_on(tmp_path, TEXT.replace("TAG", ""), "model.ros2jaus")
     tag = "@allow JML426 until 2999-12-31: the topic is\n         * for the log alone"
     report = report_on(tmp_path, TEXT.replace("TAG", tag), "model.ros2jaus")
-    assert [each.reason for each in report.set_aside] == ["the topic is for the log alone"]
+    assert [finding.reason for finding in report.set_aside] == ["the topic is for the log alone"]
     assert (rules(plain), rules(report)) == (["JML426"], [])
 
 
@@ -211,7 +211,7 @@ def test_sarif_links_each_rule_to_its_heading_in_the_reference(tmp_path):
         sarif.render(report_on(tmp_path, DOUBTFUL), "https://example.org/rules.md")
     )["runs"]
     headings = re.findall(r"^## (.+)$", build_reference.rules_page(), re.MULTILINE)
-    anchors = {re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in headings}
+    anchors = {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
     for rule in run["tool"]["driver"]["rules"]:
         base, _, anchor = rule["helpUri"].partition("#")
         assert (base, anchor in anchors) == ("https://example.org/rules.md", True), rule["id"]

@@ -42,9 +42,9 @@ def test_what_could_not_be_read_causes_no_findings_of_rules(mutation, tmp_path):
     _, start, end, new = mutation
     path = tmp_path / "model.xmi"
     path.write_text(PORTABLE[:start] + new + PORTABLE[end:], encoding="utf-8")
-    rules = {each.rule for each in check_project([path]).diagnostics}
+    rules = {diagnostic.rule for diagnostic in check_project([path]).diagnostics}
     assert rules
-    assert all(each < "JML3" for each in rules)
+    assert all(rule_id < "JML3" for rule_id in rules)
 
 
 # Reproduced as published: CBRNDetection has 14 optional members under an 8-bit presence vector, and
@@ -56,7 +56,9 @@ def test_shipped_models_keep_all_rules():
     models = sorted(MODELS.rglob("*.xmi"))
     assert len(models) > 5
     report = check_project(models)
-    found = {(Path(each.location.path).name, each.rule) for each in report.diagnostics}
+    found = {
+        (Path(diagnostic.location.path).name, diagnostic.rule) for diagnostic in report.diagnostics
+    }
     assert found == FAULTS_OF_PUBLISHED_SETS
     assert not report.count(Severity.ERROR)
 
@@ -118,7 +120,7 @@ def test_findings_are_in_one_order_whatever_the_order_of_files(tmp_path):
     paths = [tmp_path / "first.xmi", tmp_path / "second.xmi"]
     findings = check_project(paths).diagnostics
     assert check_project(paths[::-1]).diagnostics == findings
-    assert [each.rule for each in findings] == ["JML411", "JML425"] * 2
+    assert [finding.rule for finding in findings] == ["JML411", "JML425"] * 2
 
 
 def test_library_is_checked_only_when_it_is_named(tmp_path):
@@ -180,5 +182,5 @@ def test_validation_gives_elements_no_empty_values(tmp_path):
 def test_machines_are_put_together_once_for_all_rules():
     subject = Subject(read_models([library_root() / "jaus" / "core-1.1.xmi"]).model)
     with remembering():
-        for each in subject.instances(jaus.Service):
-            assert behaviours_of(subject, each) is behaviours_of(subject, each)
+        for service in subject.instances(jaus.Service):
+            assert behaviours_of(subject, service) is behaviours_of(subject, service)

@@ -42,7 +42,8 @@ def findings(tmp_path):
     path = tmp_path / "node.xmi"
     path.write_text(MODEL, encoding="utf-8")
     return [
-        (each.rule, each.location.line, each.message) for each in check_project([path]).diagnostics
+        (diagnostic.rule, diagnostic.location.line, diagnostic.message)
+        for diagnostic in check_project([path]).diagnostics
     ]
 
 
@@ -96,7 +97,11 @@ def test_the_shipped_library_is_what_is_installed():
     installed = InstalledTypes(Installation())
     model = check_project(sorted((library_root() / "ros").glob("*.xmi"))).model
     kinds = (ros.MessageType, ros.ServiceType)
-    types = [each for kind in kinds for each in model.instances(kind)]
-    tops = [each for each in types if isinstance(each.eContainer(), ros.InterfacePackage)]
+    types = [named_element for kind in kinds for named_element in model.instances(kind)]
+    tops = [
+        named_element
+        for named_element in types
+        if isinstance(named_element.eContainer(), ros.InterfacePackage)
+    ]
     assert len(tops) > 100
-    assert [each.message for top in tops for each in installed.differences(top)] == []
+    assert [difference.message for top in tops for difference in installed.differences(top)] == []

@@ -56,7 +56,7 @@ def to_jaus(target, source, *conversions, **features):
 
 def conversion(kind, *arguments, **features):
     attributes = "".join(f' {name}="{value}"' for name, value in features.items())
-    numbers = "".join(f"<arguments>{each}</arguments>" for each in arguments)
+    numbers = "".join(f"<arguments>{argument}</arguments>" for argument in arguments)
     return f'<conversions kind="{kind}"{attributes}>{numbers}</conversions>'
 
 
@@ -169,8 +169,14 @@ def test_defect_is_found(name, tmp_path):
     found, (rule, words) = DEFECTS[name]
     path = tmp_path / "model.xmi"
     path.write_text(library(found), encoding="utf-8")
-    findings = [each for each in check_project([path]).diagnostics if each.rule not in BESIDE]
-    assert [each.rule for each in findings] == [rule], [each.message for each in findings]
+    findings = [
+        diagnostic
+        for diagnostic in check_project([path]).diagnostics
+        if diagnostic.rule not in BESIDE
+    ]
+    assert [finding.rule for finding in findings] == [rule], [
+        finding.message for finding in findings
+    ]
     assert words in f"{findings[0].message} ({findings[0].hint})"
 
 
@@ -194,7 +200,7 @@ def test_the_right_maps_are_clean(tmp_path):
     )
     path = tmp_path / "model.xmi"
     path.write_text(right, encoding="utf-8")
-    assert [each.message for each in check_project([path]).diagnostics] == []
+    assert [diagnostic.message for diagnostic in check_project([path]).diagnostics] == []
 
 
 def test_a_ratio_becomes_percent_by_itself(tmp_path):

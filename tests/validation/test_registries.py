@@ -12,18 +12,18 @@ from jausml.language.validation.rule import Rule
 def modules_in(package):
     """Returns the modules that lie in the folder of a package and below it."""
     names = pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
-    return [import_module(each.name) for each in names if not each.ispkg]
+    return [import_module(name.name) for name in names if not name.ispkg]
 
 
 def test_each_module_has_rules_and_each_rule_an_id_of_its_own():
     found = rules.all_rules()
-    assert len({each.id for each in found}) == len(found)
+    assert len({rule.id for rule in found}) == len(found)
     for module in modules_in(rules):
-        own = [each for each in vars(module).values() if isinstance(each, Rule)]
+        own = [member for member in vars(module).values() if isinstance(member, Rule)]
         assert own
         assert set(own) <= set(found)
 
 
 def test_each_module_that_renders_is_a_format():
-    names = [each.__name__ for each in modules_in(formats) if hasattr(each, "render")]
+    names = [module.__name__ for module in modules_in(formats) if hasattr(module, "render")]
     assert [name.rpartition(".")[2] for name in names] == sorted(formats.RENDERERS)

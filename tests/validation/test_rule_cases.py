@@ -28,9 +28,9 @@ def findings_of(case, name):
     """
     report = check_project([name])
     kept = [
-        each
-        for each in report.diagnostics
-        if each.rule == case.name[:6] or each.severity is Severity.ERROR
+        diagnostic
+        for diagnostic in report.diagnostics
+        if diagnostic.rule == case.name[:6] or diagnostic.severity is Severity.ERROR
     ]
     return replace(report, diagnostics=kept)
 
@@ -41,7 +41,7 @@ def test_bad_model_is_reported_where_it_is_bad(case, monkeypatch):
     monkeypatch.setenv("AMENT_PREFIX_PATH", INSTALLED)
     report = findings_of(case, "bad.xmi")
     assert text.render(report) == Path("expected").read_text(encoding="utf-8")
-    assert {each.rule for each in report.diagnostics} == {case.name[:6]}
+    assert {diagnostic.rule for diagnostic in report.diagnostics} == {case.name[:6]}
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
@@ -58,7 +58,7 @@ def test_every_rule_has_a_case():
 def test_ids_are_unique_and_in_their_groups():
     ids = [rule.id for rule in all_rules()]
     assert len(set(ids)) == len(ids)
-    assert all(each[:4] in ("JML3", "JML4", "JML5") and len(each) == 6 for each in ids)
+    assert all(rule_id[:4] in ("JML3", "JML4", "JML5") and len(rule_id) == 6 for rule_id in ids)
 
 
 @for_each("rule", all_rules(), ids=lambda rule: rule.id)

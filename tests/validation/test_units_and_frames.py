@@ -12,7 +12,9 @@ def findings(folder, text):
     path = folder / "model.ros2jaus"
     path.write_text(text, encoding="utf-8")
     found = check_project([path]).diagnostics
-    return [(each.rule, each.message) for each in found if each.rule != "JML711"]
+    return [
+        (diagnostic.rule, diagnostic.message) for diagnostic in found if diagnostic.rule != "JML711"
+    ]
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ HEAD = (
 
 def messages_of(path: Path) -> dict[str, jaus.MessageDef]:
     model = read_models([path]).model
-    return {each.name: each for each in model.instances(jaus.MessageDef)}
+    return {message_def.name: message_def for message_def in model.instances(jaus.MessageDef)}
 
 
 def resolved(tmp_path: Path, body: str, declared: str = "") -> wire.Message:
@@ -43,29 +43,29 @@ def resolved(tmp_path: Path, body: str, declared: str = "") -> wire.Message:
 def parts(layout: object) -> Iterator[object]:
     yield layout
     if isinstance(layout, tuple):
-        for each in layout:
-            yield from parts(each)
+        for part in layout:
+            yield from parts(part)
     elif is_dataclass(layout):
-        for each in fields(layout):
-            yield from parts(getattr(layout, each.name))
+        for field in fields(layout):
+            yield from parts(getattr(layout, field.name))
 
 
 def test_every_kind_is_reached_from_every_class_of_fields() -> None:
     found = messages_of(EVERY_KIND)
-    layouts = tuple(wire.resolve(each) for each in found.values())
-    kinds = {type(each.kind) for each in parts(layouts) if isinstance(each, wire.Field)}
-    kinds |= {type(each.number) for each in parts(layouts) if isinstance(each, wire.Alternative)}
+    layouts = tuple(wire.resolve(message) for message in found.values())
+    kinds = {type(part.kind) for part in parts(layouts) if isinstance(part, wire.Field)}
+    kinds |= {type(part.number) for part in parts(layouts) if isinstance(part, wire.Alternative)}
     assert kinds == set(get_args(wire.Kind))
-    used = {type(each).__name__ for each in read_models([EVERY_KIND]).model.instances(jaus.Field)}
+    used = {type(field).__name__ for field in read_models([EVERY_KIND]).model.instances(jaus.Field)}
     subtypes = load_metamodels().class_of(jaus.Field).subtypes
-    assert used == {each.name for each in subtypes if not each.abstract}
+    assert used == {subtype.name for subtype in subtypes if not subtype.abstract}
 
 
 def test_nothing_of_the_model_is_left_in_a_layout() -> None:
     for path in (EVERY_KIND, *sorted((library_root() / "jaus").glob("*.xmi"))):
         for message in messages_of(path).values():
             layout = wire.resolve(message)
-            assert not [each for each in parts(layout) if isinstance(each, EObject)]
+            assert not [part for part in parts(layout) if isinstance(part, EObject)]
             assert hash(layout) == hash(wire.resolve(message))
 
 
@@ -74,7 +74,7 @@ def test_the_layout_of_a_message() -> None:
     layout = wire.resolve(report)
     assert (layout.code, layout.header.name, layout.is_command) == (0x4002, "uint16", False)
     assert layout.service == "urn:jaus:jss:core:Management"
-    assert [each.name for each in layout.members] == ["Status", "Reserved"]
+    assert [member.name for member in layout.members] == ["Status", "Reserved"]
     status = layout.members[0].kind
     assert isinstance(status, wire.Integer)
     assert status.legal.names[1] == "READY"

@@ -196,7 +196,7 @@ class ConnectionView:
             found.append(("rate_cap", python_literal(float(self.connection.rateCap))))
         if self._named is not None:
             lists = (self._named.names, self._named.arrays)
-            stated = (tuple_of(*map(python_string, each)) for each in lists)
+            stated = (tuple_of(*map(python_string, string_list)) for string_list in lists)
             given = call("NamedPlaces", python_string(self._named.keys), *stated)
             found.append(("named", given))
         if self.kind == "TopicsToMessage":
@@ -258,7 +258,9 @@ class ConnectionView:
             return []
         query, report = self.view_of(answer.query), self.view_of(answer.report)
         arguments = [query.class_name, report.class_name]
-        chosen = [query.find(each)[0].attribute for each in chosen_fields(answer) or ()]
+        chosen = [
+            query.find(chosen_field)[0].attribute for chosen_field in chosen_fields(answer) or ()
+        ]
         if chosen:
             arguments.append(f"same={tuple_of(*map(python_string, chosen))}")
         if all(member.is_optional for member in report.body.members):
@@ -289,7 +291,7 @@ class ConnectionView:
         """Addresses of the JAUS components at the other end that are named."""
         if self.kind == "TopicsToReport" or self._bound.search is not None:
             return []
-        return [str(each.address) for each in self._bound.peers]
+        return [str(peer.address) for peer in self._bound.peers]
 
     @property
     def peers(self) -> str:
@@ -315,7 +317,7 @@ class ConnectionView:
             lines.append(f"peers={self.peers}")
         lines.append(f"topics={list_of(self.topics)}")
         if self.joins:
-            lines.append(f"joins={list_of(each.argument for each in self.joins)}")
+            lines.append(f"joins={list_of(join.argument for join in self.joins)}")
         return tuple(lines)
 
     @property
@@ -335,13 +337,13 @@ class ConnectionView:
     def joins(self) -> tuple[JoinView | ReportJoinView, ...]:
         """What is joined, whose latest messages are parameters of the translation."""
         if self.to_ros:
-            names = {each.join: each.name for each in self.translated.joins}
+            names = {join.join: join.name for join in self.translated.joins}
             reports = joined_reports(self.connection)
-            return tuple(self._joined_report(each, names[each.join]) for each in reports)
+            return tuple(self._joined_report(report, names[report.join]) for report in reports)
         return tuple(
-            JoinView(self.connection, each.join, each.name, each.type_name)
-            for each in self.translated.joins
-            if isinstance(each.join, bridge.Join)
+            JoinView(self.connection, join.join, join.name, join.type_name)
+            for join in self.translated.joins
+            if isinstance(join.join, bridge.Join)
         )
 
     def _joined_report(self, report: JoinedReport, name: str) -> ReportJoinView:

@@ -44,7 +44,7 @@ class JoinView:
     @property
     def topics(self) -> tuple[bridge.Topic, ...]:
         """The topics that feed it."""
-        return tuple(each for each in self.connection.topics if each.join is self.join)
+        return tuple(topic for topic in self.connection.topics if topic.join is self.join)
 
     @property
     def argument(self) -> str:
@@ -106,7 +106,7 @@ def query_of(connection: bridge.Connection) -> jaus.MessageDef | None:
     report = connection.map.message
     to_ros = connection.direction.name == "jausToRos"
     senders = connection.peers if to_ros else [connection.eContainer()]
-    services = [each for sender in senders if sender is not None for each in sender.provides]
+    services = [provide for sender in senders if sender is not None for provide in sender.provides]
     if to_ros and connection.search is not None:
         services += connection.search.services
     return query_for(report, services, f"connection '{connection.name}'")
@@ -177,7 +177,7 @@ class ReportJoinView:
     def named_peers(self) -> list[str]:
         """Addresses of the JAUS components that send it, where they are stated for it."""
         source = self.report.source
-        return [] if source is None else [str(each.address) for each in source.peers]
+        return [] if source is None else [str(peer.address) for peer in source.peers]
 
     @property
     def argument(self) -> str:

@@ -52,8 +52,10 @@ class LightModule:
     def classes(self) -> tuple[LightClass, ...]:
         """The classes, the inner ones first."""
         return tuple(
-            LightClass(self.name_of(each), each, self.name_of, self._runs, self._sizes)
-            for each in self.types
+            LightClass(
+                self.name_of(message_type), message_type, self.name_of, self._runs, self._sizes
+            )
+            for message_type in self.types
         )
 
     def name_of(self, message: ros.MessageType) -> str:
@@ -63,7 +65,7 @@ class LightModule:
     @functools.cached_property
     def _names(self) -> dict[ros.MessageType, str]:
         names = local_names(map(ros_type, self.types), _TAKEN)
-        return {each: names[ros_type(each)] for each in self.types}
+        return {message_type: names[ros_type(message_type)] for message_type in self.types}
 
     def origins(self, classes: RosClasses, module: str) -> dict[str, Origin]:
         """Returns where classes that another module names come from.
@@ -71,13 +73,15 @@ class LightModule:
         Args:
             module: This module, as the other imports it.
         """
-        own = {ros_type(each): self.name_of(each) for each in self.types}
+        own = {ros_type(message_type): self.name_of(message_type) for message_type in self.types}
         return {name: Origin(module, own[kind]) for kind, name in classes.names.items()}
 
     @functools.cached_property
     def bodies(self) -> tuple[tuple[LightClass, tuple[str, ...], tuple[str, ...]], ...]:
         """The classes with the bodies of the methods that read and write them."""
-        return tuple((each, each.reading, each.writing) for each in self.classes)
+        return tuple(
+            (light_class, light_class.reading, light_class.writing) for light_class in self.classes
+        )
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -88,14 +92,17 @@ class LightModule:
     def remarks(self) -> tuple[str, ...]:
         """Comments that tell linters what is meant."""
         lines = [line for _, *bodies in self.bodies for body in bodies for line in body]
-        names = (str(field.name) for each in self.types for field in each.fields)
+        names = (str(field.name) for message_type in self.types for field in message_type.fields)
         found = []
         if any("._read" in line or "._write" in line for line in lines):
             found.append("# ruff: noqa: SLF001 - the classes read and write each other")
         if any(snake_case(name) != name for name in names):
             found.append("# ruff: noqa: A002 - the fields have the names of ROS")
         kinds = {
-            field.primitive for each in self.types for field in fields_of(each) if field.is_single
+            field.primitive
+            for message_type in self.types
+            for field in fields_of(message_type)
+            if field.is_single
         }
         if PRIMITIVES["bool"] in kinds:
             found.append("# ruff: noqa: FBT001, FBT002 - the fields have the types of ROS")
@@ -157,16 +164,16 @@ class LightClass:
     @property
     def fields(self) -> tuple[LightField, ...]:
         """The fields in order."""
-        return tuple(self._field(each) for each in fields_of(self.message))
+        return tuple(self._field(field) for field in fields_of(self.message))
 
     @property
     def constants(self) -> tuple[str, ...]:
         """The constants of the type, as statements of the body of the class."""
         found: dict[str, str] = {}
-        for each in self.message.constants:
-            name = str(each.name)
+        for constant in self.message.constants:
+            name = str(constant.name)
             name = f"{name}_" if name in _OWN_CONSTANTS or keyword.iskeyword(name) else name
-            found.setdefault(name, _constant(each))
+            found.setdefault(name, _constant(constant))
         return tuple(f"{name}: {value}" for name, value in found.items())
 
     @property

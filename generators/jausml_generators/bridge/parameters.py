@@ -97,8 +97,8 @@ def parameter_lines(view: BridgeView) -> Iterator[ParameterLine]:
     )
     # A translation that cannot be written is reported by the template that it stands in.
     with suppress(AssignmentError, PathError):
-        for each in view.module.parameters:
-            yield ParameterLine(each.name, each.value, each.description)
+        for parameter in view.module.parameters:
+            yield ParameterLine(parameter.name, parameter.value, parameter.description)
         for connection in view.connections:
             yield from _connection_lines(connection)
         for call in view.calls:
@@ -193,7 +193,7 @@ def _call_lines(view: CallView) -> Iterator[ParameterLine]:
         f"{name}.service", connection.service, f"ROS service of {name}. {about}".strip()
     )
     if connection.peers and connection.search is None:
-        yield ParameterLine(f"{name}.peers", [str(each.address) for each in connection.peers])
+        yield ParameterLine(f"{name}.peers", [str(peer.address) for peer in connection.peers])
     yield ParameterLine(
         f"{name}.timeout",
         float(connection.timeout),
@@ -228,7 +228,7 @@ def _topic_lines(
     if len(topics) == 1:
         yield ParameterLine(f"{owner}.topic", topics[0].name, about)
     elif topics:
-        yield ParameterLine(f"{owner}.topics", [each.name for each in topics], about)
+        yield ParameterLine(f"{owner}.topics", [topic.name for topic in topics], about)
 
 
 def _quality_lines(connection: bridge.Connection, topic: bridge.Topic) -> Iterator[ParameterLine]:

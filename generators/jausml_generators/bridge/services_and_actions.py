@@ -66,9 +66,13 @@ def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
     """Returns what the driver of a connection answers; a connection of the bridge comes first."""
     owner = action.eContainer()
     others = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
-    asked = (each for each in others if each.exchange.name != "message")
-    taken = {code(each.map.message) for each in asked if each.direction.name == "rosToJaus"}
-    return [each for each in answers(action) if code(each.report) not in taken]
+    asked = (other for other in others if other.exchange.name != "message")
+    taken = {
+        code(connection.map.message)
+        for connection in asked
+        if connection.direction.name == "rosToJaus"
+    }
+    return [answer for answer in answers(action) if code(answer.report) not in taken]
 
 
 @dataclass(frozen=True)
@@ -156,7 +160,7 @@ class ActionView(ConnectionView):
     def _driver(self) -> str:
         of_one = "WaypointMessages" if self.driver.is_single else "ListMessages"
         kind = "MissionMessages" if self.driver.spooler else of_one
-        return call(kind, *(self.view_of(each).class_name for each in self.driver.all))
+        return call(kind, *(self.view_of(message).class_name for message in self.driver.all))
 
     @property
     def _answers(self) -> list[str]:
@@ -167,11 +171,13 @@ class ActionView(ConnectionView):
             "element": answer_alike(action.driver, action.element.message),
         }
         free = answers_of_driver(action)
-        told = [f"{name}={self._pair(each)}" for name, each in found.items() if each in free]
+        told = [f"{name}={self._pair(answer)}" for name, answer in found.items() if answer in free]
         return [f"answers={call('ListAnswers', *told)}"] if told else []
 
     def _pair(self, answer: Answer) -> str:
-        return tuple_of(*(self.view_of(each).class_name for each in (answer.query, answer.report)))
+        return tuple_of(
+            *(self.view_of(message).class_name for message in (answer.query, answer.report))
+        )
 
     @property
     def _action(self) -> str:
@@ -292,7 +298,9 @@ class CallView:
             ("peers", peers_of(connection)),
         ]
         if connection.rejections:
-            names = ", ".join(self.view_of(each).class_name for each in connection.rejections)
+            names = ", ".join(
+                self.view_of(rejection).class_name for rejection in connection.rejections
+            )
             found.append(("rejections", f"[{names}]"))
             found += self._reason
         found += self._guarding
@@ -307,9 +315,9 @@ class CallView:
             return []
         members = self.view_of(self.connection.rejections[0]).body.members
         sizes = {
-            each.attribute: value.upper if isinstance(value, Blob) else value.size
-            for each in members
-            if isinstance(value := each.value, Fixed | Blob) and value.python_type == "str"
+            member.attribute: value.upper if isinstance(value, Blob) else value.size
+            for member in members
+            if isinstance(value := member.value, Fixed | Blob) and value.python_type == "str"
         }
         if len(sizes) != 1:
             return []

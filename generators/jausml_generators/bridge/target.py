@@ -36,7 +36,7 @@ def tasks(model: Model) -> list[Task]:
     bridges = model.made(bridge_views)
     messages = SystemMessages(system, source)
     tests = [TestModule(bridge) for bridge in bridges]
-    with_core = [each for each in bridges if each.has_core]
+    with_core = [bridge for bridge in bridges if bridge.has_core]
     packages = [
         bridge.package_view(
             system,
@@ -69,8 +69,10 @@ def tasks(model: Model) -> list[Task]:
         FileTask("core.cpp.j2", with_core, _source),
         TextTask(
             [
-                TextFile(f"{each.package}/core/{name}", support(name), each.element_id, "jausml")
-                for each in with_core
+                TextFile(
+                    f"{bridge.package}/core/{name}", support(name), bridge.element_id, "jausml"
+                )
+                for bridge in with_core
                 for name in CORE
             ]
         ),

@@ -139,7 +139,9 @@ class BridgeView(ProgramView):
     @property
     def actions(self) -> tuple[ActionView, ...]:
         """The connections with ROS actions."""
-        return tuple(each for each in self.connections if isinstance(each, ActionView))
+        return tuple(
+            connection for connection in self.connections if isinstance(connection, ActionView)
+        )
 
     @functools.cached_property
     def _carried(self) -> tuple[Connection, ...]:
@@ -149,7 +151,10 @@ class BridgeView(ProgramView):
     def calls(self) -> tuple[CallView, ...]:
         """The service connections in model order."""
         pairs = zip(self.bridge.serviceConnections, self.translations.calls, strict=True)
-        return tuple(CallView(connection, each, self.message_of) for connection, each in pairs)
+        return tuple(
+            CallView(connection, translated_call, self.message_of)
+            for connection, translated_call in pairs
+        )
 
     @functools.cached_property
     def translated(self) -> tuple[ConnectionView, ...]:
@@ -180,21 +185,21 @@ class BridgeView(ProgramView):
             for connection in self.bridge.serviceConnections
             for element in _messages_of_calls(connection)
         )
-        of_drivers = (each for one in drivers for each in one.all)
+        of_drivers = (message for one in drivers for message in one.all)
         answered = (
             message
             for action in self.bridge.actionConnections
-            for each in answers_of_driver(action)
-            for message in (each.query, each.report)
+            for answer in answers_of_driver(action)
+            for message in (answer.query, answer.report)
         )
         told = (
             message
             for connection in self.bridge.bridgeConnections
-            if (each := told_command(connection)) is not None
-            for message in (each.query, each.report)
+            if (answer := told_command(connection)) is not None
+            for message in (answer.query, answer.report)
         )
         found = (*elements, *of_calls, *of_drivers, *answered, *told)
-        return build_message_map(each for each in found if each is not None)
+        return build_message_map(message for message in found if message is not None)
 
     @functools.cached_property
     def messages(self) -> tuple[MessageView, ...]:
@@ -260,7 +265,10 @@ class BridgeView(ProgramView):
         # A translation that cannot be written is reported by the template that it stands in.
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}
-            packages |= {package_of(each.type) for each in self.bridge.actionConnections}
+            packages |= {
+                package_of(action_connection.type)
+                for action_connection in self.bridge.actionConnections
+            }
         return tuple(sorted(packages))
 
     @property
@@ -286,16 +294,18 @@ class BridgeView(ProgramView):
             for view in self.translated
         )
         of_goals = tuple(
-            MethodContract(each.hook, each.hook_parameters, "", each.hook_stub, optional=True)
-            for each in self.actions
+            MethodContract(action.hook, action.hook_parameters, "", action.hook_stub, optional=True)
+            for action in self.actions
         )
         hooks = tuple(
             MethodContract(name, parameters, f"hook:{name}", "", optional=True)
             for name, parameters in _HOOKS.items()
         )
         conversions = tuple(
-            MethodContract(each.name, names_of(each), f"conversion:{each.model_name}", stub(each))
-            for each in self.module.methods
+            MethodContract(
+                method.name, names_of(method), f"conversion:{method.model_name}", stub(method)
+            )
+            for method in self.module.methods
         )
         return SkeletonContract(
             self.class_name, self.base_name, (*translations, *of_goals, *hooks, *conversions)
@@ -305,7 +315,7 @@ class BridgeView(ProgramView):
 def bridge_views(model: Model) -> tuple[BridgeView, ...]:
     """Returns the bridges of the system that is generated; `model.made` shares them."""
     system, source = system_of(model), source_of(model)
-    return tuple(BridgeView(each, system, source) for each in own_bridges(system))
+    return tuple(BridgeView(own_bridge, system, source) for own_bridge in own_bridges(system))
 
 
 def _messages_of(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:
@@ -336,9 +346,9 @@ def _types_of_calls(
     connections: Iterable[bridge.RosServiceConnection],
 ) -> Iterator[ros.MessageType]:
     """Yields the types of requests and responses, and nested ones too."""
-    for each in connections:
-        yield from calls.types(each)
-        for half in calls.halves(each):
+    for connection in connections:
+        yield from calls.types(connection)
+        for half in calls.halves(connection):
             yield from (used.type for used in used_maps(half.map, to_ros=half.to_ros))
 
 

@@ -101,15 +101,15 @@ class PolicyView:
 def _uses(element: Bridge | ros.Node) -> Iterator[tuple[_Use, Iterable[str]]]:
     """Yields what a node uses, by the names that the model has."""
     ends = list(endpoints([element]))
-    yield _PUBLISH, [*_PUBLISHED, *(each.topic for each in ends if each.publishes)]
-    yield _SUBSCRIBE, [each.topic for each in ends if not each.publishes]
+    yield _PUBLISH, [*_PUBLISHED, *(end.topic for end in ends if end.publishes)]
+    yield _SUBSCRIBE, [end.topic for end in ends if not end.publishes]
     yield _REPLY, _SERVED
     yield from _uses_of_node(element) if isinstance(element, ros.Node) else _uses_of_bridge(element)
 
 
 def _uses_of_node(node: ros.Node) -> Iterator[tuple[_Use, Iterable[str]]]:
-    yield _REPLY, [each.service for each in node.serviceServers]
-    yield _REQUEST, [each.service for each in node.serviceClients]
+    yield _REPLY, [service_server.service for service_server in node.serviceServers]
+    yield _REQUEST, [service_client.service for service_client in node.serviceClients]
 
 
 def _uses_of_bridge(bridge: Bridge) -> Iterator[tuple[_Use, Iterable[str]]]:

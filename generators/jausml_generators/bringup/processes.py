@@ -84,9 +84,9 @@ class ProcessView:
         first, *others = parameter_lines(self.bridge)
         settings = (
             ParameterLine(
-                each.name, int(value) if value.isdecimal() else value, f"{each.description}."
+                setting.name, int(value) if value.isdecimal() else value, f"{setting.description}."
             )
-            for each, value in zip(SETTINGS, self.transport, strict=True)
+            for setting, value in zip(SETTINGS, self.transport, strict=True)
         )
         return (first, *settings, *others)
 
@@ -142,7 +142,7 @@ class ConfigView:
     def nothing(self) -> str:
         """What stands for no parameters; ROS reads no file that leaves the value out."""
         process = self.process
-        lines = (each.is_comment for each in process.bridge_parameters)
+        lines = (bridge_parameter.is_comment for bridge_parameter in process.bridge_parameters)
         return " {}" if not process.parameters and all(lines) else ""
 
     @property
@@ -152,10 +152,13 @@ class ConfigView:
         first = ParameterLine("use_sim_time", value=False, is_comment=True)
         plain = [ParameterLine(*pair) for pair in self.process.parameters.items()]
         found = []
-        for each in (first, *plain, *self.process.bridge_parameters):
-            about = " ".join(printable(each.about).split())
+        for parameter_line in (first, *plain, *self.process.bridge_parameters):
+            about = " ".join(printable(parameter_line.about).split())
             found += [f"# {about}"] if about else []
-            found.append(f"{'# ' * each.is_comment}{_yaml_key(each.name)}: {_yaml(each.value)}")
+            found.append(
+                f"{'# ' * parameter_line.is_comment}{_yaml_key(parameter_line.name)}: "
+                f"{_yaml(parameter_line.value)}"
+            )
         return tuple(found)
 
 

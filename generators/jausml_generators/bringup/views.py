@@ -110,12 +110,14 @@ class LaunchView:
 
     def id_argument(self, process: ProcessView) -> str:
         """Name of the launch argument for the JAUS address of a process."""
-        return self._own(process, "jaus_id", [each for each in self.processes if each.speaks_jaus])
+        return self._own(
+            process, "jaus_id", [speaker for speaker in self.processes if speaker.speaks_jaus]
+        )
 
     def file_argument(self, process: ProcessView) -> str:
         """Name of the launch argument for a parameter file of the user."""
         return self._own(
-            process, "params_file", [each for each in self.processes if each.speaks_ros]
+            process, "params_file", [speaker for speaker in self.processes if speaker.speaks_ros]
         )
 
     @staticmethod
@@ -133,29 +135,31 @@ class LaunchView:
             Argument("log_level", '"info"', "What is logged: debug, info, warn or error"),
             *(
                 Argument(
-                    self.id_argument(each), '""', f"JAUS address of {each.name} ({each.address})"
+                    self.id_argument(process),
+                    '""',
+                    f"JAUS address of {process.name} ({process.address})",
                 )
-                for each in self.processes
-                if each.speaks_jaus
+                for process in self.processes
+                if process.speaks_jaus
             ),
             *([_ROS_WAITING] if self.has_bridges else []),
-            *(self._setting(number, each) for number, each in enumerate(self.settings)),
+            *(self._setting(number, setting) for number, setting in enumerate(self.settings)),
             *(
                 Argument(
-                    self.file_argument(each),
-                    f"str(config / {python_string(f'{each.name}.yaml')})",
-                    f"Parameters of {each.name} besides",
+                    self.file_argument(process),
+                    f"str(config / {python_string(f'{process.name}.yaml')})",
+                    f"Parameters of {process.name} besides",
                 )
-                for each in self.processes
-                if each.speaks_ros
+                for process in self.processes
+                if process.speaks_ros
             ),
         )
 
     def _setting(self, number: int, setting: Setting) -> Argument:
         """A setting that all processes have anyway is left to them and their parameter files."""
         value = self.transport[number]
-        jaus = [each for each in self.processes if each.speaks_jaus]
-        is_own = all(each.transport[number] == value for each in jaus)
+        jaus = [process for process in self.processes if process.speaks_jaus]
+        is_own = all(process.transport[number] == value for process in jaus)
         default = '""' if is_own else python_string(value)
         return Argument(setting.name, default, f"{setting.description} ({value})")
 
@@ -203,7 +207,7 @@ class BringupView:
         views = [self._launch(system, title, hosts[0] if hosts else None, self.processes)]
         for host in hosts if len(hosts) > 1 else ():
             title = f"Starts the processes of {system} on the host {host.name}."
-            processes = tuple(each for each in self.processes if each.host == host.name)
+            processes = tuple(process for process in self.processes if process.host == host.name)
             views.append(self._launch(f"{system}_{host.name}", title, host, processes))
         return tuple(views)
 
@@ -219,7 +223,7 @@ class BringupView:
         """One SROS 2 policy for each node: those of bridges, and the others."""
         bridges = [view.bridge for view in self.bridges]
         nodes: list[Bridge | ros.Node] = [*bridges, *self.system.nodes]
-        return tuple(PolicyView(self.source, each) for each in nodes)
+        return tuple(PolicyView(self.source, node) for node in nodes)
 
     @property
     def dependencies(self) -> tuple[str, ...]:
@@ -255,7 +259,7 @@ class BringupView:
             namespace=namespace or "",
             host=host.name if host is not None else "",
             transport=_transport(host),
-            parameters={each.name: parameter_value(each) for each in parameters},
+            parameters={parameter.name: parameter_value(parameter) for parameter in parameters},
             address="" if isinstance(element, ros.Node) else str(element.address),
             bridge=view,
         )
@@ -263,8 +267,8 @@ class BringupView:
 
 def _transport(host: Host | None) -> tuple[str, ...]:
     if host is None:
-        return tuple(each.default for each in SETTINGS)
-    return tuple(_value(host, each.feature) for each in SETTINGS)
+        return tuple(setting.default for setting in SETTINGS)
+    return tuple(_value(host, setting.feature) for setting in SETTINGS)
 
 
 def _value(host: Host, feature: str) -> str:

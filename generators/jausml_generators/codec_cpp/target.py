@@ -45,7 +45,7 @@ class HeaderView:
         self.source = source
         self.element_id = f"codec_cpp:{self._system}"
         self.messages: Sequence[MessageView] = build_messages(
-            each for service in services for each in (*service.inputs, *service.outputs)
+            output for service in services for output in (*service.inputs, *service.outputs)
         )
         self.codec = JausCodec(is_bounded=True)
         for message in self.messages:

@@ -46,36 +46,36 @@ SUBSYSTEM_TYPES = {
 def plain_components(system: System) -> list[jaus.Component]:
     """Returns the components of a system that are no bridges, and are not there already."""
     return [
-        each
-        for each in system.components
-        if not isinstance(each, bridge.Bridge) and not each.external
+        component
+        for component in system.components
+        if not isinstance(component, bridge.Bridge) and not component.external
     ]
 
 
 def own_bridges(system: System) -> list[bridge.Bridge]:
     """Returns the bridges of a system that are not there already."""
-    return [each for each in system.bridges if not each.external]
+    return [system_bridge for system_bridge in system.bridges if not system_bridge.external]
 
 
 def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
     """Returns services and those that they inherit, the inherited ones first, each once."""
-    return list(dict.fromkeys(e for each in services for e in reversed(lineage(each))))
+    return list(dict.fromkeys(e for service in services for e in reversed(lineage(service))))
 
 
 def inherits(service: jaus.Service, name: str) -> bool:
     """Tells whether a service is, or inherits, a core service."""
-    return any(each.urn == CORE + name for each in lineage(service))
+    return any(ancestor.urn == CORE + name for ancestor in lineage(service))
 
 
 def provides(component: jaus.Component, name: str) -> bool:
     """Tells whether a component provides a core service."""
-    return any(inherits(each, name) for each in with_standard(component))
+    return any(inherits(service, name) for service in with_standard(component))
 
 
 def service_identities(component: jaus.Component) -> tuple[str, ...]:
     """Returns what Discovery reports of the services of a component and those that they inherit."""
     versions = service_versions(component)
-    urns = dict.fromkeys(str(each.urn) for each in with_inherited(with_standard(component)))
+    urns = dict.fromkeys(str(service.urn) for service in with_inherited(with_standard(component)))
     return tuple(
         call("ServiceIdentity", python_string(urn), *map(str, versions[urn])) for urn in urns
     )
@@ -92,9 +92,9 @@ def component_settings(system: System, component: jaus.Component) -> str:
     if answers_for_subsystem(component, _elements(system)):
         arguments.append("discovery_scope=Scope.SUBSYSTEM")
     greeted = [
-        f"{address_call(each)}: Scope.{_SCOPES.get(each.type.name, 'COMPONENT')}"
-        for each in _elements(system)
-        if each.greet and each.external
+        f"{address_call(element)}: Scope.{_SCOPES.get(element.type.name, 'COMPONENT')}"
+        for element in _elements(system)
+        if element.greet and element.external
     ]
     if greeted:
         arguments.append(f"greeted={{{', '.join(greeted)}}}")
@@ -203,12 +203,12 @@ def _address_book(system: System, host: Host | None) -> list[str]:
     if transport == "nodeManager":
         return []
     found = []
-    for each in _elements(system):
-        where = host_of(system, each)
-        place = endpoint_of(system, each)
-        is_told = each.external if where is None else transport == "jtcp" and where is not host
+    for element in _elements(system):
+        where = host_of(system, element)
+        place = endpoint_of(system, element)
+        is_told = element.external if where is None else transport == "jtcp" and where is not host
         if is_told and place is not None:
-            found.append(f"{each.address}={place[0]}:{place[1]}")
+            found.append(f"{element.address}={place[0]}:{place[1]}")
     return found
 
 
@@ -255,8 +255,8 @@ def services_of(
         for connection in component.connections:
             yield from _owners(connection.message, connection.query)
     for owner in bridges:
-        for each in owner.bridgeConnections:
-            yield from _owners(each.map.message, each.query)
+        for bridge_connection in owner.bridgeConnections:
+            yield from _owners(bridge_connection.map.message, bridge_connection.query)
         for each_call in owner.serviceConnections:
             yield from _owners(*calls.messages(each_call))
         for each_list in owner.actionConnections:
@@ -288,8 +288,10 @@ def library_services(pattern: str = "*.xmi") -> list[jaus.Service]:
         pattern: Which of its JAUS models.
     """
     model = library("jaus")
-    meant = [each for each in model.documents if each.path.match(pattern)]
-    return [each for each in model.instances(jaus.Service) if model.document_of(each) in meant]
+    meant = [document for document in model.documents if document.path.match(pattern)]
+    return [
+        service for service in model.instances(jaus.Service) if model.document_of(service) in meant
+    ]
 
 
 def _is_core(service: jaus.Service) -> bool:

@@ -94,7 +94,9 @@ class Core:
 
     def __post_init__(self) -> None:
         self._jaus = JausCodec()
-        self._names = {each: self.light.name_of(each) for each in self.light.types}
+        self._names = {
+            message_type: self.light.name_of(message_type) for message_type in self.light.types
+        }
         self._ros = RosCodec(self.light.types, self._names)
         self._unprintable: dict[MessageView, str] = {}
         self._types: dict[ros.MessageType, None] = {}
@@ -110,7 +112,7 @@ class Core:
         steps = tuple(steps)
         try:
             source, target = self._structs(ends)
-            joins = {each: self._struct(what) for each, what in ends.joins.items()}
+            joins = {join_name: self._struct(what) for join_name, what in ends.joins.items()}
             found = self._printed(steps, ends)
         except UnprintableError as error:
             self.left.setdefault(name, str(error))
@@ -139,7 +141,7 @@ class Core:
 
     def _printed(self, steps: Iterable[Step], ends: Ends) -> Printed:
         source, target = self._structs(ends)
-        joins = {each: self._struct(what) for each, what in ends.joins.items()}
+        joins = {join_name: self._struct(what) for join_name, what in ends.joins.items()}
         self._used.classes = self._classes()
         self._used.tables = {e.name: e.items for e in self.uses.constants.values()}
         return printed(steps, source, target, joins, self._used)
@@ -167,7 +169,9 @@ class Core:
 
     def _classes(self) -> dict[str, Struct]:
         """The structs by the names that steps have for classes."""
-        by_type = {ros_type(each): struct for each, struct in self._ros.structs.items()}
+        by_type = {
+            ros_type(message_type): struct for message_type, struct in self._ros.structs.items()
+        }
         named = self.ros_classes.names.items()
         return {
             **{name: by_type[kind] for kind, name in named if kind in by_type},
@@ -177,7 +181,7 @@ class Core:
     @staticmethod
     def _roots(ends: Ends) -> list[ros.MessageType]:
         all_ = (ends.type, *ends.joins.values())
-        return [each for each in all_ if not isinstance(each, MessageView)]
+        return [root for root in all_ if not isinstance(root, MessageView)]
 
     def _function(
         self,
@@ -197,13 +201,16 @@ class Core:
         self._known[key] = own
         how = "joined_ros" if not ends.to_ros else "joined_jaus"
         body = [
-            f"const auto {cpp_name(each)} = jausml::{how}<{struct.cpp}>(live->joins[{at}], check);"
-            for at, (each, struct) in enumerate(joins.items())
+            f"const auto {cpp_name(join_name)} = "
+            f"jausml::{how}<{struct.cpp}>(live->joins[{at}], check);"
+            for at, (join_name, struct) in enumerate(joins.items())
         ]
         text = "\n".join([*body, *found.lines])
         live, parameters = " live" if "live->" in text else "", []
-        for kind, each in _PARAMETERS:
-            parameters.append(f"{kind} {each}" if re.search(rf"\b{each}\b", text) else kind)
+        for kind, parameter in _PARAMETERS:
+            parameters.append(
+                f"{kind} {parameter}" if re.search(rf"\b{parameter}\b", text) else kind
+            )
         lines = [*body, *found.lines]
         way = "jaus_to_ros" if ends.to_ros else "ros_to_jaus"
         self.functions[own] = (
@@ -231,7 +238,7 @@ class Core:
     def ros_lines(self) -> tuple[str, ...]:
         """The structs of the types of ROS that are used."""
         wanted = types_within(self._types)
-        lines = [line for each in wanted for line in ("", *self._ros.text[each])]
+        lines = [line for message_type in wanted for line in ("", *self._ros.text[message_type])]
         return tuple(laid_out(lines[1:]))
 
     @functools.cached_property
@@ -242,13 +249,15 @@ class Core:
     @functools.cached_property
     def constants(self) -> tuple[str, ...]:
         """The tables."""
-        return tuple(line for each in self._used.constants.values() for line in laid_out(each))
+        return tuple(
+            line for constant in self._used.constants.values() for line in laid_out(constant)
+        )
 
     @functools.cached_property
     def left_lines(self) -> tuple[str, ...]:
         """What is left to Python, and why, as text of comments."""
         texts = (printable(f"{name}: {reason}") for name, reason in self.left.items())
-        return tuple(" ".join(each.replace("\\", "/").split()) for each in texts)
+        return tuple(" ".join(text.replace("\\", "/").split()) for text in texts)
 
     @functools.cached_property
     def digest(self) -> str:

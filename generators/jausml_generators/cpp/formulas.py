@@ -74,7 +74,7 @@ def number(expression: Expression, names: Mapping[str, str], binding: int = _CHO
             branches = f"{number(then, names, _OR)} : {number(otherwise, names)}"
             return _within(f"{truth(condition, names, _OR)} ? {branches}", _CHOICE, binding)
         case Call(function=function, arguments=arguments) if function != "isfinite":
-            return _call(function, [number(each, names) for each in arguments])
+            return _call(function, [number(argument, names) for argument in arguments])
         case Operation(sign="/", operands=(dividend, divisor)) if not _is_divisor(divisor):
             return f"check.divide({number(dividend, names)}, {number(divisor, names)})"
         case Operation(sign="^", operands=(base, exponent)):
@@ -103,9 +103,10 @@ def truth(expression: Expression, names: Mapping[str, str], binding: int = _CHOI
             return f"!{truth(only, names, _ATOM)}"
         case Operation(sign="and" | "or" as sign, operands=operands):
             # Compilers warn where one of them stands within the other without parentheses.
-            bindings = [_OR if _is_of(each, sign) else _COMPARISON for each in operands]
+            bindings = [_OR if _is_of(operand, sign) else _COMPARISON for operand in operands]
             left, right = (
-                truth(each, names, inner) for each, inner in zip(operands, bindings, strict=True)
+                truth(operand, names, inner)
+                for operand, inner in zip(operands, bindings, strict=True)
             )
             return _within(f"{left} {_LOGICAL[sign]} {right}", _OR, binding)
         case Operation(sign=sign, operands=(left, right)) if sign in COMPARISONS:
@@ -139,8 +140,8 @@ def _call(function: str, arguments: Sequence[str]) -> str:
         return f"check.valued({_PARTIAL[function]}({', '.join(arguments)}))"
     if function in _FOLDED:
         made = arguments[0]
-        for each in arguments[1:]:
-            made = f"{_FOLDED[function]}({made}, {each})"
+        for argument in arguments[1:]:
+            made = f"{_FOLDED[function]}({made}, {argument})"
         return made
     # CPython computes the length of a vector by an algorithm of its own.
     raise UnprintableError(f"the function {function}")
@@ -153,16 +154,20 @@ def conversion_lines(conversion: Conversion) -> tuple[str, ...]:
     if not isinstance(definition, Definition):
         raise UnprintableError(f"the conversion {conversion.name}")
     parameters, lines, types = _parameters(conversion, definition)
-    names = {each: cpp_name(each) for each in (*definition.parameters, *definition.steps)}
+    names = {
+        parameter: cpp_name(parameter) for parameter in (*definition.parameters, *definition.steps)
+    }
     if definition.refusal is not None:
         lines.append(f"check.require({_opposite(definition.refusal, names)});")
     for name, value in definition.steps.items():
         lines.append(f"const double {names[name]} = {number(value, names)};")
-    results = [number(each, names) for each in definition.results]
+    results = [number(result, names) for result in definition.results]
     kind, made = _result(conversion, results)
     text = "\n".join([*lines, *made])
     check = "jausml::Check& check" if "check." in text else "jausml::Check&"
-    template = [f"template <{', '.join(f'class {each}' for each in types)}>"] if types else []
+    template = (
+        [f"template <{', '.join(f'class {type_name}' for type_name in types)}>"] if types else []
+    )
     lines = [
         *template,
         f"inline {kind} {conversion.name}({', '.join([check, *parameters])}) {{",
@@ -194,7 +199,7 @@ def _parameters(
         is_near = conversion.needs_clock and at == len(kinds) - 1
         if is_near:
             numbers, rest = rest[:given], rest[given:]
-            parameters += [f"double {cpp_name(each)}" for each in numbers]
+            parameters += [f"double {cpp_name(parameter)}" for parameter in numbers]
             given = 0
         if kind not in PARTS:
             parameters.append(f"double {cpp_name(rest.pop(0))}")
@@ -206,7 +211,7 @@ def _parameters(
             local = cpp_name(rest.pop(0))
             value = f"static_cast<double>({name}.{part})"
             lines.append(f"const double {local} = {value};")
-    parameters += [f"double {cpp_name(each)}" for each in rest]
+    parameters += [f"double {cpp_name(parameter)}" for parameter in rest]
     used = " ".join(map(str, [definition.text, definition.refused]))
     kept = [line for line in lines if line.split()[2].rstrip("_") in used]
     return parameters, kept, types
@@ -218,6 +223,6 @@ def _result(conversion: Conversion, results: Sequence[str]) -> tuple[str, list[s
     if kind not in STRUCTS and not more:
         return "double", [f"return {results[0]};"]
     if kind in {TIME, TIME_STAMP}:
-        results = [f"jausml::to_integer({each})" for each in results]
+        results = [f"jausml::to_integer({result})" for result in results]
     made = STRUCTS.get(kind, f"std::array<double, {len(conversion.outputs)}>")
-    return made, ["return {", *(f"    {each}," for each in results), "};"]
+    return made, ["return {", *(f"    {result}," for result in results), "};"]

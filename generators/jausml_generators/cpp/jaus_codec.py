@@ -85,16 +85,16 @@ class _Message:
         # Parts stand before their message: inside of it they are complete only when it is.
         self.lines: list[str] = []
         inner: list[str] = []
-        for each in message.nested:
-            match each:
+        for nested_class in message.nested:
+            match nested_class:
                 case Enumeration() if is_bounded:
-                    inner += _constants(each)
+                    inner += _constants(nested_class)
                 case BitFieldClass():
-                    inner += self._part(self._bit_field(each), each.path)
+                    inner += self._part(self._bit_field(nested_class), nested_class.path)
                 case VariableFieldClass():
-                    inner += self._part(self._variable(each), each.path)
+                    inner += self._part(self._variable(nested_class), nested_class.path)
                 case ContainerClass():
-                    inner += self._part(self._container(each, ()), each.path)
+                    inner += self._part(self._container(nested_class, ()), nested_class.path)
         code = f"static constexpr std::uint16_t CODE = {message.code_text};"
         self.lines += self._container(message.body, [code, *inner, ""])
 
@@ -116,26 +116,26 @@ class _Message:
     def _bit_field(self, view: BitFieldClass) -> list[str]:
         struct = self._declared(view.path)
         reading, writing = [], []
-        for each in view.sub_fields:
-            name, default = cpp_name(each.attribute), cpp_integer(int(each.value.default))
-            kind = self._group_type(each)
-            struct.members[each.attribute] = Member(
-                name, kind, initial=f" = {default}", comment=self._comment(each.description)
+        for sub_field in view.sub_fields:
+            name, default = cpp_name(sub_field.attribute), cpp_integer(int(sub_field.value.default))
+            kind = self._group_type(sub_field)
+            struct.members[sub_field.attribute] = Member(
+                name, kind, initial=f" = {default}", comment=self._comment(sub_field.description)
             )
-            reading.append(f"{name} = {group(each, kind)};")
-            writing += checked_group(each, name, kind)
+            reading.append(f"{name} = {group(sub_field, kind)};")
+            writing += checked_group(sub_field, name, kind)
         return _struct(
             struct,
             (),
             [
                 "",
                 "void from_bits(std::uint64_t bits) {",
-                *(f"{_INDENT}{each}" for each in reading),
+                *(f"{_INDENT}{line}" for line in reading),
                 "}",
                 "",
                 "std::uint64_t to_bits(jausml::JausOutput& out) const {",
                 f"{_INDENT}std::uint64_t bits = 0;",
-                *(f"{_INDENT}{each}" for each in writing),
+                *(f"{_INDENT}{line}" for line in writing),
                 f"{_INDENT}return bits;",
                 "}",
             ],
@@ -143,7 +143,7 @@ class _Message:
 
     def _variable(self, view: VariableFieldClass) -> list[str]:
         struct = self._declared(view.path)
-        kind = self._number_type([each.value for each in view.alternatives])
+        kind = self._number_type([alternative.value for alternative in view.alternatives])
         first = view.alternatives[0]
         types = {
             "index": (self._integer_type("B"), first.index),
@@ -156,12 +156,12 @@ class _Message:
             )
         reading = ["in.integer<std::uint8_t>(index);"]
         writing = ["out.integer<std::uint8_t>(index, {{0, 255}});"]
-        for each in view.alternatives:
-            branch = "if" if each is first else "} else if"
-            reading += [f"{branch} (index == {each.index}) {{"]
-            reading += [f"{_INDENT}{read_number(each.value, 'value')}"]
-            writing += [f"{branch} (index == {each.index}) {{"]
-            writing += [f"{_INDENT}{write_number(each.value, 'value', kind)}"]
+        for alternative in view.alternatives:
+            branch = "if" if alternative is first else "} else if"
+            reading += [f"{branch} (index == {alternative.index}) {{"]
+            reading += [f"{_INDENT}{read_number(alternative.value, 'value')}"]
+            writing += [f"{branch} (index == {alternative.index}) {{"]
+            writing += [f"{_INDENT}{write_number(alternative.value, 'value', kind)}"]
         reading += ["} else {", f"{_INDENT}in.fail({_NO_OPTION});", "}"]
         writing += ["} else {", f"{_INDENT}out.fail({_NO_OPTION});", "}"]
         return _struct(struct, (), ["", *_methods(reading, writing)])
@@ -171,17 +171,17 @@ class _Message:
         reading: list[str] = []
         writing: list[str] = []
         is_octet = not self._is_bounded and _only_octet(view) is not None
-        for each in view.members:
-            name, kind = cpp_name(each.attribute), self._type(each.value)
-            if is_octet and isinstance(each.value, Fixed):
-                kind = Plain(INTEGER.cpp, NUMBERS[each.value.format])
-            initial = "" if each.is_optional else self._initial(each.value)
-            comment = self._comment(each.description)
-            struct.members[each.attribute] = Member(
-                name, kind, each.is_optional, initial, comment, is_octet
+        for member in view.members:
+            name, kind = cpp_name(member.attribute), self._type(member.value)
+            if is_octet and isinstance(member.value, Fixed):
+                kind = Plain(INTEGER.cpp, NUMBERS[member.value.format])
+            initial = "" if member.is_optional else self._initial(member.value)
+            comment = self._comment(member.description)
+            struct.members[member.attribute] = Member(
+                name, kind, member.is_optional, initial, comment, is_octet
             )
-            reading += self._reading(each, name)
-            writing += self._writing(each, name)
+            reading += self._reading(member, name)
+            writing += self._writing(member, name)
         if view.presence_size:
             presence = NUMBERS[BY_SIZE[view.presence_size]]
             mask = f"0x{view.presence_mask:X}"
@@ -215,7 +215,7 @@ class _Message:
                     return Plain(f"jausml::Text<{value.upper}>")
                 return Elements(Plain(NUMBERS["B"]), most=value.upper)
             case VariantValue():
-                options = tuple(self.structs[each.python_type] for each in value.options)
+                options = tuple(self.structs[option.python_type] for option in value.options)
                 return options[0] if len(options) == 1 else Choice(options)
             case ListValue():
                 return Elements(self._type(value.element), most=value.upper if most else 0)
@@ -224,13 +224,13 @@ class _Message:
 
     def _number_type(self, values: Sequence[Fixed]) -> Plain:
         """The type of what is one of some numbers."""
-        formats = {each.format if not each.offset else "" for each in values}
-        if any(each.python_type == "float" for each in values):
+        formats = {value.format if not value.offset else "" for value in values}
+        if any(value.python_type == "float" for value in values):
             return Plain("float") if self._is_bounded and formats == {"f"} else REAL
         return self._integer_type(formats.pop() if len(formats) == 1 else "")
 
     def _group_type(self, sub: SubField) -> Plain:
-        fitting = (each for size, each in BY_SIZE.items() if sub.mask < 1 << 8 * size)
+        fitting = (type_name for size, type_name in BY_SIZE.items() if sub.mask < 1 << 8 * size)
         return self._integer_type("" if sub.value.offset else next(fitting))
 
     def _integer_type(self, kind: str) -> Plain:
@@ -387,7 +387,9 @@ def _method(head: str, parameter: str, body: Sequence[str]) -> list[str]:
 
 
 def _struct(struct: Struct, head: Sequence[str], methods: Sequence[str]) -> list[str]:
-    members = [line for each in struct.members.values() for line in (*each.comment, each.line)]
+    members = [
+        line for member in struct.members.values() for line in (*member.comment, member.line)
+    ]
     body = [*head, *members, *methods]
     return [
         f"struct {struct.own_name} {{",

@@ -66,7 +66,7 @@ def write_number(value: Fixed, text: str, kind: Type) -> str:
             lower, step = _scale(value)
             return f"out.{value.check}<{number}>({text}, {lower}, {step});"
         case "real":
-            lower, upper = (cpp_number(float(each)) for each in value.limits)
+            lower, upper = (cpp_number(float(limit)) for limit in value.limits)
             return f"out.real<{number}>({text}, {lower}, {upper});"
         case "whole" | "whole_of":
             ranges = _ranges(value, Plain(number))

@@ -109,7 +109,7 @@ class _Printer(Values):
             case Let(locals=(only,), value=value):
                 self._let(only, value)
             case Let(locals=several, value=value):
-                names = [self.claim(each, REAL) for each in several]
+                names = [self.claim(variable, REAL) for variable in several]
                 text = self.text(value)
                 self._lines.append(f"const auto [{', '.join(names)}] = {text};")
             case Write():
@@ -119,7 +119,7 @@ class _Printer(Values):
             case Require(condition=condition):
                 self._lines.append(f"if (!({self.holds(condition)})) return check.fail();")
             case Choose(conditions=alternatives, steps=inner):
-                tests = [" && ".join(map(self.holds, each)) for each in alternatives]
+                tests = [" && ".join(map(self.holds, alternative)) for alternative in alternatives]
                 body = self.statements(inner)
                 self._lines += [f"if ({_any(tests)}) {{", *_indented(body), "}"]
             case Each():
@@ -324,7 +324,7 @@ def _are_octets(kind: Elements) -> bool:
 def _any(tests: Sequence[str]) -> str:
     if len(tests) == 1:
         return tests[0]
-    return " || ".join(f"({each})" if "&&" in each else each for each in tests)
+    return " || ".join(f"({test})" if "&&" in test else test for test in tests)
 
 
 def _indented(lines: Iterable[str]) -> list[str]:

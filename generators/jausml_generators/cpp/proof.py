@@ -61,12 +61,12 @@ def proof_program(
     lines = [
         f'#include "{native.SOURCE.name}"',
         f'#include "{PROOF}"',
-        *(line for each in sweeps.values() for line in ("", *each)),
+        *(line for sweep in sweeps.values() for line in ("", *sweep)),
         "",
-        *(line for each in functions.values() for line in _live(each, settings, now)),
+        *(line for function in functions.values() for line in _live(function, settings, now)),
         "int main() {",
         f"{_INDENT}const jausml::proof::Way ways[2] = {{",
-        *(f"{2 * _INDENT}{_way(functions.get(each))}," for each in (True, False)),
+        *(f"{2 * _INDENT}{_way(functions.get(direction))}," for direction in (True, False)),
         f"{_INDENT}}};",
         f"{_INDENT}return jausml::proof::serve(ways, {{{', '.join(runs)}}});",
         "}",
@@ -89,9 +89,9 @@ def _live(
         (
             "double",
             "quantities",
-            [cpp_number(float(settings[each])) for each in compiled.quantities],
+            [cpp_number(float(settings[quantity])) for quantity in compiled.quantities],
         ),
-        ("jausml::Bytes", "texts", [_bytes(str(settings[each])) for each in compiled.texts]),
+        ("jausml::Bytes", "texts", [_bytes(str(settings[text])) for text in compiled.texts]),
     )
     names = []
     for kind, what, items in lists:
@@ -104,7 +104,7 @@ def _live(
 
 def _bytes(text: str) -> str:
     # Text of the model: no character of it means anything in C++.
-    literal = "".join(f"\\{each:03o}" for each in text.encode())
+    literal = "".join(f"\\{byte:03o}" for byte in text.encode())
     return f'{{reinterpret_cast<const std::uint8_t*>("{literal}"), sizeof "{literal}" - 1}}'
 
 
@@ -129,15 +129,15 @@ def _lines(core: Core, name: str, to_ros: str, to_jaus: str, view: View) -> list
     if not isinstance(value, Fixed) or value.python_type == "str":
         raise _NoSweepError
     there, between = _slice(core.inputs[to_ros][0], {place})
-    sources = {replace(each, root="source") for each in between}
+    sources = {replace(intermediate, root="source") for intermediate in between}
     back, reached = _slice(core.inputs[to_jaus][0], sources)
     if reached != {replace(place, root="target")}:
         raise _NoSweepError
     message, type_ = core.structs_of(to_ros)
     member = message.members[str(place.steps[0])]
     read, written = (
-        f"(*{each}.{member.name})" if member.is_optional else f"{each}.{member.name}"
-        for each in ("source", "returned")
+        f"(*{root}.{member.name})" if member.is_optional else f"{root}.{member.name}"
+        for root in ("source", "returned")
     )
     guard = (
         [f"if (!returned.{member.name}.has_value()) return false;"] if member.is_optional else []
@@ -175,7 +175,7 @@ def _lines(core: Core, name: str, to_ros: str, to_jaus: str, view: View) -> list
 
 def _needs_joins(core: Core, function: str, steps: Iterable[Step]) -> bool:
     joins = core.inputs[function][1].joins
-    return any(place.root in joins for each in steps for place in _places(each))
+    return any(place.root in joins for step in steps for place in _places(step))
 
 
 def _lambda(parameters: str, body: Iterable[str], end: str = ",") -> list[str]:
@@ -210,8 +210,8 @@ def _kept(
                 found[at] = step
             case Choose(conditions=alternatives, steps=inner):
                 kept = _kept(inner, known, reached)
-                tests = [each for one in alternatives for each in one]
-                if any(_decides(each, known) for each in tests):
+                tests = [test for one in alternatives for test in one]
+                if any(_decides(test, known) for test in tests):
                     raise _NoSweepError
                 if kept:
                     found[at] = replace(step, steps=tuple(_with_needed(inner, kept)))
@@ -229,7 +229,7 @@ def _with_needed(steps: tuple[Step, ...], kept: dict[int, Step]) -> list[Step]:
     found = dict(kept)
     for at in range(len(steps) - 1, -1, -1):
         step = steps[at]
-        used = {each for one in found.values() for each in _locals(one)}
+        used = {variable for one in found.values() for variable in _locals(one)}
         if at not in found and isinstance(step, Let) and used & set(step.locals):
             found[at] = step
     return [found[at] for at in sorted(found)]
@@ -241,11 +241,12 @@ def _decides(condition: object, known: set[Place | Local]) -> bool:
 
 
 def _depends(value: object, known: set[Place | Local]) -> bool:
-    for each in _places(value):
-        if each.root in known:
+    for place in _places(value):
+        if place.root in known:
             return True
         if any(
-            isinstance(one, Place) and (each.is_within(one) or one.is_within(each)) for one in known
+            isinstance(one, Place) and (place.is_within(one) or one.is_within(place))
+            for one in known
         ):
             return True
     return False
@@ -255,15 +256,15 @@ def _places(value: object) -> Iterator[Place]:
     if isinstance(value, Place):
         yield value
     elif isinstance(value, tuple):
-        for each in value:
-            yield from _places(each)
+        for part in value:
+            yield from _places(part)
     elif is_dataclass(value) and not isinstance(value, Local):
-        for each in fields(value):
-            yield from _places(getattr(value, each.name))
+        for field in fields(value):
+            yield from _places(getattr(value, field.name))
 
 
 def _locals(step: Step) -> Iterator[Local]:
-    yield from (each.root for each in _places(step) if isinstance(each.root, Local))
+    yield from (place.root for place in _places(step) if isinstance(place.root, Local))
 
 
 # -- between both ways ---------------------------------------------------------------------------
@@ -280,8 +281,8 @@ def _passed(core: Core, to_ros: str, struct: Struct, places: Iterable[Place]) ->
         layout = _layout(type_, place)
         if layout.message is not None:
             inner = (
-                replace(place, steps=(*place.steps, each.name))
-                for each in fields_of(layout.message)
+                replace(place, steps=(*place.steps, field.name))
+                for field in fields_of(layout.message)
             )
             yield from _passed(core, to_ros, struct, inner)
         elif layout.primitive is None or layout.primitive.code == "?" or not layout.is_single:
@@ -300,7 +301,7 @@ def _layout(type_: ros.MessageType, place: Place) -> FieldLayout:
         inside = type_ if found is None else found.message
         if inside is None:
             raise _NoSweepError
-        found = next((each for each in fields_of(inside) if each.name == step), None)
+        found = next((field for field in fields_of(inside) if field.name == step), None)
         if found is None:
             raise _NoSweepError
     if found is None:

@@ -46,26 +46,26 @@ class RosCodec:
         self.structs: dict[ros.MessageType, Struct] = {}
         self.text: dict[ros.MessageType, list[str]] = {}
         self._sizes = Sizes()
-        for each in types:
-            struct = Struct(f"ros::{cpp_class(names[each])}")
+        for message_type in types:
+            struct = Struct(f"ros::{cpp_class(names[message_type])}")
             try:
-                self.text[each] = self._struct(each, struct)
+                self.text[message_type] = self._struct(message_type, struct)
             except UnprintableError:
                 continue
-            self.structs[each] = struct
+            self.structs[message_type] = struct
 
     def _struct(self, message: ros.MessageType, struct: Struct) -> list[str]:
         reading, writing = [f"{struct.own_name} made;"], []
-        for each in fields_of(message):
-            name = cpp_name(each.name)
-            struct.members[each.name] = Member(name, self._type(each), initial=_initial(each))
-            reading += self._reading(each, f"made.{name}")
-            writing += self._writing(each, name)
+        for field in fields_of(message):
+            name = cpp_name(field.name)
+            struct.members[field.name] = Member(name, self._type(field), initial=_initial(field))
+            reading += self._reading(field, f"made.{name}")
+            writing += self._writing(field, name)
         if not struct.members:
             # A message without fields takes a byte.
             reading.append("in.truth();")
             writing.append("out.truth(false);")
-        members = [each.line for each in struct.members.values()]
+        members = [member.line for member in struct.members.values()]
         body = [
             *members,
             *([""] if members else []),

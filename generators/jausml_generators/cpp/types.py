@@ -133,7 +133,7 @@ class Choice:
     @property
     def cpp(self) -> str:
         """The type in C++."""
-        return f"std::variant<{', '.join(each.cpp for each in self.options)}>"
+        return f"std::variant<{', '.join(option.cpp for option in self.options)}>"
 
 
 @dataclass(frozen=True)
@@ -228,16 +228,16 @@ def _broken(line: str) -> Iterator[str]:
         depths = _depths(line)
         begin = len(line) - len(line.lstrip())
         places = [
-            each.start()
-            for each in _PLACES.finditer(line)
-            if each[0] == " " and begin < each.start() <= LINE_WIDTH
+            match.start()
+            for match in _PLACES.finditer(line)
+            if match[0] == " " and begin < match.start() <= LINE_WIDTH
         ]
         if not places:
             break
         # Of the places that fill the line by more than half, the last of those that bind least,
         # and that behind a comma before an operator.
-        far = [each for each in places if each > LINE_WIDTH // 2] or places
-        at = min(reversed(far), key=lambda each: (depths[each], line[each - 1] != ","))
+        far = [place for place in places if place > LINE_WIDTH // 2] or places
+        at = min(reversed(far), key=lambda position: (depths[position], line[position - 1] != ","))
         yield line[:at]
         line = f"{indent}{_MORE}{line[at + 1 :]}"
     yield line
@@ -246,8 +246,8 @@ def _broken(line: str) -> Iterator[str]:
 def _depths(line: str) -> list[int]:
     """How many brackets are open at each character."""
     depth, found = 0, []
-    for each in line:
-        depth += (each in "([{") - (each in ")]}")
+    for character in line:
+        depth += (character in "([{") - (character in ")]}")
         found.append(depth)
     return found
 

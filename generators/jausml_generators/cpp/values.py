@@ -67,7 +67,7 @@ class Used:
         """Notes that a constant of names is used; returns its name."""
         if name not in self.tables:
             raise UnprintableError(f"the constant {name}")
-        texts = (cpp_string(ast.literal_eval(each)) for each in self.tables[name])
+        texts = (cpp_string(ast.literal_eval(entry)) for entry in self.tables[name])
         return self._constant(name, f"std::vector<std::string> {name}", texts)
 
     def table(self, name: str, key: str, value: str) -> str:
@@ -86,7 +86,7 @@ class Used:
         return self._constant(name, f"std::pair<{kinds}> {name}[]", rows)
 
     def _constant(self, name: str, declared: str, items: Iterable[str]) -> str:
-        lines = [f"const {declared} = {{", *(f"    {each}," for each in items), "};"]
+        lines = [f"const {declared} = {{", *(f"    {item}," for item in items), "};"]
         self.constants[name] = tuple(lines)
         return name
 
@@ -186,7 +186,7 @@ class Values(Places):
                 pairs = (f"{{{cpp_integer(low)}, {cpp_integer(high)}}}" for low, high in ranges)
                 return f"{{{', '.join(pairs)}}}"
             case values.Authored(expression=expression, operands=operands):
-                names = {name: f"{self._operand(each.value)}" for name, each in operands}
+                names = {name: f"{self._operand(operand.value)}" for name, operand in operands}
                 return number(expression, names)
             case values.Either(conditions=conditions, value=inner, otherwise=otherwise):
                 test = " && ".join(map(self.holds, conditions))
@@ -213,7 +213,8 @@ class Values(Places):
         if not isinstance(condition, HasValue):
             return super().holds(condition)
         names = {
-            name: self._operand(values.marker_value(each)) for name, each in condition.operands
+            name: self._operand(values.marker_value(marker_operand))
+            for name, marker_operand in condition.operands
         }
         return joined_truth(condition.condition, names)
 
@@ -253,12 +254,12 @@ class Values(Places):
     def _convert(self, value: values.Convert) -> str:
         known = CONVERSIONS[value.name]
         given = ["check"]
-        for each, kind in zip(value.inputs, known.inputs, strict=True):
-            if kind not in PARTS and each.kind == values.INTEGER and known.keeps_integers:
+        for operand, kind in zip(value.inputs, known.inputs, strict=True):
+            if kind not in PARTS and operand.kind == values.INTEGER and known.keeps_integers:
                 return self._of_integers(value)
-            if kind in PARTS and each.kind != _KINDS[kind]:
-                raise UnprintableError(f"{each.kind} as {kind}")
-            given.append(self.text(each) if kind in PARTS else self._operand(each))
+            if kind in PARTS and operand.kind != _KINDS[kind]:
+                raise UnprintableError(f"{operand.kind} as {kind}")
+            given.append(self.text(operand) if kind in PARTS else self._operand(operand))
         self._used.conversion(value.name)
         given += map(self._operand, value.arguments)
         if value.near is not None:
@@ -281,12 +282,12 @@ class Values(Places):
         elif inner.kind == values.BOOLEAN:
             text = f"static_cast<std::int64_t>({text})"
         if value.how == "integer":
-            bounds = [cpp_integer(int(_constant(each))) for each in value.bounds]
+            bounds = [cpp_integer(int(_constant(bound))) for bound in value.bounds]
             return f"check.integer({', '.join([text, *_in_64_bits(value.bounds, bounds)])})"
         if value.how in {"text", "octets", "sized"}:
-            bounds = [f"{int(_constant(each))}ULL" for each in value.bounds]
+            bounds = [f"{int(_constant(bound))}ULL" for bound in value.bounds]
         else:
-            bounds = [self.text(each) for each in value.bounds]
+            bounds = [self.text(bound) for bound in value.bounds]
         return f"check.{_CHECKED[value.how]}({', '.join([text, *bounds])})"
 
 
@@ -294,8 +295,8 @@ def _in_64_bits(bounds: Sequence[Expression], texts: Sequence[str]) -> list[str]
     """Bounds of integers, as far as 63 bits go."""
     most = 2**63 - 1
     return [
-        text if abs(int(_constant(each))) <= most else cpp_integer(most)
-        for each, text in zip(bounds, texts, strict=True)
+        text if abs(int(_constant(bound))) <= most else cpp_integer(most)
+        for bound, text in zip(bounds, texts, strict=True)
     ]
 
 

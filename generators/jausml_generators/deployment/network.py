@@ -58,17 +58,17 @@ class Deployed:
     @property
     def speaks_jaus(self) -> bool:
         """Whether some process is a JAUS component."""
-        return any(each.speaks_jaus for each in self.processes)
+        return any(process.speaks_jaus for process in self.processes)
 
     @property
     def speaks_ros(self) -> bool:
         """Whether some process is a ROS 2 node."""
-        return any(each.speaks_ros for each in self.processes)
+        return any(process.speaks_ros for process in self.processes)
 
     @property
     def jaus_ports(self) -> tuple[str, ...]:
         """Ports at which its JAUS processes are reached: single ones, and ranges."""
-        speaking = sum(each.speaks_jaus for each in self.processes)
+        speaking = sum(process.speaks_jaus for process in self.processes)
         return jaus_ports(self.host, speaking)
 
 
@@ -81,7 +81,9 @@ def deployed_hosts(model: Model, processes: Sequence[ProcessView]) -> tuple[Depl
     system = system_of(model)
     faults = list(_faults(system))
     if faults:
-        located = (f"{model.location(each, feature)}: {text}" for each, feature, text in faults)
+        located = (
+            f"{model.location(element, feature)}: {text}" for element, feature, text in faults
+        )
         raise GenerationError("; ".join(located))
     by_host = {host: _of_host(processes, host) for host in system.hosts}
     return tuple(_deployed(system, host, by_host) for host in system.hosts if by_host[host])
@@ -96,26 +98,26 @@ def _faults(system: System) -> Iterator[tuple[System | Host, str, str]]:
     first, *others = system.hosts
     if others:
         yield from _unreachable(system.hosts)
-    for each in others:
-        if not (_finds_by_multicast(each) and _finds_by_multicast(first)):
+    for other in others:
+        if not (_finds_by_multicast(other) and _finds_by_multicast(first)):
             continue
         for feature in ("port", "multicastGroup"):
-            here, there = getattr(each, feature), getattr(first, feature)
+            here, there = getattr(other, feature), getattr(first, feature)
             if here != there:
-                fault = f"host '{each.name}' has {feature} {here} and '{first.name}' {there}"
-                yield each, feature, f"{fault}, so that they do not find each other"
+                fault = f"host '{other.name}' has {feature} {here} and '{first.name}' {there}"
+                yield other, feature, f"{fault}, so that they do not find each other"
 
 
 def _unreachable(hosts: Iterable[Host]) -> Iterator[tuple[Host, str, str]]:
     """Says which hosts have an interface that others cannot send to, or another one's."""
     owners: dict[ipaddress.IPv4Address, Host] = {}
-    for each in hosts:
-        address = ipaddress.IPv4Address(each.interface)
-        fault = f"host '{each.name}' has the interface {address}"
+    for host in hosts:
+        address = ipaddress.IPv4Address(host.interface)
+        fault = f"host '{host.name}' has the interface {address}"
         if address.is_loopback:
-            yield each, "interface", f"{fault}, which no other host reaches"
-        elif (owner := owners.setdefault(address, each)) is not each:
-            yield each, "interface", f"{fault}, which is that of '{owner.name}'"
+            yield host, "interface", f"{fault}, which no other host reaches"
+        elif (owner := owners.setdefault(address, host)) is not host:
+            yield host, "interface", f"{fault}, which is that of '{owner.name}'"
 
 
 def _finds_by_multicast(host: Host) -> bool:
@@ -123,25 +125,25 @@ def _finds_by_multicast(host: Host) -> bool:
 
 
 def _of_host(processes: Iterable[ProcessView], host: Host) -> tuple[ProcessView, ...]:
-    return tuple(each for each in processes if each.host == host.name)
+    return tuple(process for process in processes if process.host == host.name)
 
 
 def _deployed(system: System, host: Host, by_host: dict[Host, tuple[ProcessView, ...]]) -> Deployed:
     elsewhere = [
-        (each, where)
-        for each in (*system.components, *system.bridges)
-        if (where := host_of(system, each)) is not None and where is not host
+        (component, where)
+        for component in (*system.components, *system.bridges)
+        if (where := host_of(system, component)) is not None and where is not host
     ]
-    allowed = [text for each in bridges_on(system, host) for text in each.allowedHosts]
+    allowed = [text for bridge in bridges_on(system, host) for text in bridge.allowedHosts]
     allowed += _stated_addresses(system)
-    speaks_jaus = any(each.speaks_jaus for each in by_host[host])
-    speaks_ros = any(each.speaks_ros for each in by_host[host])
+    speaks_jaus = any(process.speaks_jaus for process in by_host[host])
+    speaks_ros = any(process.speaks_ros for process in by_host[host])
     return Deployed(
         host=host,
         processes=by_host[host],
         peers=tuple(
-            Peer(each.name, str(each.address), f"{where.interface}:{where.port}")
-            for each, where in sorted(elsewhere, key=lambda pair: _key(pair[0]))
+            Peer(component.name, str(component.address), f"{where.interface}:{where.port}")
+            for component, where in sorted(elsewhere, key=lambda pair: _key(pair[0]))
         ),
         # A host on which the model runs nothing is there for what others run on it.
         jaus_hosts=_networks(
@@ -152,7 +154,7 @@ def _deployed(system: System, host: Host, by_host: dict[Host, tuple[ProcessView,
         ros_hosts=_networks(
             other.interface
             for other, those in by_host.items()
-            if speaks_ros and other is not host and any(each.speaks_ros for each in those)
+            if speaks_ros and other is not host and any(process.speaks_ros for process in those)
         ),
         questions=tuple(questions(system, host, by_host[host])),
     )
@@ -161,9 +163,9 @@ def _deployed(system: System, host: Host, by_host: dict[Host, tuple[ProcessView,
 def _stated_addresses(system: System) -> list[str]:
     """Returns the IPv4 addresses that are stated of components on no host of the system."""
     places = (
-        endpoint_of(system, each)
-        for each in (*system.components, *system.bridges)
-        if host_of(system, each) is None
+        endpoint_of(system, component)
+        for component in (*system.components, *system.bridges)
+        if host_of(system, component) is None
     )
     return [place[0] for place in places if place is not None and is_ipv4(place[0])]
 
@@ -176,11 +178,11 @@ def _networks(texts: Iterable[str]) -> tuple[str, ...]:
     """Returns addresses and networks, sorted, none within another."""
     all_of_them = {ipaddress.IPv4Network(text) for text in texts}
     found = [
-        each
-        for each in sorted(all_of_them)
-        if not any(each != other and each.subnet_of(other) for other in all_of_them)
+        network
+        for network in sorted(all_of_them)
+        if not any(network != other and network.subnet_of(other) for other in all_of_them)
     ]
-    return tuple(str(each).removesuffix("/32") for each in found)
+    return tuple(str(network).removesuffix("/32") for network in found)
 
 
 NEIGHBOURS_OFFSET = 50_000
@@ -219,12 +221,12 @@ _UNKNOWN_MAINTAINER = "maintainer@example.com"
 
 def bridges_on(system: System, host: Host) -> list[Bridge]:
     """Returns the bridges of a system that run on a host."""
-    return [each for each in system.bridges if host_of(system, each) is host]
+    return [bridge for bridge in system.bridges if host_of(system, bridge) is host]
 
 
 def questions(system: System, host: Host, processes: Sequence[ProcessView]) -> Iterator[str]:
     """Asks what the model leaves open, and says what stands in its place."""
-    speaking = sum(each.speaks_jaus for each in processes)
+    speaking = sum(process.speaks_jaus for process in processes)
     if speaking:
         yield from _of_strangers(system, host)
         yield from _of_connections(bridges_on(system, host))
@@ -252,29 +254,30 @@ def questions(system: System, host: Host, processes: Sequence[ProcessView]) -> I
 
 def _of_strangers(system: System, host: Host) -> Iterator[str]:
     """Asks where components are that somebody else has put somewhere."""
-    if any(each.allowedHosts for each in bridges_on(system, host)):
+    if any(bridge.allowedHosts for bridge in bridges_on(system, host)):
         return
-    for each in (*system.components, *system.bridges):
-        place = endpoint_of(system, each)
-        if each.external and (place is None or not is_ipv4(place[0])):
+    for component in (*system.components, *system.bridges):
+        place = endpoint_of(system, component)
+        if component.external and (place is None or not is_ipv4(place[0])):
             yield (
-                f"Where is `{each.name}` ({each.address})? Place it on a host, or name its network"
-                " in `allowedHosts` of a bridge: until then the firewall keeps it out."
+                f"Where is `{component.name}` ({component.address})? Place it on a "
+                "host, or name its network in `allowedHosts` of a bridge: until then the "
+                "firewall keeps it out."
             )
 
 
 def _of_connections(bridges: Sequence[Bridge]) -> Iterator[str]:
     """Asks where the peers of connections may be that name none."""
-    for each in bridges:
+    for bridge in bridges:
         connections: list[Connection | RosServiceConnection | RosActionConnection] = [
-            *each.bridgeConnections,
-            *each.serviceConnections,
-            *each.actionConnections,
+            *bridge.bridgeConnections,
+            *bridge.serviceConnections,
+            *bridge.actionConnections,
         ]
         names = [f"`{one.name}`" for one in connections if not one.peers]
-        if names and not each.allowedHosts:
+        if names and not bridge.allowedHosts:
             yield (
-                f"Where are the peers of {', '.join(names)} of `{each.name}`? No component is"
+                f"Where are the peers of {', '.join(names)} of `{bridge.name}`? No component is"
                 " named; `allowedHosts` of the bridge says where they may be: until then the"
                 " firewall lets in the other hosts of the system alone."
             )

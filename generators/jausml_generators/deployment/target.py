@@ -104,7 +104,7 @@ class DeploymentView:
     @property
     def hosts(self) -> tuple[HostView, ...]:
         """Its hosts."""
-        return tuple(HostView(self, each) for each in self.deployed)
+        return tuple(HostView(self, deployed) for deployed in self.deployed)
 
     @property
     def units(self) -> tuple[UnitView, ...]:
@@ -182,13 +182,13 @@ class HostView:
     @property
     def units(self) -> tuple[UnitView, ...]:
         """Its processes."""
-        return tuple(UnitView(self, each) for each in self.deployed.processes)
+        return tuple(UnitView(self, process) for process in self.deployed.processes)
 
     @property
     def enclaves(self) -> tuple[str, ...]:
         """SROS 2 enclaves of its processes."""
         known = [enclave for enclave, _ in self.deployment.policies]
-        return tuple(each.enclave for each in self.units if each.enclave in known)
+        return tuple(unit.enclave for unit in self.units if unit.enclave in known)
 
     @property
     def speaks_jaus(self) -> bool:
@@ -209,7 +209,7 @@ class HostView:
     def peer_options(self) -> str:
         """Options that name the components of the other hosts, for networks without multicast."""
         return " ".join(
-            f"--jaus-peer {each.address}={each.endpoint}" for each in self.deployed.peers
+            f"--jaus-peer {peer.address}={peer.endpoint}" for peer in self.deployed.peers
         )
 
     @property
@@ -303,8 +303,8 @@ def tasks(model: Model) -> list[Task]:
     """
     whole = _view(model)
     hosts, units = whole.hosts, whole.units
-    with_jaus = [each for each in hosts if each.speaks_jaus]
-    with_ros = [each for each in hosts if each.speaks_ros]
+    with_jaus = [host for host in hosts if host.speaks_jaus]
+    with_ros = [host for host in hosts if host.speaks_ros]
     return [
         FileTask("README.md.j2", [whole], lambda view: f"{view.folder}/README.md"),
         FileTask("Containerfile.j2", [whole], lambda view: f"{view.folder}/Containerfile"),
@@ -330,7 +330,7 @@ def tasks(model: Model) -> list[Task]:
 def _yours(hosts: Sequence[HostView], units: Sequence[UnitView]) -> list[Task]:
     """Returns what is written once, and then holds what differs from the model."""
     yours = Kind.SKELETON
-    nodes = [each for each in units if each.speaks_ros]
+    nodes = [unit for unit in units if unit.speaks_ros]
     return [
         FileTask("local.env.j2", hosts, _of_host("local.env"), kind=yours),
         FileTask("firewall.local.nft.j2", hosts, _of_host("firewall.local.nft"), kind=yours),
@@ -350,7 +350,7 @@ def _of_host(name: str) -> Callable[[HostView], str]:
 def _view(model: Model) -> DeploymentView:
     bringup = bringup_view(model)
     policies = (
-        (each, f"{bringup.name}/security/{each.name}.policy.xml") for each in bringup.policies
+        (policy, f"{bringup.name}/security/{policy.name}.policy.xml") for policy in bringup.policies
     )
     return DeploymentView(
         system=bringup.system,
@@ -364,7 +364,7 @@ def _view(model: Model) -> DeploymentView:
 def _packages_apart(model: Model) -> tuple[str, ...]:
     own = model.instances(ros.InterfacePackage, library=False)
     made = declared_packages(model)
-    return tuple(sorted({str(each.name) for each in own if each not in made}))
+    return tuple(sorted({str(package.name) for package in own if package not in made}))
 
 
 TARGET = Target(

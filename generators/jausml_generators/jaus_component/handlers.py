@@ -145,18 +145,20 @@ class Peers:
     def __init__(self, component: jaus.Component) -> None:
         scope = names.Scope(frozenset(["CODE", "NAME"]))
         controlled = list(component.controls)
-        every = (each.provider for each in component.connections)
-        providers = [each for each in every if each is not None]
+        every = (connection.provider for connection in component.connections)
+        providers = [provider for provider in every if provider is not None]
         self.known: dict[jaus.Component, Peer] = {}
-        for each in dict.fromkeys([*controlled, *providers]):
-            constant = scope.claim(names.constant_name(str(each.name)))
-            control = f"control_of_{constant.lower()}" if each in controlled else ""
-            self.known[each] = Peer(constant, address_call(each), clean(each.name), control)
+        for provider in dict.fromkeys([*controlled, *providers]):
+            constant = scope.claim(names.constant_name(str(provider.name)))
+            control = f"control_of_{constant.lower()}" if provider in controlled else ""
+            self.known[provider] = Peer(
+                constant, address_call(provider), clean(provider.name), control
+            )
 
     def provider_of(self, connection: jaus.ServiceConnection) -> tuple[str, str]:
         """Returns who sends the report of a connection, as an expression and for people."""
         if connection.search is not None:
-            services = " and ".join(clean(each.name) for each in connection.search.services)
+            services = " and ".join(clean(service.name) for service in connection.search.services)
             return search_call(connection.search), f"a provider of {services}"
         if connection.provider is None:
             raise GenerationError(f"connection '{connection.name}' has no provider")
@@ -224,10 +226,10 @@ def simulated(
 ) -> tuple[tuple[Handler, ...], tuple[Answer, ...]]:
     """Returns the methods of a component with what a simulation does in them."""
     answers = tuple(answers)
-    reports = [each.report for each in answers]
+    reports = [answer.report for answer in answers]
     return (
-        tuple(_with(each, _kept(each.message, reports)) for each in handlers),
-        tuple(_with(each, (f"return {_reported(each.report)}",)) for each in answers),
+        tuple(_with(handler, _kept(handler.message, reports)) for handler in handlers),
+        tuple(_with(answer, (f"return {_reported(answer.report)}",)) for answer in answers),
     )
 
 
@@ -238,14 +240,14 @@ def _with(part: PartT, statements: tuple[str, ...]) -> PartT:
 def _kept(message: MessageView, reports: Iterable[MessageView]) -> tuple[str, ...]:
     """Returns statements that keep what a command says, one for each report of it."""
     wanted = _commanded(message)
-    of_it = (each for each in reports if wanted and _quantity(each) == wanted)
-    statements = tuple(filter(None, (_keep(message, each) for each in of_it)))
+    of_it = (report for report in reports if wanted and _quantity(report) == wanted)
+    statements = tuple(filter(None, (_keep(message, report) for report in of_it)))
     return (*statements, "return None") if statements else ()
 
 
 def _reported(report: MessageView) -> str:
     """Returns the expression of a report that says what was kept."""
-    members = {each.attribute: _at_rest(report, each) for each in report.body.members}
+    members = {member.attribute: _at_rest(report, member) for member in report.body.members}
     arguments = (f"{name}={value}" for name, value in members.items() if value)
     return call("self.simulation.report", call(report.class_name, *arguments))
 
@@ -263,13 +265,13 @@ def _quantity(report: MessageView) -> str:
 
 def _keep(message: MessageView, report: MessageView) -> str:
     """Returns the statement for what both have and mean alike, empty when that is nothing."""
-    told = {each.attribute: _meaning(each.value) for each in message.body.members}
+    told = {member.attribute: _meaning(member.value) for member in message.body.members}
     alike = (
-        each.attribute
-        for each in report.body.members
-        if not _is_stamp(each) and told.get(each.attribute) == _meaning(each.value)
+        member.attribute
+        for member in report.body.members
+        if not _is_stamp(member) and told.get(member.attribute) == _meaning(member.value)
     )
-    arguments = [f"{each}=message.{each}" for each in alike]
+    arguments = [f"{attribute}=message.{attribute}" for attribute in alike]
     return call("self.simulation.keep", report.class_name, *arguments) if arguments else ""
 
 
@@ -292,10 +294,15 @@ def _meaning(value: Any) -> Any:
         case Fixed() if not isinstance(value, Bits):
             return (value.format, value.python_type, value.scale, value.offset, value.listed)
         case PartValue(part=ContainerClass() as part):
-            inner = ((each.attribute, each.bit, _meaning(each.value)) for each in part.members)
+            inner = (
+                (member.attribute, member.bit, _meaning(member.value)) for member in part.members
+            )
             return (part.presence_size, *inner)
         case PartValue(part=VariableFieldClass() as part):
-            return tuple((each.index, _meaning(each.value)) for each in part.alternatives)
+            return tuple(
+                (alternative.index, _meaning(alternative.value))
+                for alternative in part.alternatives
+            )
         case VariantValue():
             return (value.tag_format, *map(_meaning, value.options))
         case ListValue():

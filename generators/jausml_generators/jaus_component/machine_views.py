@@ -162,8 +162,8 @@ def guard_text(guard: Guard) -> str:
         return f"!{inner}" if isinstance(guard.operand, Condition) else f"!({inner})"
     sign = " && " if isinstance(guard, AllOf) else " || "
     return sign.join(
-        f"({guard_text(each)})" if isinstance(each, AnyOf) else guard_text(each)
-        for each in guard.operands
+        f"({guard_text(operand)})" if isinstance(operand, AnyOf) else guard_text(operand)
+        for operand in guard.operands
     )
 
 
@@ -308,7 +308,7 @@ def _actions(
     if kind == "internal" or (kind == "simple" and not transition.target):
         yield from transition.actions
         return
-    left, entered = (list(_around(each)) for each in (state, after))
+    left, entered = (list(_around(state_path)) for state_path in (state, after))
     # Never one of the two: a transition to the present state leaves and enters it.
     pairs = zip(left[:-1], entered[:-1], strict=False)
     common = sum(one == other for one, other in pairs)

@@ -132,8 +132,10 @@ class Machines:
         elif not event_name(transition.event):
             kind = "Message"
             for service in self._services:
-                for each in service.inputs:
-                    self._taken.setdefault(self._view(each).code, (each, extends_core))
+                for input_message in service.inputs:
+                    self._taken.setdefault(
+                        self._view(input_message).code, (input_message, extends_core)
+                    )
         for name in conditions(parse_guard(transition.guard)):
             if name not in STANDARD_GUARDS:
                 use = self._guards.setdefault(name, _Use(name, ""))
@@ -206,7 +208,9 @@ class Machines:
     @functools.cached_property
     def events(self) -> tuple[EventView, ...]:
         """Internal events that the component may raise."""
-        elements = {str(event.name): event for each in self._services for event in each.events}
+        elements = {
+            str(event.name): event for service in self._services for event in service.events
+        }
         return tuple(
             EventView(
                 self._scope.claim(f"raise_{names.snake_case(name)}"),
@@ -265,7 +269,7 @@ class Machines:
                 ("defaults=", generated_defaults(node)),
             ):
                 if transitions:
-                    found = [self._on(machine, node.path, each) for each in transitions]
+                    found = [self._on(machine, node.path, transition) for transition in transitions]
                     items.append(argument + tuple_of(*found))
             if len(items) > 1 or not is_core:
                 yield call("State", *items)
@@ -279,12 +283,12 @@ class Machines:
             yield tuple_of(
                 *(
                     tuple_of(
-                        self._named(each.trigger),
-                        str(each.refused),
-                        python_string(each.state),
-                        tuple_of(*map(self._called, each.actions)),
+                        self._named(step.trigger),
+                        str(step.refused),
+                        python_string(step.state),
+                        tuple_of(*map(self._called, step.actions)),
                     )
-                    for each in way
+                    for step in way
                 )
             )
 
@@ -348,14 +352,14 @@ def messages_of(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
 
 def generated_transitions(node: StateNode) -> list[jaus.Transition]:
     """Returns the transitions of a state that are generated: those that the runtime leaves."""
-    found = (each for state in node.elements for each in state.transitions)
-    return [each for each in found if not is_core_trigger(each)]
+    found = (transition for state in node.elements for transition in state.transitions)
+    return [transition for transition in found if not is_core_trigger(transition)]
 
 
 def generated_defaults(node: StateNode) -> list[jaus.Transition]:
     """Returns the default transitions of a state that are generated."""
-    found = (each for state in node.elements for each in state.defaults)
-    return [each for each in found if not is_core_trigger(each)]
+    found = (default for state in node.elements for default in state.defaults)
+    return [transition for transition in found if not is_core_trigger(transition)]
 
 
 def _attribute(machine: Machine) -> str:

@@ -168,7 +168,7 @@ class ComponentView(ProgramView):
                     handlers[view.code] = self._handler(message, service)
                 else:
                     answers[view.code] = self._answer(message, report)
-        received = tuple(self._received(each) for each in self.component.connections)
+        received = tuple(self._received(connection) for connection in self.component.connections)
         if self.component.simulated:
             return *simulated(handlers.values(), answers.values()), received
         return tuple(handlers.values()), tuple(answers.values()), received
@@ -206,7 +206,7 @@ class ComponentView(ProgramView):
     @property
     def is_simulated(self) -> bool:
         """Whether methods of the base keep what they are told, and report it."""
-        return any(each.simulation for each in self.methods)
+        return any(method.simulation for method in self.methods)
 
     @property
     def superclass(self) -> str:
@@ -237,10 +237,10 @@ class ComponentView(ProgramView):
         yield from (handler.method for handler in self.handlers)
         yield from (answer.method for answer in self.answers)
         yield from self._machines.methods
-        for each in self.received:
-            yield each.method
-            if each.silent:
-                yield each.silent
+        for received in self.received:
+            yield received.method
+            if received.silent:
+                yield received.silent
 
     def _handler(self, message: jaus.MessageDef, service: jaus.Service) -> Handler:
         view, guard = self._messages[message], guard_of(message, service, self._provided)

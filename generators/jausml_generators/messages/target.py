@@ -71,8 +71,11 @@ class SystemMessages:
         self.name = package_name(f"{system.name}_messages")
         self.element_id = f"messages:{system.name}"
         self.users: tuple[BridgeView | ComponentView, ...] = (
-            *(ComponentView(each, system, source) for each in plain_components(system)),
-            *(BridgeView(each, system, source) for each in own_bridges(system)),
+            *(
+                ComponentView(plain_component, system, source)
+                for plain_component in plain_components(system)
+            ),
+            *(BridgeView(bridge, system, source) for bridge in own_bridges(system)),
         )
         self._views = build_message_map(
             element for user in self.users for element in user.message_map
@@ -132,7 +135,7 @@ def _homes(
             owners.setdefault(view, service)
     scope = Scope()
     services: Sequence[jaus.Service] = sorted(
-        dict.fromkeys(owners.values()), key=lambda each: (str(each.urn), str(each.version))
+        dict.fromkeys(owners.values()), key=lambda owner: (str(owner.urn), str(owner.version))
     )
     modules = {service: scope.claim(snake_case(service.name)) for service in services}
     return {view: (modules[service], service) for view, service in owners.items()}

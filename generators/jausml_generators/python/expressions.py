@@ -128,7 +128,7 @@ class _Writer:
         return _within(f"{left} {sign} {right}", own, binding)
 
     def _call(self, function: str, arguments: Sequence[Expression]) -> str:
-        given = ", ".join(self.number(each, _CHOICE) for each in arguments)
+        given = ", ".join(self.number(argument, _CHOICE) for argument in arguments)
         return f"arithmetic.{function}({given})"
 
     def _literal(self, value: float, binding: int) -> str:

@@ -107,7 +107,7 @@ class PackageView:
     @property
     def core_flags(self) -> str:
         """How the core is compiled, as Python text; setuptools itself makes it a library."""
-        own = [each for each in native.FLAGS if each not in {"-shared", "-fPIC"}]
+        own = [flag for flag in native.FLAGS if flag not in {"-shared", "-fPIC"}]
         return f"[{', '.join(map(python_string, own))}]"
 
 

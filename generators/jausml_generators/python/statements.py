@@ -136,16 +136,16 @@ def rendered(statements: Iterable[Statement], depth: int = 0) -> list[str]:
     """
     margin = _STEP * depth
     lines: list[str] = []
-    for each in statements:
-        if isinstance(each, If):
-            lines += [f"{margin}if {each.test}:", *rendered(each.body, depth + 1)]
-            if each.otherwise:
-                lines += [f"{margin}else:", *rendered(each.otherwise, depth + 1)]
-        elif isinstance(each, For):
-            lines.append(f"{margin}for {each.variables} in {each.elements}:")
-            lines += rendered(each.body, depth + 1)
+    for statement in statements:
+        if isinstance(statement, If):
+            lines += [f"{margin}if {statement.test}:", *rendered(statement.body, depth + 1)]
+            if statement.otherwise:
+                lines += [f"{margin}else:", *rendered(statement.otherwise, depth + 1)]
+        elif isinstance(statement, For):
+            lines.append(f"{margin}for {statement.variables} in {statement.elements}:")
+            lines += rendered(statement.body, depth + 1)
         else:
-            lines.append(margin + _line(each))
+            lines.append(margin + _line(statement))
     return lines
 
 

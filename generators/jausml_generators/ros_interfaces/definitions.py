@@ -32,7 +32,9 @@ class DefinitionSection(Section):
         """The lines of the section: its comment, its constants and its fields."""
         elements: list[ConstantDefinition | FieldDefinition] = [*self.constants, *self.fields]
         lines = [
-            line for each in elements for line in (*comment_lines(each.comment), code_of(each))
+            line
+            for element in elements
+            for line in (*comment_lines(element.comment), code_of(element))
         ]
         head = comment_lines(self.comment)
         # A comment at the very head would be one of the section.
@@ -42,7 +44,7 @@ class DefinitionSection(Section):
     @property
     def packages(self) -> set[str]:
         """The packages of its fields' types."""
-        return {each.type.package for each in self.fields if each.type.package}
+        return {field.type.package for field in self.fields if field.type.package}
 
 
 @dataclass(frozen=True)
@@ -121,11 +123,14 @@ def section_of(message: ros.MessageType, package: str = "") -> DefinitionSection
     """
     constants = [
         ConstantDefinition(
-            str(each.name), each.type.name, str(each.value or ""), str(each.documentation or "")
+            str(constant.name),
+            constant.type.name,
+            str(constant.value or ""),
+            str(constant.documentation or ""),
         )
-        for each in message.constants
+        for constant in message.constants
     ]
-    fields = [_field(each, package) for each in message.fields]
+    fields = [_field(field, package) for field in message.fields]
     return DefinitionSection(fields, constants, str(message.documentation or ""))
 
 

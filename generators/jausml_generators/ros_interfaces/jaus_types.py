@@ -60,8 +60,8 @@ class MessagesPackage:
         if layout.documentation:
             section.comment += f"\n\n{layout.documentation}"
         fields = _Fields(self, name, section)
-        for each in layout.members:
-            fields.add(each)
+        for member in layout.members:
+            fields.add(member)
         self._file(name, section, f"message:{message.code}:{layout.name}")
 
     def nested(self, name: str, documentation: str, fill: Callable[[_Fields], None]) -> FieldType:
@@ -140,8 +140,8 @@ class _Fields:
         """Adds what a type that is nested holds."""
         match kind:
             case wire.Record():
-                for each in kind.members:
-                    self.add(each)
+                for member in kind.members:
+                    self.add(member)
             case wire.BitField():
                 self._bits(kind)
             case wire.VariableNumber():
@@ -161,26 +161,26 @@ class _Fields:
 
     def _alternatives(self, field: wire.VariableNumber) -> None:
         choice = self._fields.claim("choice")
-        for each in field.alternatives:
-            self._constant(choice, each.name, "uint8", each.index)
+        for alternative in field.alternatives:
+            self._constant(choice, alternative.name, "uint8", alternative.index)
         self._put(choice, FieldType("uint8"), "Which of the fields below counts.")
-        for each in field.alternatives:
-            name = self._fields.claim(field_name(each.name))
-            self._number(name, each.number, each.documentation)
+        for alternative in field.alternatives:
+            name = self._fields.claim(field_name(alternative.name))
+            self._number(name, alternative.number, alternative.documentation)
 
     def _formats(self, field: wire.FormattedOctets) -> None:
-        for each in field.formats:
-            self._constant("format", each.name, "uint8", each.index)
+        for data_format in field.formats:
+            self._constant("format", data_format.name, "uint8", data_format.index)
         self._put("format", FieldType("uint8"), "What the bytes are.")
         self._put("data", _sequence("uint8", _bound(field.count)))
 
     def _options(self, field: wire.Variant) -> None:
         tag = self._fields.claim("tag")
-        for index, each in enumerate(field.options):
-            self._constant(tag, each.name, field.tag.name, index)
+        for index, option in enumerate(field.options):
+            self._constant(tag, option.name, field.tag.name, index)
         self._put(tag, FieldType(field.tag.name), "Which of the fields below counts.")
-        for each in field.options:
-            self.add(each)
+        for option in field.options:
+            self.add(option)
 
     # -- numbers ---------------------------------------------------------------------------------
 
@@ -193,9 +193,11 @@ class _Fields:
 
     def _named(self, field: str, kind: str, listed: Iterable[wire.Listed]) -> None:
         limits = wire.INTEGERS[kind]
-        for each in listed:
-            if limits.lower <= each.value <= limits.upper:
-                self._constant(field, each.name, kind, each.value, each.documentation)
+        for listed_value in listed:
+            if limits.lower <= listed_value.value <= limits.upper:
+                self._constant(
+                    field, listed_value.name, kind, listed_value.value, listed_value.documentation
+                )
 
     def _constant(self, field: str, name: str, kind: str, value: int, text: str = "") -> None:
         claimed = self._constants.claim(constant_name(field, name))
@@ -212,7 +214,11 @@ def _holding(reach: tuple[int, int]) -> str:
     """Returns the smallest type that holds what the wire can bring, or the largest of its sign."""
     lower, upper = reach
     kinds = wire.UNSIGNED if lower >= 0 else wire.INTEGERS
-    fitting = (name for name, each in kinds.items() if each.lower <= lower and upper <= each.upper)
+    fitting = (
+        name
+        for name, integer_type in kinds.items()
+        if integer_type.lower <= lower and upper <= integer_type.upper
+    )
     return next(fitting, "uint64" if lower >= 0 else "int64")
 
 
@@ -220,7 +226,7 @@ def _limits(number: wire.Number) -> str:
     if isinstance(number, wire.Scaled):
         return f"{number.lower:.15g} to {number.upper:.15g}"
     stated = number.legal.intervals
-    return ", ".join(f"{each.lower:.15g} to {each.upper:.15g}" for each in stated)
+    return ", ".join(f"{interval.lower:.15g} to {interval.upper:.15g}" for interval in stated)
 
 
 def _bound(count: wire.Count) -> int:

@@ -161,10 +161,10 @@ def unmapped_messages(model: Model) -> list[jaus.MessageDef]:
     component, a bridge or a connection uses, core services apart: the runtime speaks
     these.
     """
-    mapped = {each.message for each in model.instances(bridge.AttributeMap)}
+    mapped = {attribute_map.message for attribute_map in model.instances(bridge.AttributeMap)}
     own = model.instances(jaus.Service, library=False)
-    used = [each for each in _used_services(model) if not str(each.urn).startswith(CORE)]
-    return [each for each in _messages([*own, *used]) if each not in mapped]
+    used = [service for service in _used_services(model) if not str(service.urn).startswith(CORE)]
+    return [message for message in _messages([*own, *used]) if message not in mapped]
 
 
 def _messages(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:

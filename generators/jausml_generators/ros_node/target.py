@@ -191,30 +191,36 @@ class NodeView(ProgramView):
     @functools.cached_property
     def publishers(self) -> tuple[EndpointView, ...]:
         """Publishers in model order."""
-        return tuple(self._topic(each, "Publishes on") for each in self.node.publishers)
+        return tuple(self._topic(publisher, "Publishes on") for publisher in self.node.publishers)
 
     @functools.cached_property
     def subscriptions(self) -> tuple[EndpointView, ...]:
         """Subscriptions in model order."""
-        return tuple(self._topic(each, "Handles messages of") for each in self.node.subscriptions)
+        return tuple(
+            self._topic(subscription, "Handles messages of")
+            for subscription in self.node.subscriptions
+        )
 
     @functools.cached_property
     def service_servers(self) -> tuple[EndpointView, ...]:
         """Service servers in model order."""
         return tuple(
-            self._service(each, "Answers requests of") for each in self.node.serviceServers
+            self._service(service_server, "Answers requests of")
+            for service_server in self.node.serviceServers
         )
 
     @functools.cached_property
     def service_clients(self) -> tuple[EndpointView, ...]:
         """Service clients in model order."""
-        return tuple(self._service(each, "Calls") for each in self.node.serviceClients)
+        return tuple(
+            self._service(service_client, "Calls") for service_client in self.node.serviceClients
+        )
 
     @functools.cached_property
     def parameters(self) -> tuple[ParameterView, ...]:
         """Parameters in model order."""
         names = _python_names(self.node.parameters)
-        return tuple(_parameter(each, names[each]) for each in self.node.parameters)
+        return tuple(_parameter(parameter, names[parameter]) for parameter in self.node.parameters)
 
     @property
     def base_imports(self) -> Imports:
@@ -237,7 +243,9 @@ class NodeView(ProgramView):
     @property
     def declared_parameters(self) -> tuple[ParameterView, ...]:
         """Parameters that the base declares: rclpy has declared the others by then."""
-        return tuple(each for each in self.parameters if each.ros_name not in OWN_PARAMETERS)
+        return tuple(
+            parameter for parameter in self.parameters if parameter.ros_name not in OWN_PARAMETERS
+        )
 
     @property
     def dependencies(self) -> tuple[str, ...]:
@@ -340,7 +348,7 @@ _TIMER_STUB = "    def on_timer(self) -> None:\n        super().on_timer()\n"
 def _python_names(elements: Iterable[NamedT], taken: Iterable[str] = ()) -> dict[NamedT, str]:
     """Returns the end of each element's names: behind a prefix no keyword and no builtin is hit."""
     scope = Scope(frozenset(taken))
-    names = {each: scope.claim(snake_case(f"on_{each.name}")) for each in elements}
+    names = {element: scope.claim(snake_case(f"on_{element.name}")) for element in elements}
     return {element: name.removeprefix("on_") for element, name in names.items()}
 
 

@@ -141,7 +141,7 @@ def _add(
                 return
         known = filters.setdefault(filter_name, {})
         # Definitions of one name share their filters unless a filter would have two types.
-        if all(known.get(each, kind) == kind for each, kind in builder.types.items()):
+        if all(known.get(path, kind) == kind for path, kind in builder.types.items()):
             known.update(builder.types)
             message = MessageTable(layout.code, name, body, filter_name)
             message.services.append(identity)
@@ -265,15 +265,15 @@ class TableBuilder:
         self._typed(path, kind.type.name)
         scope = Scope(_TAKEN)
         parts = []
-        for each in kind.groups:
-            word = f"{path}.{scope.claim(filter_word(each.name))}"
+        for group in kind.groups:
+            word = f"{path}.{scope.claim(filter_word(group.name))}"
             self._typed(word, kind.type.name)
-            place = {"low": each.low, "high": each.high}
-            head = {"name": label(each.name), "filter": word, **place}
-            offset = each.legal.offset
-            on_wire = {value - offset: name for value, name in each.legal.names.items()}
+            place = {"low": group.low, "high": group.high}
+            head = {"name": label(group.name), "filter": word, **place}
+            offset = group.legal.offset
+            on_wire = {value - offset: name for value, name in group.legal.names.items()}
             counted = {"offset": offset} if offset else {}
-            parts.append({**head, **counted, **_names(each.legal, on_wire)})
+            parts.append({**head, **counted, **_names(group.legal, on_wire)})
         return {"kind": "bits", "type": kind.type.name, "parts": parts}
 
     def _bytes(self, kind: wire.Octets, path: str) -> Table:
@@ -285,7 +285,7 @@ class TableBuilder:
     def _formatted(self, kind: wire.FormattedOctets, path: str) -> Table:
         self._typed(f"{path}.format", "uint8")
         self._typed(path, "bytes")
-        formats = {each.index: label(each.name) for each in kind.formats}
+        formats = {data_format.index: label(data_format.name) for data_format in kind.formats}
         count = self._typed(f"{path}.length", kind.count.type.name)
         return {"kind": "bytes", "formats": dict(sorted(formats.items())), "count": count}
 
@@ -294,10 +294,10 @@ class TableBuilder:
         self._typed(f"{path}.index", "uint8")
         scope = Scope(_TAKEN)
         options: Table = {}
-        for each in sorted(kind.alternatives, key=lambda each: each.index):
-            word = f"{path}.{scope.claim(filter_word(each.name))}"
-            head = {"name": label(each.name), "filter": word}
-            options[each.index] = {**head, **self._number(each.number, word)}
+        for alternative in sorted(kind.alternatives, key=lambda option: option.index):
+            word = f"{path}.{scope.claim(filter_word(alternative.name))}"
+            head = {"name": label(alternative.name), "filter": word}
+            options[alternative.index] = {**head, **self._number(alternative.number, word)}
         return {"kind": "choice", "options": options}
 
     def _record(self, kind: wire.Record, path: str) -> Table:
@@ -318,7 +318,7 @@ def _names(legal: wire.LegalIntegers, names: Mapping[int, str], *, as_table: boo
         The `names` that the display filter holds, which is when no others are legal; else
         `some_names`.
     """
-    named = {each: label(name) for each, name in names.items() if abs(each) < _EXACT}
+    named = {number: label(name) for number, name in names.items() if abs(number) < _EXACT}
     if not named:
         return {}
     key = "names" if legal.is_closed and not as_table else "some_names"

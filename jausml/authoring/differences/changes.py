@@ -161,7 +161,7 @@ class Change:
 
 def breaks(kind: Kind, table: ClassTable, feature: str, *, is_lost: bool) -> tuple[Breaks, ...]:
     """Returns whom a change may break."""
-    classes = {each.qualified_name for each in table.supertypes}
+    classes = {supertype.qualified_name for supertype in table.supertypes}
     found = []
     if _breaks_peers(kind, classes, feature, is_lost=is_lost):
         found.append(Breaks.PEERS)
@@ -182,13 +182,13 @@ def _breaks_peers(kind: Kind, classes: set[str], feature: str, *, is_lost: bool)
             return True
     if classes & set(_ON_THE_WIRE) and feature not in _OFF_THE_WIRE:
         return True
-    is_seen = any(feature in _PEERS.get(each, ()) for each in classes)
+    is_seen = any(feature in _PEERS.get(class_name, ()) for class_name in classes)
     return is_seen and (is_lost or feature not in _GROWING)
 
 
 def marked(marks: Iterable[Breaks]) -> str:
     """Returns whom a change breaks, in words; empty for nobody."""
-    words = " and ".join(each.value for each in marks)
+    words = " and ".join(mark.value for mark in marks)
     return f"breaks {words}" if words else ""
 
 
@@ -284,9 +284,9 @@ def statement(obj: EObject) -> str:
 
 def conversion(obj: bridge.Conversion) -> str:
     """Returns a conversion with what it is given."""
-    given = [f"{each:.10g}" for each in obj.arguments]
-    given += [str(each) for each in (obj.expression, obj.method, obj.units) if each]
-    given += [value_text(each) for each in (obj.table, obj.quantity) if each is not None]
+    given = [f"{argument:.10g}" for argument in obj.arguments]
+    given += [str(text) for text in (obj.expression, obj.method, obj.units) if text]
+    given += [value_text(operand) for operand in (obj.table, obj.quantity) if operand is not None]
     return f"{obj.kind.name}({', '.join(given)})" if given else str(obj.kind.name)
 
 
@@ -302,5 +302,5 @@ def is_sign_change(old: EObject, new: EObject) -> bool:
 def _without_sign(assignment: bridge.FieldAssignment) -> tuple[list[str], int]:
     """Returns the conversions that do more than to turn the sign, and how many turn it."""
     steps = list(assignment.conversions)
-    rest = [conversion(each) for each in steps if conversion_of(each).effect is not Effect.NEGATED]
+    rest = [conversion(step) for step in steps if conversion_of(step).effect is not Effect.NEGATED]
     return rest, len(steps) - len(rest)

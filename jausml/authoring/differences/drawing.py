@@ -50,7 +50,7 @@ def _texts(
     old: Drawn, new: Drawn, same: Mapping[Ref, Ref], found: Iterable[Change]
 ) -> dict[Ref, list[str]]:
     """Returns what changed in words, by the references of the parts of the new state."""
-    shown = {each.element for each in _parts(new.graph) if each.element}
+    shown = {part.element for part in _parts(new.graph) if part.element}
     texts: dict[Ref, list[str]] = defaultdict(list)
     for change in found:
         obj: EObject | None = change.new_element
@@ -108,11 +108,11 @@ class _Comparison:
         """Returns the new parts by the ids of the old ones that are the same."""
         by_element: dict[tuple[str, Ref], list[PartT]] = defaultdict(list)
         by_key: dict[str, PartT] = {}
-        for each in new:
-            if each.element:
-                by_element[getattr(each, "kind", ""), each.element].append(each)
+        for node in new:
+            if node.element:
+                by_element[getattr(node, "kind", ""), node.element].append(node)
             else:
-                by_key[each.key or each.id] = each
+                by_key[node.key or node.id] = node
         found: dict[str, PartT] = {}
         for part in old:
             if part.element:
@@ -131,26 +131,26 @@ class _Comparison:
 
     def _united_groups(self) -> list[Group]:
         pairs = self._pairs(self._old.groups, self._new.groups)
-        known = {each.id for each in pairs.values()}
-        found = [_signed_group(each, self._state(each, known)) for each in self._new.groups]
-        for each in self._old.groups:
-            new = pairs.get(each.id)
-            self._groups[each.id] = new.id if new is not None else f"{_OLD}{each.id}"
+        known = {pair.id for pair in pairs.values()}
+        found = [_signed_group(group, self._state(group, known)) for group in self._new.groups]
+        for group in self._old.groups:
+            new = pairs.get(group.id)
+            self._groups[group.id] = new.id if new is not None else f"{_OLD}{group.id}"
             if new is None:
-                parent = self._groups[each.parent]
-                gone = replace(each, id=f"{_OLD}{each.id}", parent=parent)
+                parent = self._groups[group.parent]
+                gone = replace(group, id=f"{_OLD}{group.id}", parent=parent)
                 found.append(_signed_group(gone, REMOVED))
         return found
 
     def _united_nodes(self) -> list[Node]:
         pairs = self._pairs(self._old.nodes, self._new.nodes)
         olds = {new.id: self._old.by_id[old] for old, new in pairs.items()}
-        found = [self._node(olds.get(each.id), each, set(olds)) for each in self._new.nodes]
-        for each in self._old.nodes:
-            if each.id not in pairs:
-                gone = replace(each, id=f"{_OLD}{each.id}", group=self._groups[each.group])
-                for port in ("", *(port.id for port in each.ports)):
-                    self._ends[End(each.id, port)] = End(gone.id, port)
+        found = [self._node(olds.get(node.id), node, set(olds)) for node in self._new.nodes]
+        for node in self._old.nodes:
+            if node.id not in pairs:
+                gone = replace(node, id=f"{_OLD}{node.id}", group=self._groups[node.group])
+                for port in ("", *(port.id for port in node.ports)):
+                    self._ends[End(node.id, port)] = End(gone.id, port)
                 found.append(_signed_node(gone, REMOVED, ()))
         return found
 
@@ -159,17 +159,17 @@ class _Comparison:
         if old is None:
             return _signed_node(new, state, ())
         pairs = self._pairs(old.ports, new.ports)
-        staying = {each.id for each in pairs.values()}
-        rows = [self._row(each, self._state(each, staying)) for each in new.ports]
+        staying = {pair.id for pair in pairs.values()}
+        rows = [self._row(port, self._state(port, staying)) for port in new.ports]
         self._ends[End(old.id)] = End(new.id)
         at = 0
-        for each in old.ports:
-            same = pairs.get(each.id)
+        for port in old.ports:
+            same = pairs.get(port.id)
             if same is None:
-                gone = replace(each, id=f"{_OLD}{each.id}")
+                gone = replace(port, id=f"{_OLD}{port.id}")
                 rows.insert(at, self._row(gone, REMOVED))
-            identity = f"{_OLD}{each.id}" if same is None else same.id
-            self._ends[End(old.id, each.id)] = End(new.id, identity)
+            identity = f"{_OLD}{port.id}" if same is None else same.id
+            self._ends[End(old.id, port.id)] = End(new.id, identity)
             at = next(n for n, row in enumerate(rows) if row.id == identity) + 1
         return _signed_node(replace(new, ports=tuple(rows)), state, self._details(new))
 
@@ -181,30 +181,30 @@ class _Comparison:
         return replace(port, label=label, state=state, details=details)
 
     def _details(self, part: Node | Port | Edge) -> tuple[tuple[str, str], ...]:
-        return tuple(("what changed", each) for each in self._texts.get(part.element, ()))
+        return tuple(("what changed", text) for text in self._texts.get(part.element, ()))
 
     def _united_edges(self) -> list[Edge]:
         left: dict[tuple[object, ...], list[Edge]] = defaultdict(list)
-        for each in self._old.edges:
+        for edge in self._old.edges:
             moved = replace(
-                each,
-                id=f"{_OLD}{each.id}",
-                source=self._ends[each.source],
-                target=self._ends[each.target],
+                edge,
+                id=f"{_OLD}{edge.id}",
+                source=self._ends[edge.source],
+                target=self._ends[edge.target],
             )
-            element = self._same.get(each.element, each.element)
+            element = self._same.get(edge.element, edge.element)
             left[_signature(moved, element)].append(moved)
         found = []
-        for each in self._new.edges:
-            waiting = left.get(_signature(each, each.element))
+        for edge in self._new.edges:
+            waiting = left.get(_signature(edge, edge.element))
             if waiting:
                 waiting.pop(0)
-            state = self._state(each, {each.id} if waiting is not None else set())
-            found.append(_signed_edge(each, state, self._details(each)))
+            state = self._state(edge, {edge.id} if waiting is not None else set())
+            found.append(_signed_edge(edge, state, self._details(edge)))
             if waiting == []:
-                del left[_signature(each, each.element)]
-        gone = (each for rest in left.values() for each in rest)
-        return [*found, *(_signed_edge(each, REMOVED, ()) for each in gone)]
+                del left[_signature(edge, edge.element)]
+        gone = (edge for rest in left.values() for edge in rest)
+        return [*found, *(_signed_edge(edge, REMOVED, ()) for edge in gone)]
 
 
 def _signature(edge: Edge, element: Ref) -> tuple[object, ...]:

@@ -31,14 +31,16 @@ _ORDERED = {"jaus.Record.fields", "jaus.Sequence.fields", "jaus.Variant.options"
 """Owned parts whose order is that on the wire."""
 _DOCUMENTATION = "documentation"
 _PHRASES = {
-    each: (f"no longer {each}", f"now {each}")
-    for each in ("provides", "uses", "controls", "inherits")
+    feature: (f"no longer {feature}", f"now {feature}")
+    for feature in ("provides", "uses", "controls", "inherits")
 }
 
 
 def is_ordered(table: ClassTable, feature: FeatureTable) -> bool:
     """Tells whether the order of the parts of an element means something."""
-    return any(f"{each.qualified_name}.{feature.name}" in _ORDERED for each in table.supertypes)
+    return any(
+        f"{supertype.qualified_name}.{feature.name}" in _ORDERED for supertype in table.supertypes
+    )
 
 
 @dataclass(frozen=True)
@@ -77,8 +79,8 @@ class _Finding:
     ) -> None:
         self._old, self._new = old, new
         self._lost: dict[tuple[EObject, str], list[_Missing]] = defaultdict(list)
-        for each in lost:
-            self._lost[each.owner, each.feature.name].append(_Missing(each.fragment))
+        for reference in lost:
+            self._lost[reference.owner, reference.feature.name].append(_Missing(reference.fragment))
         self._roots = roots
         both = [(one, other) for one, other in roots if one is not None and other is not None]
         self._matching = Matching(old, new, both)
@@ -107,25 +109,25 @@ class _Finding:
 
     def _parts(self, one: EObject, other: EObject, feature: FeatureTable) -> Iterator[Change]:
         ours, theirs = values(one, feature), values(other, feature)
-        for each in ours:
-            if each not in self._matching.news:
-                yield self._whole(Kind.REMOVED, each)
-        for each in theirs:
-            before = self._matching.olds.get(each)
+        for part in ours:
+            if part not in self._matching.news:
+                yield self._whole(Kind.REMOVED, part)
+        for part in theirs:
+            before = self._matching.olds.get(part)
             if before is None:
-                yield self._whole(Kind.ADDED, each)
+                yield self._whole(Kind.ADDED, part)
             else:
-                yield from self._pair(before, each)
+                yield from self._pair(before, part)
         if is_ordered(self._class_of(other), feature):
             yield from self._order(one, other, ours, feature)
 
     def _order(
         self, one: EObject, other: EObject, ours: list[EObject], feature: FeatureTable
     ) -> Iterator[Change]:
-        kept = [self._matching.news[each] for each in ours if each in self._matching.news]
-        now = [each for each in values(other, feature) if each in self._matching.olds]
-        if any(each is not another for each, another in zip(kept, now, strict=True)):
-            before, after = (", ".join(map(value_text, each)) for each in (kept, now))
+        kept = [self._matching.news[element] for element in ours if element in self._matching.news]
+        now = [value for value in values(other, feature) if value in self._matching.olds]
+        if any(element is not another for element, another in zip(kept, now, strict=True)):
+            before, after = (", ".join(map(value_text, order)) for order in (kept, now))
             text = f"{words(feature.name)} in another order: {after}"
             yield self._change(
                 Kind.ORDERED, one, other, feature.name, (before, after), text, is_lost=False
@@ -133,15 +135,23 @@ class _Finding:
 
     def _values(self, one: EObject, other: EObject, feature: FeatureTable) -> Iterator[Change]:
         ours, theirs = values(one, feature), values(other, feature)
-        missing = [self._lost.get((each, feature.name), []) for each in (one, other)]
-        ours = [*ours, *(_found(each, theirs, self._new) for each in missing[0])]
-        theirs = [*theirs, *(_found(each, ours, self._old) for each in missing[1])]
-        known = [self._matching.news.get(each, each) if address(each) else each for each in ours]
+        missing = [self._lost.get((element, feature.name), []) for element in (one, other)]
+        ours = [
+            *ours,
+            *(_found(lost_reference, theirs, self._new) for lost_reference in missing[0]),
+        ]
+        theirs = [
+            *theirs,
+            *(_found(lost_reference, ours, self._old) for lost_reference in missing[1]),
+        ]
+        known = [
+            self._matching.news.get(value, value) if address(value) else value for value in ours
+        ]
         lost = [a for a, b in zip(ours, known, strict=True) if not _holds(theirs, b)]
-        added = [each for each in theirs if not _holds(known, each)]
+        added = [value for value in theirs if not _holds(known, value)]
         if not lost and not added and len(ours) == len(theirs):
             return
-        old, new = (" ".join(map(value_text, each)) for each in (ours, theirs))
+        old, new = (" ".join(map(value_text, side)) for side in (ours, theirs))
         kind = Kind.RENAMED if feature.name == "name" else Kind.CHANGED
         text = with_unit(feature.name, old, new)
         if kind is Kind.RENAMED:
@@ -166,16 +176,18 @@ class _Finding:
 
     def _users(self, provider: EObject, services: list[Any]) -> list[str]:
         """Returns who in the old state uses services of a provider."""
-        lost = {address(each) for each in services}
+        lost = {address(service) for service in services}
         found = []
-        for each in self._old.instances(jaus.Component, library=False):
+        for component in self._old.instances(jaus.Component, library=False):
             connected = any(
                 line.provider is provider and address(line.message.eContainer()) in lost
-                for line in each.connections
+                for line in component.connections
                 if line.message is not None
             )
-            if each is not provider and (connected or any(address(u) in lost for u in each.uses)):
-                found.append(str(each.name))
+            if component is not provider and (
+                connected or any(address(u) in lost for u in component.uses)
+            ):
+                found.append(str(component.name))
         return found
 
     def _assignment(self, one: EObject, other: EObject) -> Iterator[Change]:
@@ -239,18 +251,19 @@ def _holds(found: list[Any], value: Any) -> bool:
     """Tells whether a value, or an element at the same names, is among others."""
     where = address(value)
     return any(
-        value is each or (address(each) == where if where else each == value) for each in found
+        value is candidate or (address(candidate) == where if where else candidate == value)
+        for candidate in found
     )
 
 
 def _found(missing: _Missing, others: list[Any], model: Model) -> Any:
     """Returns the element that the other state finds by the same fragment, else what is missing."""
-    for each in others:
-        if address(each) and missing.fragment in (model.identifier(each), model.path_of(each)):
-            return each
+    for other in others:
+        if address(other) and missing.fragment in (model.identifier(other), model.path_of(other)):
+            return other
     return missing
 
 
 def _methods(obj: EObject) -> set[str]:
     steps = getattr(obj, "conversions", None) or ()
-    return {str(each.method) for each in steps if each.method}
+    return {str(step.method) for step in steps if step.method}

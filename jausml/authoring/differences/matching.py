@@ -57,8 +57,8 @@ class Matching:
         for key in (self._identifier, self._name, self._key, self._content):
             found = list(_by_key(ours, theirs, key))
             yield from found
-            ours = [each for each in ours if not any(each is one for one, _ in found)]
-            theirs = [each for each in theirs if not any(each is one for _, one in found)]
+            ours = [element for element in ours if not any(element is one for one, _ in found)]
+            theirs = [element for element in theirs if not any(element is one for _, one in found)]
         if len(ours) <= _MOST and len(theirs) <= _MOST:
             yield from self._renamed(ours, theirs)
 
@@ -71,9 +71,9 @@ class Matching:
 
     def _key(self, obj: EObject) -> Hashable:
         table = self._class_of(obj)
-        for each in _KEYS:
-            if each in table.features and "name" not in table.features:
-                return each, str(getattr(obj, each))
+        for key in _KEYS:
+            if key in table.features and "name" not in table.features:
+                return key, str(getattr(obj, key))
         return None
 
     def _content(self, obj: EObject) -> Hashable:
@@ -109,11 +109,11 @@ class Matching:
                 if feature.name in ("name", "documentation"):
                     continue
                 if feature.kind is FeatureKind.CONTAINMENT:
-                    for each in values(obj, feature):
-                        inner = getattr(each, "name", None)
-                        known[feature.name, each.eClass.name, inner] += 1
+                    for part in values(obj, feature):
+                        inner = getattr(part, "name", None)
+                        known[feature.name, part.eClass.name, inner] += 1
                         known += Counter(
-                            {(feature.name, inner, fact): n for fact, n in self.facts(each).items()}
+                            {(feature.name, inner, fact): n for fact, n in self.facts(part).items()}
                         )
                 elif feature.kind is not FeatureKind.CONTAINER:
                     for value in values(obj, feature):
@@ -153,8 +153,8 @@ def _by_key(
 ) -> Iterator[tuple[EObject, EObject]]:
     """Yields pairs of elements of one class with the same key, the first ones of several."""
     waiting: dict[Hashable, list[EObject]] = defaultdict(list)
-    for each in theirs:
-        waiting[key(each)].append(each)
+    for element in theirs:
+        waiting[key(element)].append(element)
     for one in ours:
         found = key(one)
         rest = waiting.get(found) if found is not None else None
@@ -173,13 +173,13 @@ def paired_roots(
     """
     before, after = _files(old, old_folder), _files(new, new_folder)
     unread = {*_unread(old, old_folder), *_unread(new, new_folder)}
-    given = [[name for name, each in files.items() if each[1]] for files in (before, after)]
+    given = [[name for name, entry in files.items() if entry[1]] for files in (before, after)]
     if len(given[0]) == len(given[1]) == 1:
         if not unread.isdisjoint((given[0][0], given[1][0])):
             return []
         before[given[1][0]] = before.pop(given[0][0])
     pairs: list[tuple[EObject | None, EObject | None]] = []
-    for name in [*after, *(each for each in before if each not in after)]:
+    for name in [*after, *(old_name for old_name in before if old_name not in after)]:
         if name in unread:
             continue
         one, other = (files.get(name, ((), False)) for files in (before, after))
@@ -191,12 +191,12 @@ def paired_roots(
 
 def _files(model: Model, folder: Path) -> dict[str, tuple[Sequence[EObject], bool]]:
     """Returns the roots of files that were given or are users' own, and whether one was given."""
-    own = (each for each in model.documents if each.given or not each.is_library)
-    return {_name(each, folder): (each.roots, each.given) for each in own}
+    own = (document for document in model.documents if document.given or not document.is_library)
+    return {_name(document, folder): (document.roots, document.given) for document in own}
 
 
 def _unread(model: Model, folder: Path) -> list[str]:
-    return [_name(each, folder) for each in model.documents if not each.readable]
+    return [_name(document, folder) for document in model.documents if not document.readable]
 
 
 def _name(document: Document, folder: Path) -> str:

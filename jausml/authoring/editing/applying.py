@@ -87,9 +87,9 @@ class Applying:
         self.steps.append(command)
         paths = paths_through(copy, command.name)
         targets = targets_through(copy, command.name, self._working_copy)
-        for each, name, text in [*paths, *targets]:
-            self.steps.append(Set(self._working_copy.ref(each), name, (text,)))
-            self._give(each, feature_of(each.table, name), (text,))
+        for referrer, name, text in [*paths, *targets]:
+            self.steps.append(Set(self._working_copy.ref(referrer), name, (text,)))
+            self._give(referrer, feature_of(referrer.table, name), (text,))
         self._give(copy, feature_of(copy.table, NAME), (command.name,))
 
     def _give(self, copy: ElementCopy, feature: FeatureTable, values: Values) -> None:
@@ -103,7 +103,7 @@ class Applying:
             if not values:
                 copy.open |= open_features(copy.table, copy.file) & {feature.name}
         else:
-            targets = [self._target(each, feature) for each in values]
+            targets = [self._target(value, feature) for value in values]
             _put(copy.references, feature.name, list(dict.fromkeys(targets)))
         self._note(copy, feature)
 
@@ -160,7 +160,7 @@ class Applying:
     def _move(self, command: Move) -> None:
         copy = self._copy(command.element)
         owner = self._copy(command.owner)
-        if any(each is owner for each in copy.everything()):
+        if any(descendant is owner for descendant in copy.everything()):
             raise EditError(f"{copy.label} cannot be moved into itself")
         if copy.owner is None:
             raise EditError(f"{copy.label} is the root of its file, which cannot be moved")
@@ -184,26 +184,33 @@ class Applying:
         going: set[ElementCopy] = set()
         pending = [copy]
         while pending:
-            each = pending.pop()
-            if each in going:
+            element = pending.pop()
+            if element in going:
                 continue
-            gone = set(each.everything())
+            gone = set(element.everything())
             going |= gone
-            self.removed.append(each)
+            self.removed.append(element)
             pending += self._orphaned(gone, going)
         # What stands in something else that goes needs no mention.
-        inner = {part for each in self.removed for part in each.everything() if part is not each}
-        self.removed = [each for each in self.removed if each not in inner]
+        inner = {
+            part
+            for removed_copy in self.removed
+            for part in removed_copy.everything()
+            if part is not removed_copy
+        }
+        self.removed = [removed_copy for removed_copy in self.removed if removed_copy not in inner]
         self._unlink(going)
         fragments = self._working_copy.fragments()
-        for each in self.removed:
-            self.steps.append(Remove(self._working_copy.ref(each, fragments)))
-        for each, names in self.changed.items():
+        for element in self.removed:
+            self.steps.append(Remove(self._working_copy.ref(element, fragments)))
+        for element, names in self.changed.items():
             for name in names:
-                values = [self._as_ref(v, fragments) for v in each.references.get(name, ())]
-                self.steps.append(Set(self._working_copy.ref(each, fragments), name, tuple(values)))
-        for each in self.removed:
-            self._drop(each)
+                values = [self._as_ref(v, fragments) for v in element.references.get(name, ())]
+                self.steps.append(
+                    Set(self._working_copy.ref(element, fragments), name, tuple(values))
+                )
+        for element in self.removed:
+            self._drop(element)
 
     def _orphaned(self, gone: set[ElementCopy], going: set[ElementCopy]) -> Sequence[ElementCopy]:
         """Returns what cannot be without something that goes."""
@@ -214,12 +221,12 @@ class Applying:
             if copy not in going and is_needed and copy.owner is not None:
                 found.append(_whole(copy))
         lost = orphaned_transitions(going, self._working_copy)
-        return [*found, *(each for each in lost if each not in going)]
+        return [*found, *(transition for transition in lost if transition not in going)]
 
     def _unlink(self, going: set[ElementCopy]) -> None:
         for copy, name in list(self._working_copy.referrers(going)):
             if copy not in going:
-                left = [each for each in copy.references[name] if each not in going]
+                left = [target for target in copy.references[name] if target not in going]
                 _put(copy.references, name, left)
                 self._note(copy, copy.table.features[name])
 
@@ -269,7 +276,7 @@ def converted(texts: Values, feature: FeatureTable) -> list[Any]:
 
 def canonical(values: Values, feature: FeatureTable) -> tuple[str, ...]:
     """Returns values of an attribute as EMF writes them; none where the default need not stand."""
-    found = [lexical(each, feature) for each in converted(values, feature)]
+    found = [lexical(value, feature) for value in converted(values, feature)]
     if feature.many or feature.unsettable or found != [default_text(feature)]:
         return tuple(dict.fromkeys(found)) if feature.unique else tuple(found)
     return ()

@@ -88,15 +88,15 @@ def read_clip(text: str, root: Path, files: Mapping[str, bytes], known: Collecti
         [root / _FILE],
         project_root=root,
         notations=(notation, *NOTATIONS),
-        contents={root / _FILE: text.encode(), **{root / each: files[each] for each in files}},
+        contents={root / _FILE: text.encode(), **{root / file: files[file] for file in files}},
     )
     model, own = result.model, result.model.documents[0]
     found = [
-        each
-        for each in result.diagnostics
-        if each.location.path == own.display and each.severity is Severity.ERROR
+        diagnostic
+        for diagnostic in result.diagnostics
+        if diagnostic.location.path == own.display and diagnostic.severity is Severity.ERROR
     ]
-    fault = next((each for each in found if each.rule in _UNREADABLE), None)
+    fault = next((diagnostic for diagnostic in found if diagnostic.rule in _UNREADABLE), None)
     if fault is not None:
         where = f"line {fault.location.line}: " if fault.location.line else ""
         raise EditError(f"what is in the clipboard cannot be read: {where}{fault.message}")
@@ -104,22 +104,22 @@ def read_clip(text: str, root: Path, files: Mapping[str, bytes], known: Collecti
     if not elements:
         raise EditError("what is in the clipboard has no element of a model")
     left_out = [
-        _left_out(model, refs.find(f"{_FILE}#{each.fragment}", model, root), each)
-        for each in found
-        if each.rule != _MISSING
+        _left_out(model, refs.find(f"{_FILE}#{diagnostic.fragment}", model, root), diagnostic)
+        for diagnostic in found
+        if diagnostic.rule != _MISSING
     ]
 
     def ref_of(obj: EObject, of: Model) -> Ref:
         return refs.ref_of(obj, of, root)
 
-    commands = described([(each, model) for each, _ in elements], ref_of)
+    commands = described([(element, model) for element, _ in elements], ref_of)
     features = iter(feature for _, feature in elements)
     return Clip(
         tuple(
-            replace(each, feature=next(features))
-            if isinstance(each, Add) and not each.owner
-            else each
-            for each in commands
+            replace(command, feature=next(features))
+            if isinstance(command, Add) and not command.owner
+            else command
+            for command in commands
         ),
         tuple(left_out),
     )
@@ -130,8 +130,8 @@ def _elements(model: Model, features: Sequence[str]) -> Iterator[tuple[EObject, 
     said = iter(features)
     for root in model.documents[0].roots:
         if model.metamodels.class_of(root).qualified_name in STANDING:
-            for each in model.owned(root):
-                yield each, each.eContainmentFeature().name
+            for element in model.owned(root):
+                yield element, element.eContainmentFeature().name
         else:
             yield root, next(said)
 
@@ -167,22 +167,30 @@ class _Notation(Ros2Jaus):
         parsed = parse(text)
         imports: list[Import] = []
         items: list[BlockItem] = []
-        for each in parsed.document.items:
-            if isinstance(each, Import):
-                imports.append(each)
+        for item in parsed.document.items:
+            if isinstance(item, Import):
+                imports.append(item)
             else:
-                items.append(self._standing(each))
-        named = [each for each in imports if isinstance(each.target, Text)]
+                items.append(self._standing(item))
+        named = [
+            import_statement
+            for import_statement in imports
+            if isinstance(import_statement.target, Text)
+        ]
         # One that is not here would hide all else that is not.
-        gone = [each for each in named if each.target.text not in self._files]
+        gone = [
+            import_statement
+            for import_statement in named
+            if import_statement.target.text not in self._files
+        ]
         if gone or not named:
-            imports += [Import(target=Text(each)) for each in self._known]
-        kept = [each for each in imports if each not in gone]
+            imports += [Import(target=Text(file)) for file in self._known]
+        kept = [import_statement for import_statement in imports if import_statement not in gone]
         return replace(parsed, document=SyntaxTree([*kept, *items]))
 
     def _standing(self, item: BlockItem) -> BlockItem:
         """Returns an item with what makes a root of it."""
-        if isinstance(item, Feature) and all(isinstance(each, Element) for each in item.values):
+        if isinstance(item, Feature) and all(isinstance(value, Element) for value in item.values):
             name = item.name.text
             self.features += ["" if name == ROOT.text else name] * len(item.values)
             return replace(item, name=replace(item.name, text=ROOT.text))
@@ -196,4 +204,6 @@ class _Notation(Ros2Jaus):
         return Feature(span=item.span, documentation=item.documentation, name=ROOT, values=[block])
 
 
-_STANDING_WORDS = frozenset(snake_case(each.rpartition(".")[2]) for each in STANDING)
+_STANDING_WORDS = frozenset(
+    snake_case(qualified_name.rpartition(".")[2]) for qualified_name in STANDING
+)

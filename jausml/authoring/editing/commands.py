@@ -151,6 +151,6 @@ def with_created(command: ElementCommand, known: Callable[[Ref], Ref]) -> Elemen
 
 
 def _inside(made: AddedT, known: Callable[[Ref], Ref]) -> AddedT:
-    values = {name: tuple(map(known, each)) for name, each in made.values.items()}
-    children = tuple(_inside(each, known) for each in made.children)
+    values = {name: tuple(map(known, value)) for name, value in made.values.items()}
+    children = tuple(_inside(child, known) for child in made.children)
     return replace(made, values=values, children=children)

@@ -67,7 +67,7 @@ class _Describing:
         while self._waiting:
             self._add(self._next())
         for path, feature in self._later:
-            values = tuple(self._value(path, each) for each in self._targets(path, feature))
+            values = tuple(self._value(path, target) for target in self._targets(path, feature))
             self._made.append(Set(self._address(path), feature.name, values))
         return tuple(self._made)
 
@@ -76,9 +76,9 @@ class _Describing:
         self._paths[self._ref_of(obj, model)] = path
         for feature in model.metamodels.class_of(obj).contained:
             if feature.settable:
-                for index, each in enumerate(contents(obj, feature)):
+                for index, child in enumerate(contents(obj, feature)):
                     step = _Step(feature.name, index, is_many=feature.many)
-                    self._note((*path, step), each, model)
+                    self._note((*path, step), child, model)
 
     def _targets(self, path: _Path, feature: FeatureTable) -> Sequence[EObject]:
         return contents(self._elements[path][0], feature)
@@ -88,17 +88,17 @@ class _Describing:
         obj, model = self._elements[path]
         for feature in model.metamodels.class_of(obj).features.values():
             if feature.settable and feature.kind is FeatureKind.CROSS_REFERENCE:
-                for each in contents(obj, feature):
-                    target = self._paths.get(self._ref_of(each, model))
+                for content in contents(obj, feature):
+                    target = self._paths.get(self._ref_of(content, model))
                     if target is not None:
                         yield target
 
     def _next(self) -> _Path:
         """Returns the next part: one that needs no other, if there is one."""
-        ready = [each for each in self._waiting if self._is_there(each[:-1])]
+        ready = [path for path in self._waiting if self._is_there(path[:-1])]
         for part in ready:
-            inner = (each for each in self._elements if each[: len(part)] == part)
-            targets = (each for path in inner for each in self._inner_targets(path))
+            inner = (element for element in self._elements if element[: len(part)] == part)
+            targets = (inner_target for path in inner for inner_target in self._inner_targets(path))
             if len(part) == 1 or all(e[: len(part)] == part or self._is_there(e) for e in targets):
                 return part
         return ready[0]
@@ -123,19 +123,19 @@ class _Describing:
         table = model.metamodels.class_of(obj)
         values: dict[str, Values] = {}
         children: list[Child] = []
-        for each in table.features.values():
-            if not each.settable:
+        for feature in table.features.values():
+            if not feature.settable:
                 continue
-            if each.kind is FeatureKind.ATTRIBUTE:
-                texts = tuple(text for text in attribute_values(obj, each) if text is not None)
-            elif each.kind is FeatureKind.CROSS_REFERENCE:
-                texts = self._references(path, each, part)
+            if feature.kind is FeatureKind.ATTRIBUTE:
+                texts = tuple(text for text in attribute_values(obj, feature) if text is not None)
+            elif feature.kind is FeatureKind.CROSS_REFERENCE:
+                texts = self._references(path, feature, part)
             else:
-                if each.kind is FeatureKind.CONTAINMENT:
-                    children += self._owned(path, each, part)
+                if feature.kind is FeatureKind.CONTAINMENT:
+                    children += self._owned(path, feature, part)
                 continue
             if texts:
-                values[each.name] = texts
+                values[feature.name] = texts
         return Child(path[-1].feature, table.qualified_name, values, tuple(children))
 
     def _owned(self, path: _Path, feature: FeatureTable, part: _Path) -> Iterator[Child]:
@@ -148,11 +148,11 @@ class _Describing:
         """Returns the refs of a reference; none where one leads to what is not there before it."""
         targets = self._targets(path, feature)
         model = self._elements[path][1]
-        inner = [self._paths.get(self._ref_of(each, model)) for each in targets]
+        inner = [self._paths.get(self._ref_of(target, model)) for target in targets]
         if any(e is not None and (e[: len(part)] == part or not self._is_there(e)) for e in inner):
             self._later.append((path, feature))
             return ()
-        return tuple(self._value(path, each) for each in targets)
+        return tuple(self._value(path, target) for target in targets)
 
     def _value(self, path: _Path, target: EObject) -> Ref:
         ref = self._ref_of(target, self._elements[path][1])
@@ -176,16 +176,20 @@ class _Describing:
         """Returns which of its siblings a copy is among those that are there."""
         step = path[-1]
         return step.at - sum(
-            each[:-1] == path[:-1] and each[-1].feature == step.feature and each[-1].at < step.at
-            for each in self._waiting
+            sibling[:-1] == path[:-1]
+            and sibling[-1].feature == step.feature
+            and sibling[-1].at < step.at
+            for sibling in self._waiting
         )
 
     def _position(self, path: _Path) -> int | None:
         """Returns the position of what is added, None for behind all that are there."""
         feature = path[-1].feature
-        behind = (each for each in self._elements if each[:-1] == path[:-1])
+        behind = (element for element in self._elements if element[:-1] == path[:-1])
         last = max(
-            each[-1].at for each in behind if each[-1].feature == feature and self._is_there(each)
+            sibling[-1].at
+            for sibling in behind
+            if sibling[-1].feature == feature and self._is_there(sibling)
         )
         return self._index(path) if path[-1].at < last else None
 
@@ -222,20 +226,20 @@ def pasted(
     """Returns descriptions as commands that add to an owner, with names that are free there."""
     taken: dict[EObject, set[str]] = {}
     found: list[Add | Set] = []
-    for each in commands:
-        if isinstance(each, Set) or each.owner.startswith(NEW):
-            found.append(each)
+    for command in commands:
+        if isinstance(command, Set) or command.owner.startswith(NEW):
+            found.append(command)
             continue
-        owner, feature = _place(each, chosen, model)
+        owner, feature = _place(command, chosen, model)
         if owner not in taken:
             taken[owner] = {name_of(one) for one in model.owned(owner)}
-        values = dict(each.values)
+        values = dict(command.values)
         if values.get(_NAME):
             name = numbered_name(values[_NAME][0], taken[owner])
             values[_NAME] = (name,)
             taken[owner].add(name)
         ref = ref_of(owner, model)
-        found.append(replace(each, owner=ref, feature=feature, values=values, position=None))
+        found.append(replace(command, owner=ref, feature=feature, values=values, position=None))
     return tuple(found)
 
 
@@ -245,11 +249,14 @@ def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
     owner: EObject | None = chosen
     while owner is not None and table is not None:
         features = [
-            each
-            for each in model.metamodels.class_of(owner).contained
-            if each.target in table.supertypes and (each.many or not contents(owner, each))
+            feature
+            for feature in model.metamodels.class_of(owner).contained
+            if feature.target in table.supertypes and (feature.many or not contents(owner, feature))
         ]
-        names = [each.name for each in sorted(features, key=lambda each: each.target is not table)]
+        names = [
+            feature.name
+            for feature in sorted(features, key=lambda candidate: candidate.target is not table)
+        ]
         if names:
             return owner, command.feature if command.feature in names else names[0]
         owner = owner.eContainer()

@@ -60,7 +60,7 @@ class Draft:
     @property
     def models(self) -> list[str]:
         """The model files."""
-        return [each for each in self.files if not is_layout(each)]
+        return [file for file in self.files if not is_layout(file)]
 
     def read(self, file: str) -> ReadResult:
         """Returns the model of a file and all that it refers to, with the changes."""
@@ -69,7 +69,7 @@ class Draft:
     def referring(self, file: str) -> list[str]:
         """Returns a file and those whose models have elements of it, itself first."""
         others = [f for f in self.models if f != file and _mentions(self.files[f].good, file)]
-        return [file, *(each for each in others if file in self.documents(each))]
+        return [file, *(other for other in others if file in self.documents(other))]
 
     def documents(self, file: str) -> list[str]:
         """Returns the files of the project that the model of a file has elements of."""
@@ -204,7 +204,7 @@ def check_new_file(file: str, draft: Draft) -> None:
     """Sees to it that a model file can be made without overwriting anything."""
     parts = file.split("/")
     is_plain = posixpath.normpath(file) == file and not file.startswith("/") and "\\" not in file
-    if not is_plain or any(each.startswith(".") or "\0" in each for each in parts):
+    if not is_plain or any(part.startswith(".") or "\0" in part for part in parts):
         raise EditError(f"{file!r} is no name of a file below the opened folder")
     if not file.endswith(SUFFIXES):
         raise EditError(f"{file} must end in {' or '.join(SUFFIXES)}")

@@ -72,8 +72,8 @@ def execute(commands: Sequence[Command], draft: Draft, known: WorkingCopy | None
     """
     with without_collector():
         work = _Work(draft, known)
-        for each in commands:
-            work.execute(each)
+        for command in commands:
+            work.execute(command)
         return work.outcome()
 
 
@@ -84,7 +84,7 @@ def names_elements(file: str, data: bytes) -> bool:
 
 def referrers(ref: Ref, draft: Draft) -> tuple[Referrer, ...]:
     """Returns what refers to an element or to what it owns, in all files."""
-    models = {each: draft.read(each).model for each in draft.referring(draft.editable(ref))}
+    models = {file: draft.read(file).model for file in draft.referring(draft.editable(ref))}
     working_copy = WorkingCopy.of(models, draft.root)
     targets = set(copy_of(ref, working_copy).everything())
     fragments = working_copy.fragments()
@@ -125,7 +125,7 @@ class _Work:
 
     def outcome(self) -> Outcome:
         fragments = self._working_copy.fragments() if self._created else {}
-        created = [self._working_copy.ref(each, fragments) for each in self._created]
+        created = [self._working_copy.ref(copy, fragments) for copy in self._created]
         shifts, formatted = tuple(self._shifts), tuple(self._formatted)
         referrers = tuple(self._referrers)
         return Outcome(tuple(created), referrers, self._working_copy, shifts, formatted)
@@ -170,14 +170,16 @@ class _Work:
             Context(file, root, self._draft.read(file).model, working_copy, paths, locate)
             for file in files
         ]
-        odd = [each.file for each in contexts if not self._is_laid_out(each)]
+        odd = [context.file for context in contexts if not self._is_laid_out(context)]
         applying = Applying(working_copy, self._find, contexts[0].model.metamodels)
         applying.apply(command)
         self._referrers += _referrers_of(applying, paths)
         try:
             printed = {
-                each.file: (print_text if is_text(each.file) else print_xmi)(applying.steps, each)
-                for each in contexts
+                context.file: (print_text if is_text(context.file) else print_xmi)(
+                    applying.steps, context
+                )
+                for context in contexts
             }
         except UnwritableError as error:
             raise EditError(str(error)) from error
@@ -205,7 +207,7 @@ class _Work:
                 layout = followed(self._layout_of(file), file, self._working_copy, read)
                 self._draft.put(layout_file(file), write_layout(layout) or None)
         there = set(read.copies.values()) if self._created else set()
-        self._created = [each for each in self._created if each in there]
+        self._created = [copy for copy in self._created if copy in there]
         self._created += applying.created
         self._working_copy = read
 
@@ -215,8 +217,8 @@ class _Work:
         if set(wanted) == set(self._working_copy.roots):
             return
         working_copy = WorkingCopy.of(self._read(list(wanted)), self._draft.root)
-        created = [self._working_copy.ref(each) for each in self._created]
-        self._created = [copy_of(each, working_copy) for each in created]
+        created = [self._working_copy.ref(copy) for copy in self._created]
+        self._created = [copy_of(reference, working_copy) for reference in created]
         self._working_copy = working_copy
 
     def _read(self, files: Sequence[str]) -> dict[str, Model]:
@@ -228,12 +230,12 @@ class _Work:
         """Returns the files that a command may change, that of its element first."""
         named = [] if isinstance(command, Add) else [command.element]
         named += [command.owner] if isinstance(command, Add | Move) else []
-        for each in named:
-            self._draft.element(each)
-        files = [self._draft.editable(each) for each in named]
+        for reference in named:
+            self._draft.element(reference)
+        files = [self._draft.editable(reference) for reference in named]
         if isinstance(command, Set) and command.feature not in _NAMING:
             return files
-        found = dict.fromkeys(f for each in files for f in self._draft.referring(each))
+        found = dict.fromkeys(f for file in files for f in self._draft.referring(file))
         if isinstance(command, Set | Rename):
             return [f for f in found if f in files or names_elements(f, self._draft.files[f].data)]
         return list(found)
@@ -337,7 +339,7 @@ def _stated(
     values: Mapping[str, tuple[str | None, ...]], open_names: set[str]
 ) -> dict[str, tuple[str | None, ...]]:
     """Returns what attributes have, without those that a text leaves open."""
-    return {name: each for name, each in values.items() if name not in open_names}
+    return {name: value for name, value in values.items() if name not in open_names}
 
 
 def _children(copy: ElementCopy, read: WorkingCopy) -> list[tuple[ElementCopy, EObject]]:
@@ -345,7 +347,7 @@ def _children(copy: ElementCopy, read: WorkingCopy) -> list[tuple[ElementCopy, E
     found = read.owned_by(copy)
     if not found and not copy.owned:
         return []
-    names = {name for name, each in copy.owned.items() if each}
+    names = {name for name, child_list in copy.owned.items() if child_list}
     if names != found.keys():
         raise _different(copy, f"owns {list(found)}, not {sorted(names)}")
     # In the order of the metamodel, whatever the command has added last.
@@ -359,7 +361,7 @@ def _children(copy: ElementCopy, read: WorkingCopy) -> list[tuple[ElementCopy, E
 
 
 def _compare_references(copy: ElementCopy, read: WorkingCopy) -> None:
-    meant = {name: each for name, each in copy.references.items() if each}
+    meant = {name: target_list for name, target_list in copy.references.items() if target_list}
     copy.references = read.references_of(copy)
     if meant == copy.references:
         return

@@ -66,7 +66,7 @@ def orphaned_transitions(
     gone: Collection[ElementCopy], working_copy: WorkingCopy
 ) -> Iterator[ElementCopy]:
     """Yields the transitions that enter no state any more when elements go."""
-    for machine in {each: None for each in map(_machine, gone) if each is not None}:
+    for machine in {copy: None for copy in map(_machine, gone) if copy is not None}:
         for named in _named_targets(machine, working_copy):
             left = _put_together(named.machine, gone)
             if named.target is not None and left.resolve(named.source, named.text) is None:
@@ -86,20 +86,20 @@ def _renamed(text: str, target: str, old: str, new: str, inner: str) -> str:
 
 def _named_targets(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[_NamedTarget]:
     """Yields the transitions with targets of a machine, and of those that extend it."""
-    for each in (machine, *_heirs(machine, working_copy)):
-        for path, state in _states(each):
+    for copy in (machine, *_heirs(machine, working_copy)):
+        for path, state in _states(copy):
             for feature in _TRANSITIONS:
                 for transition in state.owned.get(feature, ()):
                     text = next(iter(transition.values.get(_TARGET, ())), None)
                     if text:
-                        yield _NamedTarget(transition, path, text, each)
+                        yield _NamedTarget(transition, path, text, copy)
 
 
 def _put_together(machine: ElementCopy, gone: Collection[ElementCopy] = ()) -> Machine:
     """Returns the paths of a machine with those that it extends, without what goes."""
     made = Machine(machine.name)
-    for each in _extended(machine):
-        for path, state in _states(each):
+    for copy in _extended(machine):
+        for path, state in _states(copy):
             if state not in gone:
                 made.enter(path)
     return made
@@ -129,7 +129,7 @@ def _heirs(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[ElementC
 
 def _alike(service: ElementCopy, machine: ElementCopy) -> Iterator[ElementCopy]:
     """Yields the machines of a service that have the name of one."""
-    yield from (each for each in service.owned.get("machines", ()) if each.name == machine.name)
+    yield from (copy for copy in service.owned.get("machines", ()) if copy.name == machine.name)
 
 
 def _states(machine: ElementCopy) -> Iterator[tuple[str, ElementCopy]]:
@@ -166,9 +166,11 @@ def paths_through(join: ElementCopy, name: str) -> Iterator[tuple[ElementCopy, s
     if join.owner is None or join.feature not in _DIRECTIONS or not join.name:
         return
     feature, direction = _DIRECTIONS[join.feature]
-    for each in join.owner.owned.get(feature, ()):
-        for copy in each.everything():
-            yield from _changed(copy, _SOURCE, join.name, name, is_nested=copy is not each)
+    for direction_copy in join.owner.owned.get(feature, ()):
+        for copy in direction_copy.everything():
+            yield from _changed(
+                copy, _SOURCE, join.name, name, is_nested=copy is not direction_copy
+            )
     for vector in join.owner.owned.get("vectors", ()):
         if vector.values.get("direction", ("jausToRos",)) == (direction,):
             for given in vector.owned.get("given", ()):

@@ -81,8 +81,8 @@ def placed(
 ) -> Layout:
     """Returns a layout with some boxes placed, or left to the layout engine again."""
     boxes = {**layout.get(view, {}), **positions}
-    kept = {key: each for key, each in boxes.items() if each is not None}
-    return {**layout, view: {key: _within(each) for key, each in kept.items()}}
+    kept = {key: position for key, position in boxes.items() if position is not None}
+    return {**layout, view: {key: _within(position) for key, position in kept.items()}}
 
 
 def renamed(layout: Layout, new_name: Callable[[LayoutKey], LayoutKey | None]) -> Layout:
@@ -97,7 +97,7 @@ def _renamed(boxes: Positions, new_name: Callable[[LayoutKey], LayoutKey | None]
     found: Positions = {}
     for key, position in boxes.items():
         # A box may be named by several elements, or by one and what it shows of it.
-        parts = [_renamed_part(each, new_name) for each in key.split("!")]
+        parts = [_renamed_part(word, new_name) for word in key.split("!")]
         if None not in parts:
             found["!".join(map(str, parts))] = position
     return found
@@ -112,19 +112,21 @@ def _renamed_part(part: str, new_name: Callable[[LayoutKey], LayoutKey | None]) 
 
 
 def _positions(boxes: Mapping[str, Any]) -> Positions:
-    return {key: (each[0], each[1]) for key, each in boxes.items() if _is_position(each)}
+    return {
+        key: (position[0], position[1]) for key, position in boxes.items() if _is_position(position)
+    }
 
 
 def _is_position(value: Any) -> bool:
     return (
         isinstance(value, list)
         and len(value) == 2
-        and all(type(each) is int and abs(each) <= _FARTHEST for each in value)
+        and all(type(coordinate) is int and abs(coordinate) <= _FARTHEST for coordinate in value)
     )
 
 
 def _within(position: tuple[int, int]) -> tuple[int, int]:
-    x, y = (max(-_FARTHEST, min(_FARTHEST, each)) for each in position)
+    x, y = (max(-_FARTHEST, min(_FARTHEST, coordinate)) for coordinate in position)
     return x, y
 
 
@@ -150,7 +152,7 @@ def followed(layout: Layout, file: str, before: WorkingCopy, after: WorkingCopy)
 
 def _views(old: Model, new: Model) -> dict[str, str]:
     """Returns the new names of views by the old ones, which change when an element is renamed."""
-    before, after = (view_names(each) for each in (old, new))
+    before, after = (view_names(model) for model in (old, new))
     if len(before) != len(after):
         return {}
     return dict(zip(before, after, strict=True))

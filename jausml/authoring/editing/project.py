@@ -89,8 +89,8 @@ class Project:
         """The model files, in order of their names."""
         with self._lock:
             return tuple(
-                FileInfo(name, "text" if is_text(name) else "xmi", each.revision, each.is_stale)
-                for name, each in sorted(self._files.items())
+                FileInfo(name, "text" if is_text(name) else "xmi", entry.revision, entry.is_stale)
+                for name, entry in sorted(self._files.items())
                 if not is_layout(name)
             )
 
@@ -147,9 +147,9 @@ class Project:
         """
         file, _ = refs.split(ref)
         with self._lock:
-            models = [each for each in self._files if not is_layout(each)]
-            for each in models if is_library(file) else [self._known(file).file]:
-                model = self.model(each).model
+            models = [model_file for model_file in self._files if not is_layout(model_file)]
+            for model_file in models if is_library(file) else [self._known(file).file]:
+                model = self.model(model_file).model
                 found = refs.find(ref, model, self.root)
                 if found is not None:
                     return found, model
@@ -162,10 +162,10 @@ class Project:
             draft = self._draft()
             outcome = execute(commands, draft)
             changes = draft.changes()
-            new = {each.file: draft.files.get(each.file) for each in changes}
+            new = {change.file: draft.files.get(change.file) for change in changes}
             diff = "".join(
-                unified_diff(file, self._data(file) or b"", each.data if each else b"")
-                for file, each in new.items()
+                unified_diff(file, self._data(file) or b"", new_file.data if new_file else b"")
+                for file, new_file in new.items()
             )
             return Preview(changes, outcome.created, outcome.referrers, diff)
 
@@ -202,7 +202,7 @@ class Project:
         if base is None or base >= now:
             return commands
         rebased = self._rebasing.rebased
-        return [rebased(each, base, now, is_first=is_first) for each in commands]
+        return [rebased(command, base, now, is_first=is_first) for command in commands]
 
     def _done(self, commands: Sequence[Command], label: str) -> Entry:
         draft = self._draft()
@@ -214,7 +214,7 @@ class Project:
             self._check_unchanged(outcome.working_copy.models)
             self._working_copy = outcome.working_copy
             return Entry(0, label, ())
-        self._write({each.file: draft.files.get(each.file) for each in changes})
+        self._write({change.file: draft.files.get(change.file) for change in changes})
         # Only now: a working copy of what was not written would be one of nothing.
         self._working_copy = outcome.working_copy
         if outcome.formatted:
@@ -259,7 +259,7 @@ class Project:
         with self._lock:
             entry = self._log.last
             if entry is not None:
-                self._replay(entry, [each.inverted() for each in entry.changes], back=True)
+                self._replay(entry, [change.inverted() for change in entry.changes], back=True)
                 self._log.step(-1)
             return entry
 
@@ -294,11 +294,15 @@ class Project:
             if not elements:
                 raise EditError("nothing was chosen that could be copied")
             model = self._draft().locate(elements[0])[1]
-            found = [refs.find(each, model, self.root) for each in elements]
-            missing = [each for each, obj in zip(elements, found, strict=True) if obj is None]
+            found = [refs.find(element, model, self.root) for element in elements]
+            missing = [
+                reference for reference, obj in zip(elements, found, strict=True) if obj is None
+            ]
             if missing:
                 raise EditError(f"{missing[0]} is of another model: copy it by itself")
-            return clip_text([each for each in found if each is not None], model, self.root)
+            return clip_text(
+                [element for element in found if element is not None], model, self.root
+            )
 
     def clip(self, text: str, owner: Ref) -> Clip:
         """Returns what a text has, as it can be pasted into an owner."""
@@ -416,9 +420,9 @@ class Project:
         def understood() -> OutsideChange:
             if file not in before or file not in after:
                 raise EditError(f"{file} was deleted, or came again, meanwhile", conflict=True)
-            models = (self._reader.read(file, each).model for each in (before, after))
+            models = (self._reader.read(file, snapshot).model for snapshot in (before, after))
             return OutsideChange(
-                file, *(WorkingCopy.of({file: each}, self.root) for each in models)
+                file, *(WorkingCopy.of({file: model}, self.root) for model in models)
             )
 
         self._rebasing.note_outside(self._revision, file, understood)

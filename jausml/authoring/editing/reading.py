@@ -98,29 +98,31 @@ class Reader:
     def documents(self, file: str, files: Mapping[str, Stored]) -> list[str]:
         """Returns the files of the project that the model of a file has elements of."""
         model = self.read(file, files).model
-        return [f for f in (file_of(each, self._root) for each in model.documents) if f in files]
+        return [
+            f for f in (file_of(document, self._root) for document in model.documents) if f in files
+        ]
 
     def _with_faults(self, result: ReadResult, files: Mapping[str, Stored]) -> ReadResult:
-        names = (file_of(each, self._root) for each in result.model.documents)
-        stale = [each for each in names if each in files and files[each].is_stale]
-        faults = [fault for each in stale for fault in self._faults(each, files)]
+        names = (file_of(document, self._root) for document in result.model.documents)
+        stale = [name for name in names if name in files and files[name].is_stale]
+        faults = [fault for file in stale for fault in self._faults(file, files)]
         return replace(result, diagnostics=[*faults, *result.diagnostics]) if faults else result
 
     def freshness(self, file: str, files: Mapping[str, Stored], revision: int) -> Freshness:
         """Returns what the model of a file is worth."""
         result = self.read(file, files)
-        documents = {file_of(each, self._root): each for each in result.model.documents}
+        documents = {file_of(document, self._root): document for document in result.model.documents}
         old = [
             files[name]
-            for name, each in documents.items()
-            if name in files and not _is_readable(files[name], each)
+            for name, document in documents.items()
+            if name in files and not _is_readable(files[name], document)
         ]
         if not old:
             return Freshness("current", revision)
-        faults = [fault for each in old for fault in self._faults(each.file, files)]
-        names = " and ".join(each.file for each in old)
-        were_read = all(each.is_stale for each in old)
-        since = min(each.good_since for each in old) if were_read else None
+        faults = [fault for entry in old for fault in self._faults(entry.file, files)]
+        names = " and ".join(entry.file for entry in old)
+        were_read = all(entry.is_stale for entry in old)
+        since = min(entry.good_since for entry in old) if were_read else None
         if any(map(_has_markers, old)):
             why = f"{names} has marks of a merge: decide between both sides first"
             return Freshness("conflict", since, why, tuple(faults))
@@ -136,8 +138,14 @@ class Reader:
             read = read_models(
                 [path], project_root=self._root, notations=NOTATIONS, contents={path: held.data}
             )
-            found = (each for each in read.diagnostics if each.location.path == str(path))
-            errors = tuple(each for each in found if each.severity is Severity.ERROR)
+            found = (
+                diagnostic
+                for diagnostic in read.diagnostics
+                if diagnostic.location.path == str(path)
+            )
+            errors = tuple(
+                diagnostic for diagnostic in found if diagnostic.severity is Severity.ERROR
+            )
             known = self._known_faults[file] = (held.digest, errors)
         return known[1]
 
@@ -151,12 +159,12 @@ def _is_readable(held: Stored, document: Document) -> bool:
 
 def _has_markers(held: Stored) -> bool:
     """Tells whether a file has the marks that git leaves where both sides changed the same."""
-    return all(re.search(rb"^%b" % each, held.data, re.MULTILINE) for each in _MARKS)
+    return all(re.search(rb"^%b" % mark, held.data, re.MULTILINE) for mark in _MARKS)
 
 
 def _contents(files: Mapping[str, Stored]) -> dict[str, bytes]:
     """Returns what the models of files are read of."""
-    return {each.file: each.good for each in files.values() if not layout.is_layout(each.file)}
+    return {file.file: file.good for file in files.values() if not layout.is_layout(file.file)}
 
 
 def is_text(file: str) -> bool:

@@ -90,7 +90,7 @@ class Rebasing:
         """Remembers that an entry was undone, or done again; tells whether commands say how."""
         shifts = self._shifts.get(entry.number)
         if back and shifts is not None:
-            shifts = tuple(_inverted(each) for each in reversed(shifts))
+            shifts = tuple(_inverted(shift) for shift in reversed(shifts))
         self._pass(revision, entry, shifts)
         return shifts is not None
 
@@ -98,7 +98,7 @@ class Rebasing:
         """Remembers that something was done to a file that no commands say."""
         self._revisions[revision] = _Revision(frozenset([file]), None, cache(outside))
         # Each has the files before and after: more than a few would need much memory.
-        held = [number for number, each in self._revisions.items() if each.outside is not None]
+        held = [number for number, entry in self._revisions.items() if entry.outside is not None]
         for number in held[:-_KEPT_OUTSIDE]:
             self._revisions[number] = replace(self._revisions[number], outside=None)
         self._forget()
@@ -199,7 +199,7 @@ class OutsideChange:
             before, after = pending.pop()
             pairs = [*_unique(before, after, _named)]
             paired = set(chain.from_iterable(pairs))
-            left, other = ([e for e in each if e not in paired] for each in (before, after))
+            left, other = ([e for e in side if e not in paired] for side in (before, after))
             pairs += _unique(left, other, self._content)
             for one, same in pairs:
                 self._same[one] = same
@@ -212,7 +212,8 @@ class OutsideChange:
             names = sorted({*copy.values, *copy.references})
             values = tuple((name, _value(copy, name)) for name in names)
             owned = tuple(
-                (name, tuple(map(self._content, each))) for name, each in sorted(copy.owned.items())
+                (name, tuple(map(self._content, child_list)))
+                for name, child_list in sorted(copy.owned.items())
             )
             known = (copy.table.qualified_name, copy.feature, values, owned)
             self._contents[copy] = known
@@ -226,8 +227,8 @@ def _unique(
     sides: list[dict[Hashable, list[ElementCopy]]] = []
     for copies in (before, after):
         found = defaultdict(list)
-        for each in copies:
-            found[mark(each)].append(each)
+        for copy in copies:
+            found[mark(copy)].append(copy)
         sides.append(found)
     old, new = sides
     for key, copies in old.items():
@@ -244,21 +245,28 @@ def _named(copy: ElementCopy) -> Hashable:
 
 
 def _owned(copy: ElementCopy) -> list[ElementCopy]:
-    return [each for children in copy.owned.values() for each in children]
+    return [child for children in copy.owned.values() for child in children]
 
 
 def _value(copy: ElementCopy, feature: str) -> Hashable:
     values = tuple(copy.values.get(feature, ()))
     targets = copy.references.get(feature, ())
-    return values, tuple(each if isinstance(each, str) else _path(each) for each in targets)
+    return values, tuple(target if isinstance(target, str) else _path(target) for target in targets)
 
 
 def _path(copy: ElementCopy) -> Hashable:
     """Returns a copy by its names, and by its position where it has none."""
     steps: list[Hashable] = []
-    each: ElementCopy | None = copy
-    while each is not None:
-        siblings = each.owner.owned.get(each.feature, []) if each.owner is not None else []
-        steps.append((each.feature, each.name or siblings.index(each) if siblings else each.name))
-        each = each.owner
+    ancestor: ElementCopy | None = copy
+    while ancestor is not None:
+        siblings = (
+            ancestor.owner.owned.get(ancestor.feature, []) if ancestor.owner is not None else []
+        )
+        steps.append(
+            (
+                ancestor.feature,
+                ancestor.name or siblings.index(ancestor) if siblings else ancestor.name,
+            )
+        )
+        ancestor = ancestor.owner
     return copy.file, tuple(steps)

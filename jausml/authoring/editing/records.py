@@ -70,7 +70,7 @@ class Entry:
     @property
     def files(self) -> tuple[str, ...]:
         """The files that it changes."""
-        return tuple(each.file for each in self.changes)
+        return tuple(change.file for change in self.changes)
 
     @property
     def layout(self) -> bool:
@@ -230,6 +230,6 @@ def takes_back(entry: Entry | None, known: Stored | None, new: bytes | None) -> 
             before = known.data
             for step in reversed(change.steps):
                 before = applied(before, inverted(step))
-            old, own, now = (set(each.splitlines()) for each in (before, known.data, new))
+            old, own, now = (set(version.splitlines()) for version in (before, known.data, new))
             return old != own and old - own <= now and not (own - old) & now
     return False

@@ -53,11 +53,11 @@ def applied(data: bytes, splices: Sequence[Splice]) -> bytes:
     """
     parts: list[bytes] = []
     at = 0
-    for each in splices:
-        if each.start < at or data[each.start : each.end] != each.old:
-            raise EditError(f"{each.file} has changed since the edit", conflict=True)
-        parts += (data[at : each.start], each.new)
-        at = each.end
+    for splice in splices:
+        if splice.start < at or data[splice.start : splice.end] != splice.old:
+            raise EditError(f"{splice.file} has changed since the edit", conflict=True)
+        parts += (data[at : splice.start], splice.new)
+        at = splice.end
     return b"".join([*parts, data[at:]])
 
 
@@ -65,9 +65,9 @@ def inverted(splices: Sequence[Splice]) -> list[Splice]:
     """Returns the splices that make of the result of one step what was there before."""
     found = []
     shift = 0
-    for each in splices:
-        found.append(Splice(each.file, each.start + shift, each.new, each.old))
-        shift += len(each.new) - len(each.old)
+    for splice in splices:
+        found.append(Splice(splice.file, splice.start + shift, splice.new, splice.old))
+        shift += len(splice.new) - len(splice.old)
     return found
 
 
@@ -89,7 +89,7 @@ def unified_diff(file: str, old: bytes, new: bytes) -> str:
 
 def _lines(data: bytes) -> list[str]:
     text = data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8", "replace")
-    return [f"{each}\n" for each in text.splitlines()]
+    return [f"{line}\n" for line in text.splitlines()]
 
 
 def _common(most: int, is_common: Callable[[int], bool]) -> int:

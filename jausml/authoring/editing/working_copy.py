@@ -121,7 +121,9 @@ class WorkingCopy:
         working_copy = cls(models, root)
         for file, model in models.items():
             document = model.documents[0]
-            working_copy.roots[file] = [working_copy._grown(each, file) for each in document.roots]
+            working_copy.roots[file] = [
+                working_copy._grown(element, file) for element in document.roots
+            ]
         working_copy.pair()
         for copy in list(working_copy.everything()):
             copy.references = working_copy.references_of(copy)
@@ -150,7 +152,7 @@ class WorkingCopy:
                         if copy.table.features[name].many:
                             pending += [(c, f"{path}/@{name}.{i}") for i, c in enumerate(children)]
                         else:
-                            pending += [(each, f"{path}/@{name}") for each in children]
+                            pending += [(child, f"{path}/@{name}") for child in children]
         return found
 
     def ref(self, copy: ElementCopy, fragments: Mapping[ElementCopy, str] | None = None) -> Ref:
@@ -159,13 +161,13 @@ class WorkingCopy:
 
     def refs(self, paths: Mapping[ElementCopy, str] | None = None) -> dict[ElementCopy, Ref]:
         """Returns the refs of all copies in the files that they were read of."""
-        return {each: f"{each.file}#{at}" for each, at in self.fragments(paths).items()}
+        return {copy: f"{copy.file}#{at}" for copy, at in self.fragments(paths).items()}
 
     def referrers(self, targets: set[ElementCopy]) -> Iterator[tuple[ElementCopy, str]]:
         """Yields what refers to one of some copies, and the name of the feature."""
         for copy in self.everything():
             for name, values in copy.references.items():
-                if any(each in targets for each in values):
+                if any(value in targets for value in values):
                     yield copy, name
 
     def everything(self) -> Iterator[ElementCopy]:
@@ -181,9 +183,9 @@ class WorkingCopy:
         while pending:
             copy = pending.pop()
             for name, children in self.owned_by(copy).items():
-                made = copy.owned[name] = [self._copy(each, file) for each in children]
-                for each in made:
-                    each.owner, each.feature = copy, name
+                made = copy.owned[name] = [self._copy(child, file) for child in children]
+                for child in made:
+                    child.owner, child.feature = copy, name
                 pending += made
         return root
 
@@ -224,7 +226,7 @@ class WorkingCopy:
         for feature in copy.table.contained:
             children = contents(copy.obj, feature)
             # Others are roots of another file, which this one refers to.
-            own = [each for each in children if model.document_of(each) is document]
+            own = [child for child in children if model.document_of(child) is document]
             if own:
                 found[feature.name] = own
         return found
@@ -244,7 +246,7 @@ class WorkingCopy:
             self.copies[obj] = copy
             for name, owned in copy.owned.items():
                 children = contents(obj, copy.table.features[name])
-                own = [each for each in children if model.document_of(each) is document]
+                own = [child for child in children if model.document_of(child) is document]
                 pending += zip(own, owned, strict=False)
 
     def references_of(self, copy: ElementCopy) -> dict[str, list[ElementCopy | Ref]]:
@@ -257,10 +259,10 @@ class WorkingCopy:
                 continue
             targets = contents(obj, feature)
             if feature.kind is FeatureKind.CONTAINMENT:
-                owned = {each.obj for each in copy.owned.get(name, ())}
-                targets = [each for each in targets if each not in owned]
+                owned = {child.obj for child in copy.owned.get(name, ())}
+                targets = [target for target in targets if target not in owned]
             if targets:
-                found[name] = [self._target(each, model) for each in targets]
+                found[name] = [self._target(target, model) for target in targets]
         return found
 
     def _target(self, obj: EObject, model: Model) -> ElementCopy | Ref:
@@ -278,14 +280,14 @@ class WorkingCopy:
 def attributes_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
     """Returns the attributes of a class with their names."""
     features = table.features.items()
-    return tuple(each for each in features if each[1].kind is FeatureKind.ATTRIBUTE)
+    return tuple(feature for feature in features if feature[1].kind is FeatureKind.ATTRIBUTE)
 
 
 @cache
 def references_of(table: ClassTable) -> tuple[tuple[str, FeatureTable], ...]:
     """Returns the features of a class by which its elements refer to others or own them."""
     kinds = (FeatureKind.CROSS_REFERENCE, FeatureKind.CONTAINMENT)
-    return tuple(each for each in table.features.items() if each[1].kind in kinds)
+    return tuple(item for item in table.features.items() if item[1].kind in kinds)
 
 
 def open_features(table: ClassTable, file: str) -> set[str]:
@@ -296,7 +298,7 @@ def open_features(table: ClassTable, file: str) -> set[str]:
 
 def attribute_values(obj: Any, feature: FeatureTable) -> tuple[str | None, ...]:
     """Returns what an attribute has, as XMI writes it; nothing when that need not be written."""
-    texts = tuple(lexical(each, feature) for each in contents(obj, feature))
+    texts = tuple(lexical(content, feature) for content in contents(obj, feature))
     if feature.many:
         return texts
     if feature.unsettable:

@@ -96,8 +96,8 @@ def complete(bench: Workbench, path: Path, place: Place) -> CompletionList:
     context = context_at(text, parsed_text(text), place)
     completions = _OFFERS.get(context.part, _nothing)(bench, path, context)
     offered: dict[tuple[str, str], Completion] = {}
-    for each in completions:
-        offered.setdefault((each.label, each.module), each)
+    for completion in completions:
+        offered.setdefault((completion.label, completion.module), completion)
     imports = imports_of(bench.tree(path))
     end = Place(imports[-1].span.end_line + 1 if imports else 1, 1)
     return CompletionList(context.start, context.end, tuple(offered.values()), end)
@@ -109,11 +109,14 @@ def _nothing(bench: Workbench, path: Path, context: Context) -> Iterator[Complet
 
 def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
     if context.item is None:
-        yield from (_keyword(each) for each in _TOP_WORDS)
+        yield from (_keyword(top_word) for top_word in _TOP_WORDS)
     elif context.item is context.map:
-        yield from (Completion(each, Kind.Keyword) for each in _MAP_WORDS)
+        yield from (Completion(map_word, Kind.Keyword) for map_word in _MAP_WORDS)
     if context.table is not None:
-        yield from (_keyword(snake_case(each.name)) for each in contained_classes(context.table))
+        yield from (
+            _keyword(snake_case(contained_class.name))
+            for contained_class in contained_classes(context.table)
+        )
     yield from map(_feature, features_of(context.item, context.table).values())
 
 
@@ -129,34 +132,36 @@ def _feature(feature: FeatureTable) -> Completion:
 
 
 def _import(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    yield from (Completion(written_word(each), Kind.File) for each in library_files())
+    yield from (
+        Completion(written_word(library_file), Kind.File) for library_file in library_files()
+    )
 
 
 def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    for each in bench.elements(path, jaus.MessageDef):
-        service = getattr(each.eContainer(), "name", "") or ""
-        detail = f"{each.code} {service}".strip()
-        name = written_word(each.name or "")
+    for element in bench.elements(path, jaus.MessageDef):
+        service = getattr(element.eContainer(), "name", "") or ""
+        detail = f"{element.code} {service}".strip()
+        name = written_word(element.name or "")
         yield Completion(
             name,
             Kind.Class,
             detail,
-            each.documentation or "",
-            module=bench.file_of(path, each),
+            element.documentation or "",
+            module=bench.file_of(path, element),
         )
 
 
 def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    for each in bench.elements(path, ros.MessageType):
-        package = getattr(each.eContainer(), "name", None)
-        if package and each.name:
-            name = written_word(f"{package}/{each.name}")
+    for element in bench.elements(path, ros.MessageType):
+        package = getattr(element.eContainer(), "name", None)
+        if package and element.name:
+            name = written_word(f"{package}/{element.name}")
             yield Completion(
                 name,
                 Kind.Class,
                 "",
-                each.documentation or "",
-                module=bench.file_of(path, each),
+                element.documentation or "",
+                module=bench.file_of(path, element),
             )
 
 
@@ -175,9 +180,9 @@ def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
     is_source = context.part is Part.SOURCE
     sides = sides_at(bench, path, context)
     if not context.word and is_source and context.around(Direction) is not None:
-        yield from (Completion(each, Kind.Keyword) for each in ("ignore", "clock"))
+        yield from (Completion(keyword, Kind.Keyword) for keyword in ("ignore", "clock"))
     if is_source:
-        yield from (Completion(each, Kind.Reference, "join") for each in sides.joins)
+        yield from (Completion(join, Kind.Reference, "join") for join in sides.joins)
         if isinstance(context.item, Assignment):
             yield from map(_feature, features_of(context.item, None).values())
     before, _, _ = context.word.rpartition(".")
@@ -209,8 +214,8 @@ def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
 
 
 def _units(context: Context) -> Iterator[Completion]:
-    for each in UNITS:
-        yield Completion(each, Kind.Unit, text=each if context.in_text else f'"{each}"')
+    for unit in UNITS:
+        yield Completion(unit, Kind.Unit, text=unit if context.in_text else f'"{unit}"')
 
 
 def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -247,12 +252,12 @@ def _reference(candidate: Candidate) -> Completion:
 def _literals(feature: FeatureTable) -> Iterator[Completion]:
     data_type = feature.data_type
     if data_type is not None and data_type.kind is ValueKind.BOOLEAN:
-        yield from (Completion(each, Kind.EnumMember) for each in ("true", "false"))
-    for each in data_type.legal if data_type is not None else ():
-        literal = data_type.literals[each] if data_type is not None else None
+        yield from (Completion(word, Kind.EnumMember) for word in ("true", "false"))
+    for word in data_type.legal if data_type is not None else ():
+        literal = data_type.literals[word] if data_type is not None else None
         default = " (default)" if literal is not None and literal == feature.default else ""
         yield Completion(
-            written_word(each),
+            written_word(word),
             Kind.EnumMember,
             default.strip(),
             documentation(literal),
@@ -264,17 +269,17 @@ def _declared(
 ) -> Iterator[Completion]:
     """Yields the names of a class that the text and its imports declare."""
     for file in (path, *bench.imports(path)):
-        for each in names_in(bench.text(file)).declared(wanted):
-            if _is_visible(each, context):
-                detail = f"{snake_case(each.table.name)} in {show(file.name)}"
-                yield Completion(written_path(each.name.text), Kind.Reference, detail)
+        for declaration in names_in(bench.text(file)).declared(wanted):
+            if _is_visible(declaration, context):
+                detail = f"{snake_case(declaration.table.name)} in {show(file.name)}"
+                yield Completion(written_path(declaration.name.text), Kind.Reference, detail)
 
 
 def _is_visible(declaration: Declaration, context: Context) -> bool:
     """Tells whether a name can be meant by itself: tables and the like only in their map."""
     owned = declaration.table in (table("bridge.ValueTable"), table("bridge.Quantity"))
-    around = [start_of(each.item.span) for each in context.levels if each.item is not None]
-    return not owned or all(start_of(each.span) in around for each in declaration.owners)
+    around = [start_of(level.item.span) for level in context.levels if level.item is not None]
+    return not owned or all(start_of(owner.span) in around for owner in declaration.owners)
 
 
 _OFFERS = {
@@ -311,12 +316,12 @@ def services(bench: Workbench, path: Path) -> Iterator[Candidate]:
     """
     imported = _imported(bench, path)
     named: dict[str, list[jaus.Service]] = {}
-    for each in bench.elements(path, jaus.Service):
-        named.setdefault(each.name or "", []).append(each)
+    for element in bench.elements(path, jaus.Service):
+        named.setdefault(element.name or "", []).append(element)
     for name, found in named.items():
         module_of = bench.module_of if len(found) > 1 else bench.file_of
-        modules = [module_of(path, each) for each in found]
-        known = [each for each in zip(found, modules, strict=True) if each[1] in {"", *imported}]
+        modules = [module_of(path, candidate) for candidate in found]
+        known = [pair for pair in zip(found, modules, strict=True) if pair[1] in {"", *imported}]
         for service, module in known[:1] or zip(found, modules, strict=True):
             detail = f"{qualified_name(service)} {service.version or ''}".strip()
             yield Candidate(name, detail, "" if known else module)
@@ -326,27 +331,27 @@ def maps(bench: Workbench, path: Path, context: Context) -> Iterator[Candidate]:
     """Yields the maps of the library for a connection: first those of its services."""
     imported = _imported(bench, path)
     wanted = _messages_around(bench, path, context)
-    for each in library_maps():
-        module = "" if each.module in imported else each.module
-        detail = f"{each.message}, {each.type}"
-        yield Candidate(each.name, detail, module, each.message in wanted)
+    for library_map in library_maps():
+        module = "" if library_map.module in imported else library_map.module
+        detail = f"{library_map.message}, {library_map.type}"
+        yield Candidate(library_map.name, detail, module, library_map.message in wanted)
 
 
 def _imported(bench: Workbench, path: Path) -> set[str]:
     items = imports_of(bench.tree(path))
-    return {each.target.text for each in items if isinstance(each.target, Name)}
+    return {item.target.text for item in items if isinstance(item.target, Name)}
 
 
 def _messages_around(bench: Workbench, path: Path, context: Context) -> set[str]:
     """Returns the names of the messages that the bridge and its peers have around a place."""
-    blocks = [each.item for each in context.levels if isinstance(each.item, Element)]
+    blocks = [level.item for level in context.levels if isinstance(level.item, Element)]
     named = {name for block in blocks for name in _values(block, ("provides", "uses", "services"))}
     peers = {name for block in blocks for name in _values(block, ("peers",))}
     for item in bench.tree(path).items:
         if isinstance(item, Element) and item.name is not None and item.name.text in peers:
             named |= set(_values(item, ("provides",)))
-    steps = {each.rpartition(".")[2] for each in named}
-    known = [each for each in bench.elements(path, jaus.Service) if each.name in steps]
+    steps = {service_path.rpartition(".")[2] for service_path in named}
+    known = [element for element in bench.elements(path, jaus.Service) if element.name in steps]
     return {
         str(message.name)
         for service in with_inherited(known)
@@ -357,4 +362,4 @@ def _messages_around(bench: Workbench, path: Path, context: Context) -> set[str]
 def _values(block: Element, features: Iterable[str]) -> Iterator[str]:
     for item in block.items:
         if isinstance(item, Feature) and item.name.text in features:
-            yield from (each.text for each in item.values if isinstance(each, Name))
+            yield from (value.text for value in item.values if isinstance(value, Name))

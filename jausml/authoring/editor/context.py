@@ -58,7 +58,7 @@ def class_of(element: Element, owner: ClassTable | None) -> ClassTable | None:
     """
     if element.keyword is not None:
         return keywords().get(element.keyword.text)
-    if any(isinstance(each, (End, Direction)) for each in element.items):
+    if any(isinstance(item, (End, Direction)) for item in element.items):
         return table("bridge.AttributeMap")
     name = element.name.text if element.name is not None else ""
     if name in keywords():
@@ -78,8 +78,12 @@ def class_of_value(element: Element, feature: FeatureTable | None) -> ClassTable
 def features_of(container: Item | None, owner: ClassTable | None) -> dict[str, FeatureTable]:
     """Returns the features that a block can state."""
     if isinstance(container, Assignment):
-        tables = [table(each) for each in ASSIGNMENTS]
-        return {name: feature for each in tables for name, feature in each.features.items()}
+        tables = [table(assignment) for assignment in ASSIGNMENTS]
+        return {
+            name: feature
+            for class_table in tables
+            for name, feature in class_table.features.items()
+        }
     if isinstance(container, Member):
         names = ("units", "frame", "minimum", "maximum", "optional")
         known = {**table("ros.PrimitiveField").features, **table("jaus.FixedField").features}
@@ -101,8 +105,8 @@ def contained_classes(owner: ClassTable) -> list[ClassTable]:
     found: dict[ClassTable, None] = {}
     for feature in owner.features.values():
         if feature.kind is FeatureKind.CONTAINMENT and feature.target is not None:
-            concrete = [each for each in feature.target.subtypes if not each.abstract]
-            found.update(dict.fromkeys(sorted(concrete, key=lambda each: each.name)))
+            concrete = [subtype for subtype in feature.target.subtypes if not subtype.abstract]
+            found.update(dict.fromkeys(sorted(concrete, key=lambda class_table: class_table.name)))
     return list(found)
 
 
@@ -170,7 +174,7 @@ class Context:
 
     def around(self, kind: type[Item]) -> Item | None:
         """Returns the innermost item of a kind around the place."""
-        found = (each.item for each in reversed(self.levels) if isinstance(each.item, kind))
+        found = (level.item for level in reversed(self.levels) if isinstance(level.item, kind))
         return next(found, None)
 
     @property
@@ -185,7 +189,7 @@ class Context:
     def end_of_map(self, *, is_jaus: bool) -> End | None:
         """Returns an end of the map around the place."""
         items = self.map.items if self.map is not None else []
-        found = (each for each in items if isinstance(each, End) and each.is_jaus == is_jaus)
+        found = (item for item in items if isinstance(item, End) and item.is_jaus == is_jaus)
         return next(found, None)
 
 
@@ -199,7 +203,7 @@ def context_at(text: str, parsed: Parsed, place: Place) -> Context:
     start = Place(place.line, place.column - len(word))
     end = Place(place.line, rest.end() + 1 if rest is not None else place.column)
     levels = tuple(_levels(parsed.document, start))
-    tokens = (each for each in reversed(parsed.tokens) if _position(each) <= start)
+    tokens = (token for token in reversed(parsed.tokens) if _position(token) <= start)
     last = next(tokens, None)
     quoted = last if last is not None and _is_text_around(last, place) else None
     behind = [] if last is None or last is quoted or _position(last) == start else [last]
@@ -229,7 +233,9 @@ def _levels(document: SyntaxTree, place: Place) -> Iterable[Level]:
     level = Level(None, None, document.items)
     while True:
         yield level
-        inner = [each for each in _inner_levels(level) if _holds(each.items, place)]
+        inner = [
+            inner_level for inner_level in _inner_levels(level) if _holds(inner_level.items, place)
+        ]
         if not inner:
             return
         # A list whose bracket is missing reaches to the end of the text: the last one counts.
@@ -281,7 +287,7 @@ def _begin(level: Level, start: Place) -> Place:
 def _part(level: Level, statement: Sequence[Token]) -> tuple[Part, str]:
     """Returns what follows the tokens of an unfinished item, and what it is about."""
     item = level.item
-    types = [each.type for each in statement]
+    types = [token.type for token in statement]
     last = types[-1] if types else ""
     if isinstance(item, (Direction, Assignment)) and (part := _assignment_part(statement)):
         return part
@@ -299,7 +305,7 @@ def _part(level: Level, statement: Sequence[Token]) -> tuple[Part, str]:
 
 
 def _assignment_part(statement: Sequence[Token]) -> tuple[Part, str] | None:
-    types = [each.type for each in statement]
+    types = [token.type for token in statement]
     last = types[-1] if types else ""
     if last == "IGNORE":
         return Part.TARGET, ""

@@ -82,7 +82,7 @@ def _at_end(
 def fields_of(place: PathPlace | None) -> list[attributes.Part]:
     """Returns the fields that the next step of a path can name."""
     if isinstance(place, JausPlace):
-        return [each for each in place.members() or [] if each.name]
+        return [member for member in place.members() or [] if member.name]
     if place is not None and place.type is not None and not place.is_array:
         return list(place.type.fields)
     return []
@@ -176,7 +176,7 @@ def word_at(text: str, place: Place) -> Token | None:
     """Returns the word or text at a place; the place behind its last character counts."""
     tokens = parsed_text(text).tokens
     found = (t for t in tokens if t.end_line == place.line and is_within(span_of(t), place))
-    return next((each for each in found if each.type not in _PUNCTUATION), None)
+    return next((token for token in found if token.type not in _PUNCTUATION), None)
 
 
 def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
@@ -255,10 +255,15 @@ def outline(text: str) -> list[Symbol]:
     """Returns what a text declares, as trees."""
     roots: list[Symbol] = []
     by_item: dict[int, Symbol] = {}
-    for each in names_in(text).declarations:
-        symbol = Symbol(each.name.text, snake_case(each.table.name), each.item.span, each.name.span)
-        by_item[id(each.item)] = symbol
-        owner = _nearest(each.owners, by_item)
+    for declaration in names_in(text).declarations:
+        symbol = Symbol(
+            declaration.name.text,
+            snake_case(declaration.table.name),
+            declaration.item.span,
+            declaration.name.span,
+        )
+        by_item[id(declaration.item)] = symbol
+        owner = _nearest(declaration.owners, by_item)
         (owner.children if owner is not None else roots).append(symbol)
     return roots
 

@@ -145,14 +145,14 @@ def described(element: EObject) -> str:
 def described_map(block: Element) -> str:
     """Returns which ends a map has, and in which directions it goes."""
     ends = [
-        f"{'JAUS' if each.is_jaus else 'ROS'} `{each.type.text}`"
-        for each in block.items
-        if isinstance(each, End)
+        f"{'JAUS' if item.is_jaus else 'ROS'} `{item.type.text}`"
+        for item in block.items
+        if isinstance(item, End)
     ]
     ways = [
-        "JAUS->ROS" if each.to_ros else "ROS->JAUS"
-        for each in block.items
-        if isinstance(each, Direction)
+        "JAUS->ROS" if item.to_ros else "ROS->JAUS"
+        for item in block.items
+        if isinstance(item, Direction)
     ]
     return _joined(", ".join(ends), ", ".join(dict.fromkeys(ways)))
 
@@ -201,7 +201,7 @@ def _service(service: jaus.Service) -> str:
     if service.inherits is not None:
         facts.append(f"inherits {service.inherits.name}")
     messages = [
-        f"{word}: {', '.join(str(each.name) for each in messages)}"
+        f"{word}: {', '.join(str(message.name) for message in messages)}"
         for word, messages in (("takes", service.inputs), ("sends", service.outputs))
         if messages
     ]
@@ -221,4 +221,4 @@ def _first_line(text: str | None) -> str:
 
 
 def _joined(*parts: Any, between: str = "\n\n") -> str:
-    return between.join(str(each) for each in parts if each)
+    return between.join(str(part) for part in parts if part)

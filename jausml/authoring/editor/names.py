@@ -77,16 +77,25 @@ class Names:
 
     def declared(self, wanted: ClassTable) -> Iterator[Declaration]:
         """Returns the declarations of the elements of a class."""
-        return (each for each in self.declarations if each.table in wanted.subtypes)
+        return (
+            declaration for declaration in self.declarations if declaration.table in wanted.subtypes
+        )
 
     def declared_at(self, place: Place) -> Declaration | None:
         """Returns the declaration whose name is at a place."""
-        found = (each for each in self.declarations if is_within(each.name.span, place))
+        found = (
+            declaration
+            for declaration in self.declarations
+            if is_within(declaration.name.span, place)
+        )
         return next(found, None)
 
     def reference_at(self, place: Place) -> Reference | None:
         """Returns the reference at a place."""
-        return next((each for each in self.references if is_within(each.name.span, place)), None)
+        return next(
+            (reference for reference in self.references if is_within(reference.name.span, place)),
+            None,
+        )
 
 
 def names_of(document: SyntaxTree) -> Names:
@@ -100,12 +109,14 @@ def find(reference: Reference, names: Names) -> Declaration | None:
     """Returns the declaration that a reference means: the one that shares most owners with it."""
     steps = reference.text.replace("/", ".").split(".")
     fitting = [
-        each
-        for each in names.declared(reference.wanted)
-        if each.name.text.endswith(steps[-1])
-        and [step for name in each.path for step in name.split(".")][-len(steps) :] == steps
+        declaration
+        for declaration in names.declared(reference.wanted)
+        if declaration.name.text.endswith(steps[-1])
+        and [step for name in declaration.path for step in name.split(".")][-len(steps) :] == steps
     ]
-    return max(fitting, key=lambda each: _shared(each.owners, reference.owners), default=None)
+    return max(
+        fitting, key=lambda declaration: _shared(declaration.owners, reference.owners), default=None
+    )
 
 
 def _shared(first: Sequence[Item], second: Sequence[Item]) -> int:
@@ -144,7 +155,9 @@ class _Collector:
                 self._declare(item.name, table("bridge.ValueTable"), item, owners)
             elif isinstance(item, Vector):
                 self._declare(item.name, table("bridge.TestVector"), item, owners)
-                self._joins([each.path for each in item.given], owners, to_ros=item.to_ros)
+                self._joins(
+                    [vector_entry.path for vector_entry in item.given], owners, to_ros=item.to_ros
+                )
             elif isinstance(item, Direction):
                 self.items(item.assignments, item, None, (*owners, item))
             elif isinstance(item, Assignment):
@@ -174,9 +187,9 @@ class _Collector:
                 self._refer(value, known.target, owners)
 
     def _assignment(self, assignment: Assignment, owners: tuple[Item, ...]) -> None:
-        direction = next((each for each in owners if isinstance(each, Direction)), None)
+        direction = next((owner for owner in owners if isinstance(owner, Direction)), None)
         if direction is not None:
-            paths = [each for each in assignment.sources if isinstance(each, Name)]
+            paths = [source for source in assignment.sources if isinstance(source, Name)]
             self._joins(paths, owners, to_ros=direction.to_ros)
         for call in assignment.conversions:
             self._call(call, owners)

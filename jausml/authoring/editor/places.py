@@ -54,7 +54,7 @@ class Columns:
         `start`, `end`: line and units as the editor counts them.
         """
         behind = Place(len(self._lines), len(self._lines[-1]) + 1)
-        first, last = sorted(min(self.place(*each), behind) for each in (start, end))
+        first, last = sorted(min(self.place(*position), behind) for position in (start, end))
         head = self._lines[first.line - 1][: first.column - 1]
         tail = self._lines[last.line - 1][last.column - 1 :]
         # With its line end, for the line may have the first half of one.

@@ -208,13 +208,13 @@ class _Handlers:
         columns = self._columns(path)
         diagnostics = [
             types.Diagnostic(
-                range=_range(columns, each.span),
-                message=each.message,
-                severity=_SEVERITIES[each.severity],
-                code=each.rule,
+                range=_range(columns, problem.span),
+                message=problem.message,
+                severity=_SEVERITIES[problem.severity],
+                code=problem.rule,
                 source=_SOURCE,
             )
-            for each in problems
+            for problem in problems
         ]
         version = self._versions.get(path)
         self._server.text_document_publish_diagnostics(
@@ -231,16 +231,16 @@ class _Handlers:
         replaced = _range(self._columns(path), span)
         items = [
             types.CompletionItem(
-                label=each.label,
-                kind=each.kind,
-                detail=each.detail or None,
-                documentation=each.documentation or None,
-                filter_text=each.label,
-                sort_text=f"{0 if each.is_first else 1}{each.label}",
-                text_edit=types.TextEdit(replaced, each.text or each.label),
-                additional_text_edits=self._import(path, found, each),
+                label=completion.label,
+                kind=completion.kind,
+                detail=completion.detail or None,
+                documentation=completion.documentation or None,
+                filter_text=completion.label,
+                sort_text=f"{0 if completion.is_first else 1}{completion.label}",
+                text_edit=types.TextEdit(replaced, completion.text or completion.label),
+                additional_text_edits=self._import(path, found, completion),
             )
-            for each in found.completions
+            for completion in found.completions
         ]
         return types.CompletionList(is_incomplete=False, items=items)
 
@@ -286,27 +286,33 @@ class _Handlers:
 
     def _workspace_edit(self, edits: Iterable[Edit]) -> types.WorkspaceEdit:
         changes: dict[str, list[types.TextEdit]] = {}
-        for each in edits:
-            where = _range(self._columns(each.path), each.span)
-            changes.setdefault(self._uri(each.path), []).append(types.TextEdit(where, each.text))
+        for edit in edits:
+            where = _range(self._columns(edit.path), edit.span)
+            changes.setdefault(self._uri(edit.path), []).append(types.TextEdit(where, edit.text))
         return types.WorkspaceEdit(changes)
 
     async def code_actions(self, params: types.CodeActionParams) -> list[types.CodeAction]:
         """Returns the quick fixes of what is shown at a place; a place without is not looked at."""
-        shown = [each for each in params.context.diagnostics if each.source == _SOURCE]
+        shown = [
+            diagnostic for diagnostic in params.context.diagnostics if diagnostic.source == _SOURCE
+        ]
         if not shown:
             return []
         lines = range(params.range.start.line + 1, params.range.end.line + 2)
         path = _path(params.text_document.uri)
         found = await asyncio.to_thread(lambda: list(fixes(self._bench, path, lines)))
-        return [self._code_action(each, shown) for each in found]
+        return [self._code_action(fix, shown) for fix in found]
 
     def _code_action(self, fix: Fix, shown: Iterable[types.Diagnostic]) -> types.CodeAction:
         rule, line = fix.finding.rule, fix.finding.location.line - 1
         return types.CodeAction(
             fix.label,
             types.CodeActionKind.QuickFix,
-            [each for each in shown if (each.code, each.range.start.line) == (rule, line)],
+            [
+                diagnostic
+                for diagnostic in shown
+                if (diagnostic.code, diagnostic.range.start.line) == (rule, line)
+            ],
             edit=self._workspace_edit(fix.edits),
         )
 
@@ -326,7 +332,7 @@ class _Handlers:
     def symbols(self, params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
         path = _path(params.text_document.uri)
         columns = self._columns(path)
-        return [_symbol(each, columns) for each in outline(self._bench.text(path))]
+        return [_symbol(symbol, columns) for symbol in outline(self._bench.text(path))]
 
     # Places
 
@@ -371,5 +377,5 @@ def _symbol(symbol: Symbol, columns: Columns) -> types.DocumentSymbol:
         kind=types.SymbolKind.Object,
         range=_range(columns, symbol.span),
         selection_range=_range(columns, symbol.name_span),
-        children=[_symbol(each, columns) for each in symbol.children],
+        children=[_symbol(child, columns) for child in symbol.children],
     )

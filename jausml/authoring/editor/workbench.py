@@ -75,7 +75,7 @@ class Workbench:
         if self.root is None:
             return True
         real = path.resolve()
-        return any(real.is_relative_to(each) for each in (self.root, library_root().resolve()))
+        return any(real.is_relative_to(folder) for folder in (self.root, library_root().resolve()))
 
     def findings(
         self, path: Path, is_wanted: Callable[[], bool] = lambda: True
@@ -87,7 +87,7 @@ class Workbench:
         """
         # A copy: the editor may open and close texts meanwhile.
         held = dict(self.texts)
-        contents = {each: text.encode("utf-8", "replace") for each, text in held.items()}
+        contents = {file: text.encode("utf-8", "replace") for file, text in held.items()}
         with self._lock:
             result = read_models(
                 [path],
@@ -100,15 +100,17 @@ class Workbench:
             self._read_beside(path, contents)
         shown = result.model.documents[0].display
         found = checked(result, is_wanted)
-        return [each for each in found if each.location.path == shown]
+        return [diagnostic for diagnostic in found if diagnostic.location.path == shown]
 
     def _read_beside(self, path: Path, held: Mapping[Path, bytes]) -> None:
         """Reads the other files of the project of a text, which a text can name by an import."""
         root = made_project(path.parent)
         if root is None or not self._may_read(root):
             return
-        inside = {each: data for each, data in held.items() if each.is_relative_to(root)}
-        texts = {each.relative_to(root).as_posix(): data for each, data in inside.items()}
+        inside = {
+            held_path: data for held_path, data in held.items() if held_path.is_relative_to(root)
+        }
+        texts = {held_path.relative_to(root).as_posix(): data for held_path, data in inside.items()}
         models = self._read.setdefault(root, Models(root, NOTATIONS, self._library))
         index = Index(root, {**stored_files(root), **texts}, models)
         file = path.resolve().relative_to(root).as_posix()
@@ -126,15 +128,15 @@ class Workbench:
         Between them stand those of the project's other files, which a text has to import.
         """
         known = (self._models.get(path), self._beside.get(path))
-        own = own_instances([each for each in known if each is not None], kind)
+        own = own_instances([model for model in known if model is not None], kind)
         return [*own, *library().instances(kind)]
 
     def find(self, path: Path, kind: type[ElementT], name: str) -> ElementT | None:
         """Returns the first element of a class that a name means in a text, None without one."""
         wanted = f".{name.replace('/msg/', '/').replace('/', '.')}"
-        for each in self.elements(path, kind):
-            if f".{qualified_name(each)}".endswith(wanted):
-                return each
+        for element in self.elements(path, kind):
+            if f".{qualified_name(element)}".endswith(wanted):
+                return element
         return None
 
     def tree(self, path: Path) -> SyntaxTree:
@@ -165,18 +167,21 @@ class Workbench:
 
     def imports(self, path: Path) -> list[Path]:
         """Returns the files that a text imports, whether they are there or not."""
-        found = (imported_file(each, path) for each in imports_of(self.tree(path)))
-        return [each for each in found if each is not None]
+        found = (
+            imported_file(import_statement, path)
+            for import_statement in imports_of(self.tree(path))
+        )
+        return [file for file in found if file is not None]
 
     def related(self, path: Path) -> list[Path]:
         """Returns a text, the open ones, and all texts that these import."""
         found: dict[Path, None] = {}
         pending = [*self.texts, path]
         while pending:
-            each = pending.pop()
-            if each.suffix == SUFFIX and each not in found:
-                found[each] = None
-                pending += self.imports(each)
+            text_path = pending.pop()
+            if text_path.suffix == SUFFIX and text_path not in found:
+                found[text_path] = None
+                pending += self.imports(text_path)
         return list(found)
 
 
@@ -219,8 +224,8 @@ class Problem:
 def syntax_problems(text: str) -> list[Problem]:
     """Returns the syntax errors of a text."""
     return [
-        Problem(each.span, Severity.ERROR, "JML701", _with_hint(each.message, each.hint))
-        for each in parsed_text(text).faults
+        Problem(fault.span, Severity.ERROR, "JML701", _with_hint(fault.message, fault.hint))
+        for fault in parsed_text(text).faults
     ]
 
 
@@ -234,12 +239,12 @@ def all_problems(
     lines = bench.text(path).split("\n")
     return [
         Problem(
-            _span(lines, each.location.line, each.location.column),
-            each.severity,
-            each.rule,
-            _with_hint(each.message, each.hint),
+            _span(lines, finding.location.line, finding.location.column),
+            finding.severity,
+            finding.rule,
+            _with_hint(finding.message, finding.hint),
         )
-        for each in bench.findings(path, is_wanted)
+        for finding in bench.findings(path, is_wanted)
     ]
 
 

@@ -55,7 +55,7 @@ class Unsaved:
     """
 
     def __init__(self, texts: Mapping[Path, str]) -> None:
-        self.root = Path(os.path.commonpath([each.parent for each in texts]))
+        self.root = Path(os.path.commonpath([text.parent for text in texts]))
         self._names = {path: path.relative_to(self.root).as_posix() for path in texts}
         self._texts = texts
         self._files = {
@@ -83,7 +83,7 @@ class Unsaved:
             raise EditError(f"{name} cannot be parsed as it is: fix it first")
         draft = Draft(self.root, self._files, self._reader, 1)
         execute(commands, draft)
-        changed = {each.file for each in draft.changes()}
+        changed = {change.file for change in draft.changes()}
         return [
             edit
             for file, of_file in self._names.items()
@@ -132,7 +132,7 @@ def changed_words(old: str, new: str) -> _Words | None:
                 return None
             pending += zip(one, other, strict=True)
         elif is_dataclass(one):
-            names = [each.name for each in fields(one) if each.name not in _LAYOUT]
+            names = [field.name for field in fields(one) if field.name not in _LAYOUT]
             pending += ((getattr(one, name), getattr(other, name)) for name in names)
         elif one != other:
             return None
@@ -145,7 +145,7 @@ _LAYOUT = frozenset({"span", "comments", "trailing", "spaced", "closing"})
 
 def unsaved(bench: Workbench, path: Path) -> Unsaved:
     """Returns a text, the open ones and what these import, as an editor holds them."""
-    return Unsaved({each: bench.text(each) for each in bench.related(path) if not is_shipped(each)})
+    return Unsaved({file: bench.text(file) for file in bench.related(path) if not is_shipped(file)})
 
 
 def is_shipped(path: Path) -> bool:
@@ -187,9 +187,9 @@ def renamed_span(bench: Workbench, path: Path, place: Place) -> Span | None:
     if declaration_at(bench, path, place) is None:
         return None
     names = names_in(bench.text(path))
-    spans = [each.name.span for each in names.declarations]
-    spans += [each.name.span for each in names.references]
-    return next(each for each in spans if is_within(each, place))
+    spans = [declaration.name.span for declaration in names.declarations]
+    spans += [reference.name.span for reference in names.references]
+    return next(span for span in spans if is_within(span, place))
 
 
 def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
@@ -204,7 +204,7 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
     home, declaration = found
     if home not in bench.texts and is_shipped(home):
         raise RenameError(f"'{declaration.name.text}' belongs to the shipped library")
-    if not name.strip() or any(not each.isprintable() for each in name):
+    if not name.strip() or any(not character.isprintable() for character in name):
         raise RenameError("a name has printable characters")
     _check_free(bench, home, declaration, name)
     held = unsaved(bench, home)

@@ -37,34 +37,34 @@ class Comment:
 def comments_of(text: str, *, is_xmi: bool) -> list[Comment]:
     """Returns the comments of a text."""
     if is_xmi:
-        return [Comment(each.group(), *each.span()) for each in _COMMENT.finditer(text)]
+        return [Comment(match.group(), *match.span()) for match in _COMMENT.finditer(text)]
     found = scan(text).comments
     return [Comment(str(e), e.start_pos or 0, e.end_pos or 0) for e in found]
 
 
 def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xmi: bool) -> str:
     """Returns a merge with what theirs did to the comments of the base."""
-    was, here, there = (comments_of(each, is_xmi=is_xmi) for each in (base, merged, theirs))
-    counts = [Counter(each.said for each in one) for one in (was, here, there)]
+    was, here, there = (comments_of(version, is_xmi=is_xmi) for version in (base, merged, theirs))
+    counts = [Counter(comment.said for comment in one) for one in (was, here, there)]
     ends = [match.end() for match in re.finditer(r"\n|\Z", merged)]
     starts = [0, *ends[:-1]]
     edits: list[tuple[int, int, str]] = []
-    for each in here:
-        if counts[0][each.said] == counts[1][each.said] == 1 and not counts[2][each.said]:
-            edits.append(_removal(merged, each))
+    for comment in here:
+        if counts[0][comment.said] == counts[1][comment.said] == 1 and not counts[2][comment.said]:
+            edits.append(_removal(merged, comment))
     known = counts[0] | counts[1]
-    for each in there:
-        known[each.said] -= 1
-        if known[each.said] >= 0:
+    for comment in there:
+        known[comment.said] -= 1
+        if known[comment.said] >= 0:
             continue
-        begin = theirs.rfind("\n", 0, each.start) + 1
-        line, column = theirs.count("\n", 0, each.start) + 1, each.start - begin + 1
-        is_behind = bool(theirs[begin : each.start].strip())
+        begin = theirs.rfind("\n", 0, comment.start) + 1
+        line, column = theirs.count("\n", 0, comment.start) + 1, comment.start - begin + 1
+        is_behind = bool(theirs[begin : comment.start].strip())
         found = line_of(line, column, is_behind)
         at = starts[found - 1] if found is not None else len(merged)
         indentation = re.match(r"[ \t]*", merged[at:])
         margin = indentation.group() if indentation is not None else ""
-        edits.append((at, at, f"{margin}{each.written}\n"))
+        edits.append((at, at, f"{margin}{comment.written}\n"))
     newline = "\r\n" if "\r\n" in merged else "\n"
     for start, end, new in sorted(edits, key=lambda edit: edit[0], reverse=True):
         written = new.replace("\r\n", "\n").replace("\n", newline)

@@ -71,8 +71,8 @@ class Execution:
         """Carries a plan out."""
         going = {e for one in (*plan.removed, *plan.replaced) for e in self._sides.all_of(one)}
         self._moved = plan.moved
-        for each in plan.replaced:
-            self._remove(each, going)
+        for replaced_element in plan.replaced:
+            self._remove(replaced_element, going)
         for addition in plan.additions:
             if addition.element not in plan.moved:
                 self._add(addition)
@@ -83,8 +83,8 @@ class Execution:
             self._set(element, feature, tokens, owner)
         for order in plan.orders:
             self._reorder(order)
-        for each in plan.removed:
-            self._remove(each, going)
+        for removed_element in plan.removed:
+            self._remove(removed_element, going)
 
     def model(self) -> Model:
         """Returns the model of the file as it is now."""
@@ -134,28 +134,28 @@ class Execution:
         identifier = self._sides.theirs.model.identifier(obj)
         if identifier:
             values[IDENTIFIER] = (identifier,)
-        for each in self._sides.features(obj):
-            tokens = self._sides.values(obj, each, self._sides.theirs)
-            if each.kind is FeatureKind.ATTRIBUTE:
+        for own_feature in self._sides.features(obj):
+            tokens = self._sides.values(obj, own_feature, self._sides.theirs)
+            if own_feature.kind is FeatureKind.ATTRIBUTE:
                 texts = tuple(text for text in tokens if isinstance(text, str))
-            elif each.kind is FeatureKind.CROSS_REFERENCE:
+            elif own_feature.kind is FeatureKind.CROSS_REFERENCE:
                 found = [self._ref(token) for token in tokens]
                 if None in found:
-                    self._later.append((obj, each, owner))
+                    self._later.append((obj, own_feature, owner))
                     continue
                 texts = tuple(filter(None, found))
             else:
-                owned = self._added(obj, each)
-                children += [self._described(one, each.name, owner) for one in owned]
+                owned = self._added(obj, own_feature)
+                children += [self._described(one, own_feature.name, owner) for one in owned]
                 continue
             if texts:
-                values[each.name] = texts
+                values[own_feature.name] = texts
         kind = self._sides.table(obj).qualified_name
         return Child(feature, kind, values, tuple(children))
 
     def _added(self, obj: EObject, feature: FeatureTable) -> list[EObject]:
         """Returns what an element of theirs owns and our side has in no other place."""
-        return [each for each in contents(obj, feature) if each not in self._moved]
+        return [content for content in contents(obj, feature) if content not in self._moved]
 
     def _locate(self, obj: EObject, ref: Ref) -> None:
         """Remembers where an element of theirs stands now, and what it owns."""
@@ -163,10 +163,10 @@ class Execution:
         file, _, _ = ref.partition("#")
         path = self._path(ref)
         for feature in self._sides.table(obj).contained:
-            for index, each in enumerate(self._added(obj, feature)):
-                identifier = self._sides.theirs.model.identifier(each)
+            for index, element in enumerate(self._added(obj, feature)):
+                identifier = self._sides.theirs.model.identifier(element)
                 step = f"@{feature.name}{f'.{index}' if feature.many else ''}"
-                self._locate(each, f"{file}#{identifier or f'{path}/{step}'}")
+                self._locate(element, f"{file}#{identifier or f'{path}/{step}'}")
 
     def _path(self, ref: Ref) -> str:
         """Returns the path of an element by features, whether it has an id or not."""
@@ -186,12 +186,12 @@ class Execution:
             texts = tuple(text for text in values if isinstance(text, str))
             self._do(Set(self.where[element], feature.name, texts))
             return
-        found = [self._ref(each) for each in values]
+        found = [self._ref(value) for value in values]
         if None in found:
             what = f"{words(feature.name)} is to refer to an element that we removed"
             name = feature.name if place is element else ""
             self.conflicts.append(Conflict(LOST_TARGET, place, what, name))
-        texts = tuple(each for each in found if each is not None)
+        texts = tuple(ref for ref in found if ref is not None)
         if texts or None not in found:
             self._do(Set(self.where[element], feature.name, texts))
 
@@ -211,14 +211,16 @@ class Execution:
 
     def _remove(self, element: EObject, going: set[EObject]) -> None:
         """Removes an element, unless something that stays refers to it."""
-        leaving = {self.where[each] for each in going if each in self.where}
+        leaving = {
+            self.where[going_element] for going_element in going if going_element in self.where
+        }
         ref = self.where[element]
         if not ref:
             return  # it went with something else
-        for each in referrers(ref, self._draft()):
-            if each.element not in leaving:
+        for referrer in referrers(ref, self._draft()):
+            if referrer.element not in leaving:
                 label = self._sides.label(element)
-                what = f"{label} was removed by them, and {each.label} refers to it"
+                what = f"{label} was removed by them, and {referrer.label} refers to it"
                 self.conflicts.append(Conflict(GONE_HERE, element, what))
                 return
         self._do(Remove(ref))

@@ -83,7 +83,7 @@ def merged(
     Raises:
         UnmergeableError: A state cannot be read whole, or is a model of another root.
     """
-    known = {each: states.ours for each, states in around.items()}
+    known = {file_name: states.ours for file_name, states in around.items()}
     files = _files(root, {**known, file: ours})
     for name, states in sorted(around.items()):
         if states.theirs is None or states.theirs in (states.base, states.ours):
@@ -98,8 +98,10 @@ def merged(
     conflicts = [*one.conflicts, *_elsewhere(one, file, merged_too)]
     data, left_out = one.with_comments()
     conflicts += [
-        Conflict(LEFT_OUT, one.mine.documents[0].roots[0], f"a comment of theirs is lost: {each}")
-        for each in left_out
+        Conflict(
+            LEFT_OUT, one.mine.documents[0].roots[0], f"a comment of theirs is lost: {comment}"
+        )
+        for comment in left_out
     ]
     if file.endswith(XMI):
         data = with_places(data, base, ours, theirs)
@@ -123,31 +125,42 @@ class _Merge:
         sides = (states.base or b"", states.ours or b"", states.theirs or b"")
         self._data = sides
         beside: list[dict[Path, bytes]] = [
-            {root / name: data for name, each in around.items() if (data := each.base)},
+            {
+                root / name: data
+                for name, file_states in around.items()
+                if (data := file_states.base)
+            },
             {root / name: files[name].data for name in around if name in files},
-            {root / name: data for name, each in around.items() if (data := each.theirs)},
+            {
+                root / name: data
+                for name, file_states in around.items()
+                if (data := file_states.theirs)
+            },
         ]
-        results = [self._read(*each) for each in zip(sides, beside, strict=True)]
+        results = [self._read(*pair) for pair in zip(sides, beside, strict=True)]
         absent = [
-            each
+            reference
             for one in results
-            for each in one.lost
-            if each.path is not None and each.path != root / file
-            if each.path.is_relative_to(root)
+            for reference in one.lost
+            if reference.path is not None and reference.path != root / file
+            if reference.path.is_relative_to(root)
         ]
         others = placeholders(absent, results[0].model.metamodels)
         if others:
-            beside = [{**each, **others} for each in beside]
-            results = [self._read(*each) for each in zip(sides, beside, strict=True)]
+            beside = [{**side, **others} for side in beside]
+            results = [self._read(*pair) for pair in zip(sides, beside, strict=True)]
             names = {path.relative_to(root).as_posix(): data for path, data in others.items()}
             files = {**files, **{name: stored(name, data, 0) for name, data in names.items()}}
         names_of = ("the base", "our side", "their side")
         was, _, other = (
-            _whole(name, each, root, others) for name, each in zip(names_of, results, strict=True)
+            _whole(name, read_result, root, others)
+            for name, read_result in zip(names_of, results, strict=True)
         )
         self.before = files
         self.mine = self._reader.read(file, files).model
-        kinds = [[each.eClass for each in m.documents[0].roots] for m in (was, self.mine, other)]
+        kinds = [
+            [element.eClass for element in m.documents[0].roots] for m in (was, self.mine, other)
+        ]
         if not kinds[0] or kinds[0] != kinds[1] or kinds[0] != kinds[2]:
             raise UnmergeableError("the roots of the three states are not of the same classes")
         self._sides = Sides(was, self.mine, other, root, {root / name for name in around})
@@ -171,22 +184,24 @@ class _Merge:
         data = self.files[self._file].data
         model = self.execution.model()
         states = (self._sides.base, model, self._sides.theirs.model)
-        encodings = [each.documents[0].encoding for each in states]
+        encodings = [state.documents[0].encoding for state in states]
         parts = zip((self._data[0], data, self._data[2]), encodings, strict=True)
-        base, now, theirs = (each.decode(encoding, "replace") for each, encoding in parts)
+        base, now, theirs = (content.decode(encoding, "replace") for content, encoding in parts)
         made = with_comments(now, base, theirs, self._lines(model), is_xmi=is_xmi)
         if made == now:
             return data, []
         written = made.encode(encodings[1], "xmlcharrefreplace")
         files = {**self.files, self._file: stored(self._file, written, 0)}
         again = self._reader.read(self._file, files).model
-        before, after = (list(each.documents[0].roots) for each in (model, again))
+        before, after = (list(state.documents[0].roots) for state in (model, again))
         pairs = zip(before, after, strict=False)
         if len(before) == len(after) and not any(compare(*e, model.metamodels) for e in pairs):
             return written, []
-        known = {each.said for text in (base, now) for each in comments_of(text, is_xmi=is_xmi)}
-        found = [each.said for each in comments_of(theirs, is_xmi=is_xmi)]
-        return data, [each for each in found if each not in known]
+        known = {
+            comment.said for text in (base, now) for comment in comments_of(text, is_xmi=is_xmi)
+        }
+        found = [comment.said for comment in comments_of(theirs, is_xmi=is_xmi)]
+        return data, [comment for comment in found if comment not in known]
 
     def _lines(self, model: Model) -> LineOf:
         """Returns what finds lines of the merge by places of theirs."""
@@ -209,7 +224,7 @@ class _Merge:
 
 def _files(root: Path, known: Mapping[str, bytes | None]) -> dict[str, Stored]:
     """Returns the model files of a folder, of some of them what is known to be our side."""
-    paths = {each: root / each for each in model_files(root)}
+    paths = {model_file: root / model_file for model_file in model_files(root)}
     found = {n: stored(n, read_input(path), 0) for n, path in paths.items() if path.is_file()}
     ours = {n: stored(n, data, 0) for n, data in known.items() if data is not None}
     return {**found, **ours}
@@ -217,14 +232,14 @@ def _files(root: Path, known: Mapping[str, bytes | None]) -> dict[str, Stored]:
 
 def _whole(name: str, result: ReadResult, root: Path, others: Container[Path]) -> Model:
     """Returns a state that was read without errors but those of placeholders."""
-    ours = {each.display for each in result.model.documents if each.path in others}
-    for each in result.diagnostics:
-        if each.severity is not Severity.ERROR or each.rule in _HALF_DONE:
+    ours = {document.display for document in result.model.documents if document.path in others}
+    for diagnostic in result.diagnostics:
+        if diagnostic.severity is not Severity.ERROR or diagnostic.rule in _HALF_DONE:
             continue
-        if each.location.path not in ours:
-            place = f"line {each.location.line}: " if each.location.line else ""
-            message = each.message.replace(f"{root}{os.sep}", "")
-            raise UnmergeableError(f"{name}: {place}{each.rule} {message}")
+        if diagnostic.location.path not in ours:
+            place = f"line {diagnostic.location.line}: " if diagnostic.location.line else ""
+            message = diagnostic.message.replace(f"{root}{os.sep}", "")
+            raise UnmergeableError(f"{name}: {place}{diagnostic.rule} {message}")
     return result.model
 
 
@@ -245,16 +260,20 @@ def _elsewhere(one: _Merge, file: str, merged_too: Iterable[str]) -> list[Confli
 def _findings(conflicts: list[Conflict], execution: Execution, file: str) -> tuple[Diagnostic, ...]:
     model = execution.model()
     found = []
-    for each in conflicts:
-        severity = MERGE_RULES[each.rule].severity
-        if each.file:
-            found.append(Diagnostic(each.rule, severity, Location(each.file), each.message))
+    for conflict in conflicts:
+        severity = MERGE_RULES[conflict.rule].severity
+        if conflict.file:
+            found.append(
+                Diagnostic(conflict.rule, severity, Location(conflict.file), conflict.message)
+            )
             continue
-        obj = refs.find(execution.where.get(each.element, ""), model, execution.root)
+        obj = refs.find(execution.where.get(conflict.element, ""), model, execution.root)
         obj = obj if obj is not None else model.documents[0].roots[0]
-        place = replace(model.location(obj, each.feature or None), path=file)
+        place = replace(model.location(obj, conflict.feature or None), path=file)
         path, fragment = model.element_path(obj), model.fragment(obj)
-        found.append(Diagnostic(each.rule, severity, place, each.message, "", path, fragment))
+        found.append(
+            Diagnostic(conflict.rule, severity, place, conflict.message, "", path, fragment)
+        )
     return tuple(sorted(set(found)))
 
 
@@ -269,7 +288,7 @@ def with_places(merged: bytes, base: bytes, ours: bytes, theirs: bytes) -> bytes
             now[uri] = place
     if now == _places(merged):
         return merged
-    written = b" ".join(each for pair in now.items() for each in pair)
+    written = b" ".join(word for pair in now.items() for word in pair)
     return _PLACES.sub(lambda _: written, merged, count=1)
 
 
@@ -287,14 +306,14 @@ def placeholders(lost: Iterable[LostReference], metamodels: Metamodels) -> dict[
     nor have those to what is no XMI in UTF-8.
     """
     elements: dict[Path, dict[str, ClassTable]] = {}
-    for each in lost:
-        table = _concrete(each.feature.target)
-        path = each.path
-        if path is None or table is None or not _ID.fullmatch(each.fragment):
+    for reference in lost:
+        table = _concrete(reference.feature.target)
+        path = reference.path
+        if path is None or table is None or not _ID.fullmatch(reference.fragment):
             continue
         if path.name.endswith(XMI):
-            elements.setdefault(path, {}).setdefault(each.fragment, table)
-    uris = {each.name: each.ns_uri for each in metamodels.packages.values()}
+            elements.setdefault(path, {}).setdefault(reference.fragment, table)
+    uris = {package.name: package.ns_uri for package in metamodels.packages.values()}
     return {
         path: b"\n".join([_XMI, _present(path), *(_line(*e, uris) for e in found.items())])
         + b"\n</xmi:XMI>\n"
@@ -306,8 +325,8 @@ def _concrete(table: ClassTable | None) -> ClassTable | None:
     """Returns a class that elements can have, of those that fit a reference."""
     if table is None or not table.abstract:
         return table
-    fitting = (each for each in table.subtypes if not each.abstract)
-    return min(fitting, key=lambda each: each.qualified_name, default=None)
+    fitting = (subtype for subtype in table.subtypes if not subtype.abstract)
+    return min(fitting, key=lambda class_table: class_table.qualified_name, default=None)
 
 
 def _line(identifier: str, table: ClassTable, uris: dict[str, str]) -> bytes:

@@ -178,12 +178,12 @@ class _Planner:
         if here == before:
             self.plan.settings.append(Setting(ours, feature, there))
         elif feature.many and feature.is_reference:
-            kept = [each for each in here if each in there or each not in before]
-            added = [each for each in there if each not in before and each not in here]
+            kept = [value for value in here if value in there or value not in before]
+            added = [value for value in there if value not in before and value not in here]
             self.plan.settings.append(Setting(ours, feature, (*kept, *added)))
         else:
             was, ours_now, theirs_now = (
-                feature_text(each, feature) or NOTHING for each in (base, ours, theirs)
+                feature_text(element, feature) or NOTHING for element in (base, ours, theirs)
             )
             what = f"{words(feature.name)} of {self._label(ours)}"
             self._clash(
@@ -192,15 +192,15 @@ class _Planner:
 
     def _parts(self, base: EObject, ours: EObject, theirs: EObject, feature: FeatureTable) -> None:
         before = contents(base, feature)
-        for each in before:
-            here, there = self._ours.news.get(each), self._theirs.news.get(each)
+        for part in before:
+            here, there = self._ours.news.get(part), self._theirs.news.get(part)
             if here is not None and there is not None:
-                self.pair(each, here, there)
+                self.pair(part, here, there)
             elif here is not None:
-                self._gone_there(each, here, is_one=not feature.many)
-            elif there is not None and not self._sides.is_same(each, there, self._sides.theirs):
-                difference = self._difference(each, there)
-                what = f"{self._label(each)} was removed by us and changed by them: {difference}"
+                self._gone_there(part, here, is_one=not feature.many)
+            elif there is not None and not self._sides.is_same(part, there, self._sides.theirs):
+                difference = self._difference(part, there)
+                what = f"{self._label(part)} was removed by us and changed by them: {difference}"
                 self.plan.conflicts.append(Conflict(GONE_HERE, ours, what, feature.name))
         self._added(ours, theirs, feature)
         self._ordered(base, ours, theirs, feature)
@@ -216,7 +216,7 @@ class _Planner:
         sides = self._sides
         new = [e for addition in self.plan.additions for e in sides.all_of(addition.element)]
         for base, ours in self._gone:
-            found = next((each for each in new if self._is_moved(base, each)), None)
+            found = next((element for element in new if self._is_moved(base, element)), None)
             if found is not None:
                 self.plan.moved.add(found)
             owner = found.eContainer() if found is not None else None
@@ -233,27 +233,27 @@ class _Planner:
         one, other = (of(obj) for of, obj in zip(identifiers, (base, theirs), strict=True))
         if one or other:
             return one == other
-        names = [getattr(each, "name", None) for each in (base, theirs)]
+        names = [getattr(element, "name", None) for element in (base, theirs)]
         return names[0] == names[1] and any(names)
 
     def _added(self, ours: EObject, theirs: EObject, feature: FeatureTable) -> None:
-        new = [each for each in contents(ours, feature) if each not in self._ours.olds]
+        new = [content for content in contents(ours, feature) if content not in self._ours.olds]
         there = contents(theirs, feature)
-        for position, each in enumerate(there):
-            if each in self._theirs.olds:
+        for position, element in enumerate(there):
+            if element in self._theirs.olds:
                 continue
-            twin = self._twin(each, new)
+            twin = self._twin(element, new)
             if twin is None and not feature.many and self._stays(ours, feature):
-                self._clash(ours, feature.name, f"{self._label(each)} was added by them")
+                self._clash(ours, feature.name, f"{self._label(element)} was added by them")
             elif twin is None:
                 before = self._following(there[position + 1 :])
-                self.plan.additions.append(Addition(ours, feature, each, before))
+                self.plan.additions.append(Addition(ours, feature, element, before))
             else:
                 new.remove(twin)
-                self._paired(twin, each)
-                if not self._sides.is_alike(twin, each):
+                self._paired(twin, element)
+                if not self._sides.is_alike(twin, element):
                     difference = self._sides.difference(
-                        twin, self._sides.ours, each, self._sides.theirs
+                        twin, self._sides.ours, element, self._sides.theirs
                     )
                     what = f"{self._label(twin)} was added on both sides, and is not the same"
                     self._clash(twin, "", f"{what}: from ours to theirs: {difference}")
@@ -262,13 +262,13 @@ class _Planner:
         """Returns what our side added that is the same element, or bears the same name."""
         name = getattr(theirs, "name", None)
         identifier = self._sides.theirs.model.identifier(theirs)
-        for each in new:
-            other = self._sides.ours.model.identifier(each)
+        for element in new:
+            other = self._sides.ours.model.identifier(element)
             if identifier and identifier == other:
-                return each
-            same_name = bool(name) and each.eClass is theirs.eClass and each.name == name  # type: ignore[attr-defined]
-            if same_name or self._sides.is_alike(each, theirs):
-                return each
+                return element
+            same_name = bool(name) and element.eClass is theirs.eClass and element.name == name  # type: ignore[attr-defined]
+            if same_name or self._sides.is_alike(element, theirs):
+                return element
         return None
 
     def _paired(self, ours: EObject, theirs: EObject) -> None:
@@ -278,27 +278,27 @@ class _Planner:
             if feature.name not in self._sides.table(ours).features:
                 continue
             left = list(contents(ours, feature))
-            for each in contents(theirs, feature):
-                twin = self._twin(each, left)
+            for content in contents(theirs, feature):
+                twin = self._twin(content, left)
                 if twin is not None:
                     left.remove(twin)
-                    self._paired(twin, each)
+                    self._paired(twin, content)
 
     def _stays(self, ours: EObject, feature: FeatureTable) -> bool:
         """Tells whether our side has something where there is room for one alone."""
-        return any(each not in self.plan.replaced for each in contents(ours, feature))
+        return any(content not in self.plan.replaced for content in contents(ours, feature))
 
     def _following(self, siblings: Sequence[EObject]) -> EObject | None:
         """Returns the next sibling of theirs that our side has too."""
-        known = (self._theirs.olds.get(each) for each in siblings)
-        found = (self._ours.news.get(each) for each in known if each is not None)
-        return next((each for each in found if each is not None), None)
+        known = (self._theirs.olds.get(sibling) for sibling in siblings)
+        found = (self._ours.news.get(element) for element in known if element is not None)
+        return next((element for element in found if element is not None), None)
 
     def _ordered(
         self, base: EObject, ours: EObject, theirs: EObject, feature: FeatureTable
     ) -> None:
         news = (self._ours.news, self._theirs.news)
-        common = [e for e in contents(base, feature) if all(e in each for each in news)]
+        common = [e for e in contents(base, feature) if all(e in pairing for pairing in news)]
         here = self._in_base(contents(ours, feature), self._ours.olds, common)
         there = self._in_base(contents(theirs, feature), self._theirs.olds, common)
         if there in (common, here):
@@ -311,15 +311,15 @@ class _Planner:
             )
             self._clash(ours, feature.name, what)
             return
-        wanted = tuple(self._ours.news[each] for each in there)
+        wanted = tuple(self._ours.news[element] for element in there)
         self.plan.orders.append(Order(ours, feature, wanted))
 
     def _in_base(
         self, elements: Sequence[EObject], olds: dict[EObject, EObject], common: list[EObject]
     ) -> list[EObject]:
         wanted = set(common)
-        known = (olds[each] for each in elements if each in olds)
-        return [each for each in known if each in wanted]
+        known = (olds[element] for element in elements if element in olds)
+        return [element for element in known if element in wanted]
 
     def _clash(self, element: EObject, feature: str, message: str) -> None:
         self.plan.conflicts.append(Conflict(CHANGED_TWICE, element, message, feature))

@@ -84,14 +84,14 @@ class Sides:
         """Returns the values of an attribute as XMI writes them, or the tokens of a reference."""
         if feature.kind is FeatureKind.ATTRIBUTE:
             return attribute_values(obj, feature) if feature.name in obj.__dict__ else ()
-        return tuple(self.token(each, side) for each in contents(obj, feature))
+        return tuple(self.token(content, side) for content in contents(obj, feature))
 
     def all_of(self, obj: EObject) -> Iterator[EObject]:
         """Yields an element and all that it owns."""
         yield obj
         for feature in self.table(obj).contained:
-            for each in contents(obj, feature):
-                yield from self.all_of(each)
+            for content in contents(obj, feature):
+                yield from self.all_of(content)
 
     def counterparts(self) -> Iterator[tuple[EObject, EObject]]:
         """Yields each element of theirs with what the merge has of it, itself if it is new."""
@@ -109,7 +109,7 @@ class Sides:
                     return False
                 continue
             before, now = contents(base, feature), contents(obj, feature)
-            if [side.matching.news.get(each) for each in before] != list(now):
+            if [side.matching.news.get(element) for element in before] != list(now):
                 return False
             if not all(self.is_same(b, n, side) for b, n in zip(before, now, strict=True)):
                 return False
@@ -144,8 +144,10 @@ class Sides:
         before = self.base if old is None else old.model
         found = changes(before, new.model, [(one, other)])
         texts = [
-            each.text if each.new_element is other else f"{each.element} {each.path}: {each.text}"
-            for each in found
+            change.text
+            if change.new_element is other
+            else f"{change.element} {change.path}: {change.text}"
+            for change in found
         ]
         if not texts:
             return "documentation, ids or the order of parts"
@@ -155,9 +157,17 @@ class Sides:
 
 def _roots_of(old: Model, new: Model, paths: Container[Path]) -> list[tuple[EObject, EObject]]:
     """Returns pairs of the roots of other files."""
-    there = {each.path: each.roots for each in new.documents[1:]}
-    found = [each for each in old.documents[1:] if each.path in paths and each.path in there]
-    return [pair for each in found for pair in zip(each.roots, there[each.path], strict=False)]
+    there = {document.path: document.roots for document in new.documents[1:]}
+    found = [
+        document
+        for document in old.documents[1:]
+        if document.path in paths and document.path in there
+    ]
+    return [
+        pair
+        for document in found
+        for pair in zip(document.roots, there[document.path], strict=False)
+    ]
 
 
 def _roots(base: Model, side: Model) -> list[tuple[EObject, EObject]]:

@@ -48,7 +48,7 @@ def add(
     except BaseException:
         at.forget()
         raise
-    made = (each.relative_to(place.root).as_posix() for each in at.made)
+    made = (path.relative_to(place.root).as_posix() for path in at.made)
     return tuple(dict.fromkeys((*made, *entry.files)))
 
 
@@ -68,7 +68,7 @@ def add_bridge(
 
     def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
         whole = at.system
-        if name in [name_of(each) for each in whole.bridges]:
+        if name in [name_of(system_bridge) for system_bridge in whole.bridges]:
             raise ProjectError(
                 f"{name_of(whole)} has something of the name {name} already; "
                 f"jausml new connection --bridge {name} adds topics to it"
@@ -91,10 +91,12 @@ def add_connections(
 
     def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
         owner = bridge_in(at, name)
-        for each in ways:
-            if _carries(owner, each):
-                used = name_of(each.map)
-                raise ProjectError(f"{name_of(owner)} carries {each.topic.name} by {used} already")
+        for crossing in ways:
+            if _carries(owner, crossing):
+                used = name_of(crossing.map)
+                raise ProjectError(
+                    f"{name_of(owner)} carries {crossing.topic.name} by {used} already"
+                )
         return new_connections(scope, owner, ways, topics)
 
     return _carry(place, "Add connections", chosen, made)
@@ -102,10 +104,10 @@ def add_connections(
 
 def _carries(owner: bridge.Bridge, crossing: Crossing) -> bool:
     return any(
-        name_of(each.map) == name_of(crossing.map)
-        and crossing.topic.name in [topic.name for topic in each.topics]
-        for each in owner.bridgeConnections
-        if each.map is not None
+        name_of(bridge_connection.map) == name_of(crossing.map)
+        and crossing.topic.name in [topic.name for topic in bridge_connection.topics]
+        for bridge_connection in owner.bridgeConnections
+        if bridge_connection.map is not None
     )
 
 
@@ -127,7 +129,7 @@ def _carry(
 
     def commands(at: Opened) -> Sequence[Command]:
         scope = at.scope
-        return made(at, scope, [_present(each, scope, copies) for each in chosen])
+        return made(at, scope, [_present(crossing, scope, copies) for crossing in chosen])
 
     try:
         files = add(place, label, commands)
@@ -135,7 +137,7 @@ def _carry(
         for path in new:
             path.unlink(missing_ok=True)
         raise
-    return (*files, *(each.relative_to(place.root).as_posix() for each in new))
+    return (*files, *(new_file.relative_to(place.root).as_posix() for new_file in new))
 
 
 def check_name(name: str, whole: system.System) -> None:
@@ -158,8 +160,14 @@ def scope_of(place: Place) -> Scope:
 def ready_maps(scope: Scope) -> list[bridge.AttributeMap]:
     """Returns the maps of a project, and those of the library that it has no copies of."""
     ready = library().instances(bridge.AttributeMap)
-    own = {_identity(each): each for each in reversed(scope.own(bridge.AttributeMap))}
-    return [*reversed(own.values()), *(each for each in ready if _identity(each) not in own)]
+    own = {
+        _identity(attribute_map): attribute_map
+        for attribute_map in reversed(scope.own(bridge.AttributeMap))
+    }
+    return [
+        *reversed(own.values()),
+        *(attribute_map for attribute_map in ready if _identity(attribute_map) not in own),
+    ]
 
 
 def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
@@ -173,14 +181,18 @@ def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Cros
     if crossing.has_own_map:
         return crossing
     shipped = library().document_of(crossing.map)
-    is_copied = shipped is not None and any(each.stem == shipped.path.stem for each in copies)
-    for each in scope.instances(bridge.AttributeMap):
-        if is_copied and library().document_of(each) is not None:
+    is_copied = shipped is not None and any(copy.stem == shipped.path.stem for copy in copies)
+    for attribute_map in scope.instances(bridge.AttributeMap):
+        if is_copied and library().document_of(attribute_map) is not None:
             break
-        offer = offer_of(each.message, to_ros=crossing.offer.to_ros) if each.message else None
-        if _identity(each) == _identity(crossing.map) and offer is not None:
-            return replace(crossing, map=each, offer=offer)
-    files = ", ".join(str(each) for each in copies)
+        offer = (
+            offer_of(attribute_map.message, to_ros=crossing.offer.to_ros)
+            if attribute_map.message
+            else None
+        )
+        if _identity(attribute_map) == _identity(crossing.map) and offer is not None:
+            return replace(crossing, map=attribute_map, offer=offer)
+    files = ", ".join(str(copy) for copy in copies)
     place = f"{files}: " if is_copied else ""
     raise ProjectError(f"{place}there is no map {name_of(crossing.map)}")
 
@@ -188,9 +200,9 @@ def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Cros
 def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
     """Returns the texts of the library that ways use, by the files that hold them as XMI."""
     found: dict[Path, Path] = {}
-    for each in chosen:
-        document = library().document_of(each.map)
-        if document is None or document.is_xml or each.has_own_map:
+    for crossing in chosen:
+        document = library().document_of(crossing.map)
+        if document is None or document.is_xml or crossing.has_own_map:
             continue
         found[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
     return found
@@ -200,7 +212,7 @@ def check_map_name(name: str, owner: bridge.Bridge) -> None:
     """Sees to it that a bridge can have a map of a name."""
     if not is_identifier(name):
         raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
-    if any(name_of(each) == name for each in owner.maps):
+    if any(name_of(attribute_map) == name for attribute_map in owner.maps):
         raise ProjectError(f"{name_of(owner)} has a map {name} already")
 
 
@@ -211,9 +223,14 @@ def bridge_in(at: Opened, name: str) -> bridge.Bridge:
     """
     roots = at.scope.model.documents[0].roots
     # Eclipse's Control... puts what a system owns into a file of its own.
-    apart = (each for one in roots if isinstance(one, system.System) for each in one.bridges)
+    apart = (
+        system_bridge
+        for one in roots
+        if isinstance(one, system.System)
+        for system_bridge in one.bridges
+    )
     found = list(dict.fromkeys((*bridges_of(at.scope), *apart)))
-    chosen = [each for each in found if name in ("", name_of(each))]
+    chosen = [candidate for candidate in found if name in ("", name_of(candidate))]
     if len(chosen) == 1:
         return chosen[0]
     if not found:

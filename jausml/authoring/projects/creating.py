@@ -95,14 +95,14 @@ def create(folder: Path, wish: Wish) -> list[str]:
     if wish.name in DEVICES:
         raise ProjectError(f"{wish.name!a} is a device name on Windows; give another by --name")
     contents = _contents(wish)
-    taken = [each for each, data in contents.items() if _differs(folder / each, data)]
+    taken = [file for file, data in contents.items() if _differs(folder / file, data)]
     if taken:
         more = f" and {len(taken) - 1} more" if len(taken) > 1 else ""
         raise ProjectError(f"{folder / taken[0]} is there already{more}; nothing was written")
-    written = [each for each in contents if not (folder / each).exists()]
-    for each in written:
-        (folder / each).parent.mkdir(parents=True, exist_ok=True)
-        replace_file(folder / each, contents[each])
+    written = [content for content in contents if not (folder / content).exists()]
+    for file in written:
+        (folder / file).parent.mkdir(parents=True, exist_ok=True)
+        replace_file(folder / file, contents[file])
     return written
 
 
@@ -152,7 +152,7 @@ def copies_for() -> dict[str, dict[str, bytes]]:
 
 def _metamodels() -> dict[str, bytes]:
     folder = Path(str(resources.files("jausml.metamodels")))
-    return {each.name: each.read_bytes() for each in sorted(folder.glob("*.ecore"))}
+    return {path.name: path.read_bytes() for path in sorted(folder.glob("*.ecore"))}
 
 
 def model_text(origin: str, name: str, metamodels: str = "", *, is_text: bool) -> bytes:
@@ -243,7 +243,8 @@ def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> lis
     def commands(at: Opened) -> Sequence[Command]:
         scope = at.scope
         made = at.project.model(services.relative_to(folder).as_posix()).model
-        provided = tuple(at.project.ref(each, made) for each in _outermost(made.documents[0].roots))  # type: ignore[arg-type]
+        services_made = _outermost(made.documents[0].roots)  # type: ignore[arg-type]
+        provided = tuple(at.project.ref(service, made) for service in services_made)
         values = {
             "name": (f"{wish.name}_component",),
             "address": (free_address(scope.model),),
@@ -265,6 +266,6 @@ def _begin(folder: Path, wish: Wish) -> list[str]:
 
 def _outermost(sets: Sequence[jaus.ServiceSet]) -> list[jaus.Service]:
     """Returns the services that no other one of the sets inherits."""
-    services = [each for one in sets for each in one.services]
-    inherited = [each.inherits for each in services]
-    return [each for each in services if each not in inherited]
+    services = [service for one in sets for service in one.services]
+    inherited = [service.inherits for service in services]
+    return [service for service in services if service not in inherited]

@@ -41,11 +41,11 @@ _READY_MAP = re.compile(
 
 def metamodels_for(path: Path, root: Path) -> str:
     """Returns the folder of metamodels of a project, relative to a model; empty without one."""
-    for each in path.parents:
-        if not each.is_relative_to(root):
+    for parent in path.parents:
+        if not parent.is_relative_to(root):
             break
-        if (each / METAMODELS / "system.ecore").is_file():
-            return posixpath.relpath((each / METAMODELS).as_posix(), path.parent.as_posix())
+        if (parent / METAMODELS / "system.ecore").is_file():
+            return posixpath.relpath((parent / METAMODELS).as_posix(), path.parent.as_posix())
     return ""
 
 
@@ -120,13 +120,15 @@ def _copied_fragments(source: Path, copy: Path) -> dict[str, str]:
     """
     text = read_models([source], notations=NOTATIONS).model
     own = text.elements_of(text.documents[0])
-    places = {text.path_of(each): _key(each) for each in own if name_of(each)}
+    places = {text.path_of(element): _key(element) for element in own if name_of(element)}
     model = read_models([copy]).model if copy.exists() else text
     if model is text:
         name_identifiers(text.documents[0].roots, text)
     elements = model.elements_of(model.documents[0])
-    named = (each for each in elements if name_of(each))
-    known = {_key(each): model.identifier(each) or model.path_of(each) for each in named}
+    named = (element for element in elements if name_of(element))
+    known = {
+        _key(element): model.identifier(element) or model.path_of(element) for element in named
+    }
     return {place: known[key] for place, key in places.items() if key in known}
 
 
@@ -238,12 +240,12 @@ class Opened:
             fault = read.diagnostics[0]
             raise ProjectError(f"{fault.location}: {fault.message}")
         roots = read.model.documents[0].roots
-        return next((each for each in roots if isinstance(each, kind)), None)
+        return next((root for root in roots if isinstance(root, kind)), None)
 
     def forget(self) -> None:
         """Takes away the files that were made."""
-        for each in self.made:
-            each.unlink(missing_ok=True)
+        for path in self.made:
+            path.unlink(missing_ok=True)
 
 
 def opened(place: Place, *, is_of_services: bool = False) -> Opened:

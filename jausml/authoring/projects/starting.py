@@ -61,7 +61,7 @@ _SYSTEM = re.compile(r"^system .+ \{$", re.MULTILINE)
 
 def starting_point(name: str) -> StartingPoint | None:
     """Returns the starting point of a name, None where there is none."""
-    return next((each for each in STARTING_POINTS if each.name == name), None)
+    return next((candidate for candidate in STARTING_POINTS if candidate.name == name), None)
 
 
 def text_to_begin_with(point: StartingPoint, name: str) -> str:
@@ -89,5 +89,7 @@ def _united(path: Path) -> str:
     from jausml.language.text.writing.unparsing import to_text  # noqa: PLC0415
 
     model = read_models([path]).model
-    roots = [root for each in model.documents if not each.is_library for root in each.roots]
+    roots = [
+        root for document in model.documents if not document.is_library for root in document.roots
+    ]
     return to_text(roots, model, path.with_suffix(".ros2jaus"))

@@ -95,7 +95,7 @@ def offer_of(message: jaus.MessageDef, *, to_ros: bool) -> Offer | None:
 def _exchange(message: jaus.MessageDef, service: jaus.Service) -> str:
     """Reports that can be asked for cross by events, all else by messages."""
     wanted = query_name(message)
-    asked = any(each.name == wanted for one in lineage(service) for each in one.inputs)
+    asked = any(query.name == wanted for one in lineage(service) for query in one.inputs)
     return EVENT if message in service.outputs and asked else MESSAGE
 
 
@@ -137,7 +137,7 @@ class Draft:
             made.append(_new_bridge(scope, owner, self.offer))
         used = scope.ref(self.map)
         if self.map is None:
-            used = f"{NEW}{sum(isinstance(each, Add) for each in made)}"
+            used = f"{NEW}{sum(isinstance(change, Add) for change in made)}"
             made.append(self._new_map(scope, owner, place))
         siblings = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
         made.append(self.connection(scope, place, used, siblings))
@@ -187,9 +187,9 @@ class Draft:
         """Yields the topic, and those that feed the joins of the map."""
         yield self._topic(self.topic, self.qos)
         if self.map is not None and not self.offer.to_ros:
-            for each in self.map.joins:
-                if topic := self.joins.get(name_of(each)) or needed_topic(each):
-                    yield self._topic(topic, {}, scope.ref(each))
+            for join in self.map.joins:
+                if topic := self.joins.get(name_of(join)) or needed_topic(join):
+                    yield self._topic(topic, {}, scope.ref(join))
 
     @staticmethod
     def _topic(name: str, qos: Mapping[str, str], join: str = "") -> Child:
@@ -232,12 +232,12 @@ def map_commands(
 
 def peer_of(scope: Scope, offer: Offer) -> jaus.Component | None:
     """Returns the first component of the file that has a message at the other end."""
-    for each in scope.model.instances(jaus.Component, library=False):
-        if isinstance(each, bridge.Bridge):
+    for component in scope.model.instances(jaus.Component, library=False):
+        if isinstance(component, bridge.Bridge):
             continue
-        for one in offers(each, offer.direction):
+        for one in offers(component, offer.direction):
             if one.is_provided and name_of(one.message) == name_of(offer.message):
-                return each
+                return component
     return None
 
 
@@ -245,12 +245,12 @@ def bridges_of(scope: Scope) -> list[bridge.Bridge]:
     """Returns the bridges of the file that was asked for."""
     own = scope.model.documents[0]
     found = scope.model.instances(bridge.Bridge, library=False)
-    return [each for each in found if scope.model.document_of(each) is own]
+    return [model_bridge for model_bridge in found if scope.model.document_of(model_bridge) is own]
 
 
 def system_of(scope: Scope) -> system.System | None:
     """Returns the system of the file that was asked for."""
-    found = (each for each in scope.model.documents[0].roots if isinstance(each, system.System))
+    found = (root for root in scope.model.documents[0].roots if isinstance(root, system.System))
     return next(found, None)
 
 
@@ -295,14 +295,14 @@ def with_service(scope: Scope, owner: bridge.Bridge, offer: Offer) -> list[Comma
     known = list(getattr(owner, feature))
     if has_message(known, offer.message):
         return []
-    values = tuple(scope.ref(each) for each in known)
+    values = tuple(scope.ref(service) for service in known)
     return [Set(scope.ref(owner), feature, (*values, scope.ref(offer.service)))]
 
 
 def has_message(services: Iterable[jaus.Service], message: jaus.MessageDef) -> bool:
     """Tells whether services, or those that they inherit, have a message."""
     reached = with_inherited(services)
-    messages = [each for one in reached for each in (*one.inputs, *one.outputs)]
+    messages = [output for one in reached for output in (*one.inputs, *one.outputs)]
     return find_same(message, messages) is not None
 
 
@@ -324,11 +324,11 @@ def between(
     One of the library gives way to one of its name in the project, which is mostly a copy.
     """
     ways = (fitting(scope, message, kind, to_ros=way) for way in (True, False))
-    found = dict.fromkeys(each for way in ways for each in way)
+    found = dict.fromkeys(attribute_map for way in ways for attribute_map in way)
     by_name: dict[str, bridge.AttributeMap] = {}
-    for each in scope.instances(bridge.AttributeMap):
-        if each in found:
-            by_name.setdefault(name_of(each), each)
+    for attribute_map in scope.instances(bridge.AttributeMap):
+        if attribute_map in found:
+            by_name.setdefault(name_of(attribute_map), attribute_map)
     return list(by_name.values())
 
 
@@ -338,7 +338,7 @@ def shifted(commands: Iterable[Command], by: int) -> list[Command]:
     def known(ref: str) -> str:
         return _MADE.sub(lambda match: f"{NEW}{int(match[1]) + by}", ref, count=1)
 
-    return [with_created(each, known) for each in commands]  # type: ignore[arg-type]
+    return [with_created(command, known) for command in commands]  # type: ignore[arg-type]
 
 
 def copied(
@@ -349,12 +349,12 @@ def copied(
     `place`: ref of the bridge that shall have it. `first`: the number of elements that are made
     before.
     """
-    described_map = described([(used, scope.model_of(used))], lambda each, _: scope.ref(each))
+    described_map = described([(used, scope.model_of(used))], lambda element, _: scope.ref(element))
     return [
-        replace(each, owner=place, feature="maps", values={**each.values, "name": (name,)})
-        if isinstance(each, Add) and not each.owner
-        else each
-        for each in shifted(described_map, first)
+        replace(change, owner=place, feature="maps", values={**change.values, "name": (name,)})
+        if isinstance(change, Add) and not change.owner
+        else change
+        for change in shifted(described_map, first)
     ]
 
 
@@ -370,12 +370,12 @@ def fitting(
     `kind`: the ROS type, None for any.
     """
     return [
-        each
-        for each in scope.instances(bridge.AttributeMap)
-        if each.message is not None
-        and each.type is not None
-        and (each.toRos if to_ros else each.toJaus)
-        and code(each.message) == code(message)
-        and signature(each.message) == signature(message)
-        and (kind is None or ros_name(each.type) == ros_name(kind))
+        attribute_map
+        for attribute_map in scope.instances(bridge.AttributeMap)
+        if attribute_map.message is not None
+        and attribute_map.type is not None
+        and (attribute_map.toRos if to_ros else attribute_map.toJaus)
+        and code(attribute_map.message) == code(message)
+        and signature(attribute_map.message) == signature(message)
+        and (kind is None or ros_name(attribute_map.type) == ros_name(kind))
     ]

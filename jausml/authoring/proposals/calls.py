@@ -91,15 +91,15 @@ def call_of(
     if not isinstance(owner, jaus.Service) or message not in owner.inputs:
         raise AnswerError(f"no service takes {name_of(message)}, so nobody asks by it")
     found = list(responses(message, owner)) if is_command(message) else []
-    outputs = [each for one in lineage(owner) for each in one.outputs]
-    confirming = [each for each in found if not is_rejection(each)]
+    outputs = [output for one in lineage(owner) for output in one.outputs]
+    confirming = [response for response in found if not is_rejection(response)]
     if answer is None and not is_command(message):
         answer = next((e for e in outputs if query_name(e) == name_of(message)), None)
     if answer is None:
         answer = next(iter(confirming), None)
     elif named(name_of(answer), outputs) is None:
         raise AnswerError(f"{name_of(owner)} does not send {name_of(answer)}")
-    rejecting = tuple(each for each in found if is_rejection(each))
+    rejecting = tuple(response for response in found if is_rejection(response))
     return Call(service, kind, message, to_ros, answer, rejecting)
 
 
@@ -108,7 +108,7 @@ def halves(scope: Scope, call: Call) -> list[Half]:
     found = [_half(scope, call, REQUEST, call.message, to_ros=call.to_ros)]
     if call.answer is not None:
         found.append(_half(scope, call, RESPONSE, call.answer, to_ros=not call.to_ros))
-    return [each for each in found if each is not None]
+    return [half for half in found if half is not None]
 
 
 def _half(
@@ -126,31 +126,31 @@ def _needs_map(
 ) -> bool:
     """Tells whether a half carries anything but that it came, and how the call ended."""
     told = (call.success, call.reason) if part is call.type.response else ()
-    members = [each for each in part.fields if each.name not in told]
+    members = [field for field in part.fields if field.name not in told]
     fields = attributes(message)
     if to_ros:
         return bool(members)
     return bool(fields) and (bool(members) or not all(map(_may_be_absent, fields)))
 
 
-def _may_be_absent(each: jaus.Field) -> bool:
-    return bool(getattr(each, "optional", False))
+def _may_be_absent(field: jaus.Field) -> bool:
+    return bool(getattr(field, "optional", False))
 
 
 def member_named(owner: ros.MessageType, names: Sequence[str], kind: str) -> str:
     """Returns the member of a type that has the first of some names, and is one of a kind."""
     members = members_of(owner, (kind,))
-    return next((each for each in names if each in members), "")
+    return next((name for name in names if name in members), "")
 
 
 def members_of(owner: ros.MessageType, kinds: tuple[str, ...]) -> list[str]:
     """Returns the members of a type with one value, of primitive types that begin as `kinds`."""
     return [
-        str(each.name)
-        for each in owner.fields
-        if isinstance(each, ros.PrimitiveField)
-        and str(each.type.name).startswith(kinds)
-        and each.arrayKind.name == "single"
+        str(field.name)
+        for field in owner.fields
+        if isinstance(field, ros.PrimitiveField)
+        and str(field.type.name).startswith(kinds)
+        and field.arrayKind.name == "single"
     ]
 
 
@@ -205,14 +205,14 @@ def peers_of(
     `service`: the service to search for, None for that of the message.
     """
     known = scope.model.instances(jaus.Component, library=False)
-    others = (each for each in known if not isinstance(each, bridge.Bridge))
-    peer = next((each for each in others if find_input(message, each) is not None), None)
+    others = (component for component in known if not isinstance(component, bridge.Bridge))
+    peer = next((other for other in others if find_input(message, other) is not None), None)
     owner = service or message.eContainer()
     wanted = owner if isinstance(owner, jaus.Service) else None
     if peer is not None:
         has_control = provides_access_control(peer)
     else:
-        has_control = any(each.name == ACCESS_CONTROL for each in lineage(wanted))
+        has_control = any(ancestor.name == ACCESS_CONTROL for ancestor in lineage(wanted))
     values: dict[str, tuple[str, ...]] = {}
     takes_all = wanted is not None and not obeys_controller_alone(message, wanted)
     if is_command(message) and (takes_all or not has_control):
@@ -236,7 +236,7 @@ def own_copy(
 
 
 def _count(commands: Iterable[Command]) -> int:
-    return sum(isinstance(each, Add) for each in commands)
+    return sum(isinstance(command, Add) for command in commands)
 
 
 def opens_of(call: Call) -> list[OpenPoint]:

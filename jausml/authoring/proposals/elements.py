@@ -69,8 +69,8 @@ class Scope:
         found = refs.find(ref, self.model, self._top)
         if found is None:
             others = (self.library,) if ref.startswith(refs.LIBRARY) else self._rest
-            tried = (refs.find(ref, each, self._top) for each in others)
-            found = next((each for each in tried if each is not None), None)
+            tried = (refs.find(ref, other, self._top) for other in others)
+            found = next((element for element in tried if element is not None), None)
         if found is not None:
             return found
         raise AnswerError(f"there is no element {ref!a} any more")
@@ -81,7 +81,7 @@ class Scope:
             return self.model
         if self.library.document_of(element) is not None:
             return self.library
-        having = (each for each in self._rest if each.document_of(element) is not None)
+        having = (model for model in self._rest if model.document_of(element) is not None)
         return next(having, self.library)
 
     def find_in(self, document: Document, fragment: str) -> EObject:
@@ -140,8 +140,12 @@ def service_of(scope: Scope, word: str) -> jaus.Service:
 
     `AnswerError`: there is none, or services of several URNs have the name.
     """
-    found = [each for each in scope.instances(jaus.Service) if word in (name_of(each), each.urn)]
-    urns = sorted({str(each.urn) for each in found})
+    found = [
+        service
+        for service in scope.instances(jaus.Service)
+        if word in (name_of(service), service.urn)
+    ]
+    urns = sorted({str(service.urn) for service in found})
     if len(urns) > 1:
         raise AnswerError(f"several services are named {word}: say which ({', '.join(urns)})")
     if not found:
@@ -155,15 +159,15 @@ def message_of(scope: Scope, word: str) -> jaus.MessageDef:
     service, _, name = word.rpartition(".")
     services = [service_of(scope, service)] if service else scope.instances(jaus.Service)
     by_urn: dict[str, jaus.MessageDef] = {}
-    for each in sorted(services, key=version_of):
-        for message in (*each.inputs, *each.outputs):
+    for owner in sorted(services, key=version_of):
+        for message in (*owner.inputs, *owner.outputs):
             if name_of(message) == name:
-                by_urn[str(each.urn)] = message
+                by_urn[str(owner.urn)] = message
     if len(by_urn) > 1:
-        owners = ", ".join(sorted(f"{each.rpartition(':')[2]}.{name}" for each in by_urn))
+        owners = ", ".join(sorted(f"{urn.rpartition(':')[2]}.{name}" for urn in by_urn))
         raise AnswerError(f"several services have a {name}: say which ({owners})")
     if not by_urn:
-        names = (name_of(m) for each in services for m in (*each.inputs, *each.outputs))
+        names = (name_of(m) for owner in services for m in (*owner.inputs, *owner.outputs))
         way = "'jausml new service' makes messages, 'jausml import jsidl' reads them"
         raise _missing("message", name, names, way)
     return next(iter(by_urn.values()))
@@ -193,10 +197,14 @@ RosTypeT = TypeVar("RosTypeT", ros.MessageType, ros.ServiceType, ros.ActionType)
 def _ros_type(scope: Scope, kind: type[RosTypeT], word: str, what: str) -> RosTypeT:
     types = scope.instances(kind)
     name = plain_type(word)
-    found = next((each for each in types if ros_name(each) == name), None)
+    found = next((message_type for message_type in types if ros_name(message_type) == name), None)
     if found is None:
         package = name.partition("/")[0]
-        near = [each for each in map(ros_name, types) if each.partition("/")[0] == package]
+        near = [
+            type_name
+            for type_name in map(ros_name, types)
+            if type_name.partition("/")[0] == package
+        ]
         # Of a package that is known nowhere, the names of others only lead astray.
         way = f"'jausml import ros {package}' brings that package into the project"
         raise _missing(f"ROS {what}", name, near, "" if near else way)
@@ -212,7 +220,7 @@ def plain_type(word: str) -> str:
 
 def version_of(service: jaus.Service) -> tuple[int, ...]:
     """Returns the version of a service, by which a newer one is greater."""
-    return tuple(int(each) for each in str(service.version).split(".") if each.isdecimal())
+    return tuple(int(word) for word in str(service.version).split(".") if word.isdecimal())
 
 
 def _missing(what: str, word: str, known: Iterable[str], otherwise: str = "") -> AnswerError:
@@ -281,7 +289,7 @@ def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tupl
     if feature.name == "query":
         used = getattr(element, "query", None)
         own = scope.ref(used) if used is not None else ""
-        return tuple(each for each in found if _is_query(each) or each.value == own)
+        return tuple(choice for choice in found if _is_query(choice) or choice.value == own)
     return found
 
 
@@ -296,13 +304,13 @@ def everywhere(
     if target is None:
         return ()
     kind = target.python_class
-    own = [each for each in scope.own(kind) if each is not element]
-    if any(issubclass(kind, each) for each in _OF_THE_SYSTEM):
+    own = [candidate for candidate in scope.own(kind) if candidate is not element]
+    if any(issubclass(kind, system_class) for system_class in _OF_THE_SYSTEM):
         whole = _system_of(element)
-        return _choices(scope, [each for each in own if _system_of(each) is whole])
+        return _choices(scope, [candidate for candidate in own if _system_of(candidate) is whole])
     if kind is jaus.Field:
-        types = (each for one in scope.model.instances(jaus.ServiceSet) for each in one.types)
-        return _choices(scope, [each for each in types if each is not element])
+        types = (field for one in scope.model.instances(jaus.ServiceSet) for field in one.types)
+        return _choices(scope, [field for field in types if field is not element])
     return (*_choices(scope, own), *library_choices(target))
 
 
@@ -313,17 +321,19 @@ def library_choices(target: ClassTable) -> tuple[Choice, ...]:
 
 
 def _choices(scope: Scope, elements: Iterable[EObject]) -> tuple[Choice, ...]:
-    found = [(label_of(each), each) for each in elements]
+    found = [(label_of(element), element) for element in elements]
     counts = Counter(label for label, _ in found)
     choices = [
         Choice(
-            scope.ref(each),
-            f"{label} ({_file(scope, each)})" if counts[label] > 1 else label,
-            _first_sentence(str(getattr(each, "documentation", None) or "")),
+            scope.ref(element),
+            f"{label} ({_file(scope, element)})" if counts[label] > 1 else label,
+            _first_sentence(str(getattr(element, "documentation", None) or "")),
         )
-        for label, each in found
+        for label, element in found
     ]
-    return tuple(sorted(choices, key=lambda each: (each.label.lower(), each.label, each.value)))
+    return tuple(
+        sorted(choices, key=lambda choice: (choice.label.lower(), choice.label, choice.value))
+    )
 
 
 def _first_sentence(text: str) -> str:
@@ -359,7 +369,7 @@ def _taken(element: EObject) -> list[EObject] | None:
     service = around(element, jaus.Service)
     if service is None:
         return None
-    return [each for one in lineage(service) for each in one.inputs if name_of(each)]
+    return [message for one in lineage(service) for message in one.inputs if name_of(message)]
 
 
 _NARROW: Mapping[str, Callable[[EObject], list[EObject] | None]] = {

@@ -71,21 +71,21 @@ def lists_in(kind: ros.ActionType) -> Iterator[tuple[str, ros.MessageType]]:
 def _lists(
     owner: ros.MessageType, before: str, depth: int
 ) -> Iterator[tuple[str, ros.MessageType]]:
-    for each in owner.fields:
-        if not isinstance(each, ros.MessageField):
+    for field in owner.fields:
+        if not isinstance(field, ros.MessageField):
             continue
-        path = f"{before}{each.name}"
-        if each.arrayKind.name.endswith("Sequence"):
-            yield path, each.messageType
-        elif each.arrayKind.name == "single" and depth:
-            yield from _lists(each.messageType, f"{path}.", depth - 1)
+        path = f"{before}{field.name}"
+        if field.arrayKind.name.endswith("Sequence"):
+            yield path, field.messageType
+        elif field.arrayKind.name == "single" and depth:
+            yield from _lists(field.messageType, f"{path}.", depth - 1)
 
 
 def singles_in(kind: ros.ActionType) -> Iterator[tuple[str, ros.MessageType]]:
     """Yields the members of a goal that are one message, with the types of these."""
-    for each in kind.goal.fields:
-        if isinstance(each, ros.MessageField) and each.arrayKind.name == "single":
-            yield str(each.name), each.messageType
+    for field in kind.goal.fields:
+        if isinstance(field, ros.MessageField) and field.arrayKind.name == "single":
+            yield str(field.name), field.messageType
 
 
 def list_ways(
@@ -103,9 +103,10 @@ def list_ways(
     ends = list(lists_in(kind))
     singles = [] if ends or not to_ros else list(singles_in(kind))
     known = [
-        each
-        for each in drivers
-        if (messages := driver_messages(each)) is not None and messages.is_single is bool(singles)
+        service
+        for service in drivers
+        if (messages := driver_messages(service)) is not None
+        and messages.is_single is bool(singles)
     ]
     found: dict[tuple[str, str, str], ListWay] = {}
     for member, element in ends or singles:
@@ -144,7 +145,7 @@ def progress_of(kind: ros.ActionType) -> tuple[str, str]:
     A number whose name tells neither is none: a wrong one would name wrong elements.
     """
     for name in members_of(kind.feedback, ("int", "uint")):
-        said = {each.lower() for each in words(name)}
+        said = {word.lower() for word in words(name)}
         if said & _LEFT:
             return name, "remaining"
         if said & _DONE:
@@ -168,7 +169,7 @@ def action_commands(
     found: list[Command] = []
     feature = "provides" if to_ros else "uses"
     known = list(getattr(owner, feature))
-    if str(way.driver.urn) not in {str(each.urn) for each in with_inherited(known)}:
+    if str(way.driver.urn) not in {str(service.urn) for service in with_inherited(known)}:
         refs = tuple(map(scope.ref, (*known, way.driver)))
         found.append(Set(place, feature, refs))
     copy = own_copy(scope, owner, way.map)
@@ -203,7 +204,7 @@ def why_none(kind: ros.ActionType, *, to_ros: bool) -> str:
     if not lists:
         reason = f"the goal of {ros_name(kind)} has no list of messages, which list drivers have"
         return "; ".join((reason, *_as_topics(kind)))
-    [element, *_] = (ros_name(each) for _, each in lists_in(kind))
+    [element, *_] = (ros_name(message_type) for _, message_type in lists_in(kind))
     direction = "to-ros" if to_ros else "to-jaus"
     return (
         f"no map carries an element of its goal ({'; '.join(lists)}) for a list driver; "
@@ -213,12 +214,16 @@ def why_none(kind: ros.ActionType, *, to_ros: bool) -> str:
 
 def _as_topics(kind: ros.ActionType) -> Iterator[str]:
     """Yields how a goal of one message goes to a topic, as planners take it too."""
-    known = {ros_name(each.type) for each in library().instances(bridge.AttributeMap) if each.type}
-    for each in kind.goal.fields:
-        if isinstance(each, ros.MessageField) and ros_name(each.messageType) in known:
-            word = f"goal_{each.name}:{ros_name(each.messageType)}"
+    known = {
+        ros_name(attribute_map.type)
+        for attribute_map in library().instances(bridge.AttributeMap)
+        if attribute_map.type
+    }
+    for field in kind.goal.fields:
+        if isinstance(field, ros.MessageField) and ros_name(field.messageType) in known:
+            word = f"goal_{field.name}:{ros_name(field.messageType)}"
             yield (
-                f"a single {each.name} goes to a topic, if its planner takes one: jausml new "
+                f"a single {field.name} goes to a topic, if its planner takes one: jausml new "
                 f"connection {word} (no feedback, and what stops it you state)"
             )
 
@@ -241,7 +246,7 @@ def opens_of(
         else:
             found.append(OpenPoint(f"{text}its feedback has no number"))
     others = [
-        str(each.name) for each in kind.goal.fields if each.name != way.member.partition(".")[0]
+        str(field.name) for field in kind.goal.fields if field.name != way.member.partition(".")[0]
     ]
     if to_ros and others:
         text = f"defaults are sent in {', '.join(others)} of the goal, unless goal_{name} of the "

@@ -24,7 +24,7 @@ FRAME_IDS = ("frame_id", "child_frame_id")
 
 def names_in(used: bridge.AttributeMap) -> list[str]:
     """Returns the names by which a map knows the elements of lists; none for most maps."""
-    found = (name for each in (*used.toRos, *used.toJaus) for name in _names(each))
+    found = (name for assignment in (*used.toRos, *used.toJaus) for name in _names(assignment))
     places = named_places(used)
     return list(dict.fromkeys(found if places is None else places.names))
 
@@ -32,8 +32,8 @@ def names_in(used: bridge.AttributeMap) -> list[str]:
 def _names(assignment: bridge.Assignment) -> Iterator[str]:
     if isinstance(assignment, bridge.ListAssignment):
         yield from assignment.names
-        for each in assignment.assignments:
-            yield from _names(each)
+        for inner_assignment in assignment.assignments:
+            yield from _names(inner_assignment)
 
 
 def names_for(used: bridge.AttributeMap, known: Sequence[str]) -> tuple[str, ...]:
@@ -46,7 +46,7 @@ def names_for(used: bridge.AttributeMap, known: Sequence[str]) -> tuple[str, ...
     if places is None:
         return tuple(known)
     found = _bearers(places, known)
-    if all(len(each) == 1 for each in found):
+    if all(len(name_list) == 1 for name_list in found):
         return tuple(name for (name,) in found)
     return tuple(known) if len(known) == len(places.names) else ()
 
@@ -56,13 +56,15 @@ def are_named(used: bridge.AttributeMap, known: Sequence[str]) -> bool:
     places = named_places(used)
     if places is None or len(known) != len(places.names):
         return False
-    return all(len(each) == 1 for each in _bearers(places, known))
+    return all(len(bearer) == 1 for bearer in _bearers(places, known))
 
 
 def _bearers(places: NamedPlaces, known: Sequence[str]) -> list[list[str]]:
     """Returns for each place the names of a robot that have its name as a word."""
-    told = {each: [word.lower() for word in words(each)] for each in known}
-    return [[each for each, own in told.items() if name in own] for name in places.names]
+    told = {robot_name: [word.lower() for word in words(robot_name)] for robot_name in known}
+    return [
+        [robot_name for robot_name, own in told.items() if name in own] for name in places.names
+    ]
 
 
 def are_examples(used: bridge.AttributeMap) -> bool:
@@ -72,7 +74,7 @@ def are_examples(used: bridge.AttributeMap) -> bool:
 
 def frames_in(used: bridge.AttributeMap) -> list[str]:
     """Returns the frames that a map names in what it publishes."""
-    found = (name for each in used.toRos for name in _frames(each))
+    found = (name for assignment in used.toRos for name in _frames(assignment))
     return list(dict.fromkeys(found))
 
 
@@ -80,8 +82,8 @@ def _frames(assignment: bridge.Assignment) -> Iterator[str]:
     if isinstance(assignment, bridge.ConstantAssignment) and _is_frame(assignment.target or ""):
         yield assignment.value or ""
     if isinstance(assignment, bridge.ListAssignment):
-        for each in assignment.assignments:
-            yield from _frames(each)
+        for inner_assignment in assignment.assignments:
+            yield from _frames(inner_assignment)
 
 
 def _is_frame(path: str) -> bool:
@@ -109,11 +111,13 @@ def copied_with_names(
     about = "\n\n".join((*joints, *said, f"Made of the ready map {name_of(used)}."))
     made = copied(scope, place, used, name, first=first)
     if names:
-        made = [_with_names(each, names) if _is_map(each) else each for each in made]
-    made = [_with_frames(each, frames) if isinstance(each, Add) else each for each in made]
+        made = [_with_names(change, names) if _is_map(change) else change for change in made]
+    made = [_with_frames(change, frames) if isinstance(change, Add) else change for change in made]
     return [
-        replace(each, values={**each.values, "documentation": (about,)}) if _is_map(each) else each
-        for each in made
+        replace(change, values={**change.values, "documentation": (about,)})
+        if _is_map(change)
+        else change
+        for change in made
     ]
 
 
@@ -125,8 +129,8 @@ def _with_frames(made: AddedT, frames: Mapping[str, str]) -> AddedT:
     values = dict(made.values)
     (path,) = values.get("target") or values.get("path") or ("",)
     if _is_frame(path) and "value" in values:
-        values["value"] = tuple(frames.get(each, each) for each in values["value"])
-    children = tuple(_with_frames(each, frames) for each in made.children)
+        values["value"] = tuple(frames.get(frame, frame) for frame in values["value"])
+    children = tuple(_with_frames(child, frames) for child in made.children)
     return replace(made, values=values, children=children)
 
 
@@ -137,10 +141,10 @@ def _with_names(made: AddedT, names: Sequence[str]) -> AddedT:
     place = named_by(*values.get("target", ("",)))
     if place is not None and "value" in values:
         values["value"] = (names[place],)
-    kept = [each for each in made.children if each.feature != "vectors"]
+    kept = [child for child in made.children if child.feature != "vectors"]
     if made.kind == "bridge.Stop":
         return replace(made, children=tuple(_stopping(kept, names)))
-    children = tuple(_with_names(each, names) for each in kept)
+    children = tuple(_with_names(child, names) for child in kept)
     return replace(made, values=values, children=children)
 
 
@@ -149,17 +153,17 @@ def _stopping(values: Sequence[AddedT], names: Sequence[str]) -> Iterator[AddedT
 
     What the original says of its first element, the copy says of each, by its name.
     """
-    for each in values:
-        (path,) = each.values["target"]
+    for value in values:
+        (path,) = value.values["target"]
         before, is_element, behind = path.partition("[0]")
         if is_element:
-            is_name = not _is_number(*each.values["value"])
+            is_name = not _is_number(*value.values["value"])
             for at, name in enumerate(names):
                 told = {"target": (f"{before}[{at}]{behind}",)}
                 told |= {"value": (name,)} if is_name else {}
-                yield replace(each, values={**each.values, **told})
+                yield replace(value, values={**value.values, **told})
         elif not _ELEMENT.search(path):
-            yield each
+            yield value
 
 
 def _is_number(text: str) -> bool:

@@ -34,12 +34,14 @@ _FIRST = (100, 1)
 
 def free_name(wanted: str, taken: Iterable[str]) -> str:
     """Returns a name in snake case that none of some elements has, whatever the case."""
-    used = {package_key(each) for each in taken if each}
+    used = {package_key(used_name) for used_name in taken if used_name}
     name = snake_case(wanted) or "element"
     if package_key(name) not in used:
         return name
     begin = name[:_LONGEST_BEGIN].rstrip("_")
-    return next(each for n in count(2) if package_key(each := f"{begin}_{n}") not in used)
+    return next(
+        taken_name for n in count(2) if package_key(taken_name := f"{begin}_{n}") not in used
+    )
 
 
 def name_among(wanted: str, siblings: Iterable[EObject]) -> str:
@@ -53,16 +55,18 @@ def participant_name(wanted: str, whole: EObject) -> str:
         return free_name(wanted, ())
     own = str(whole.name or "")
     others: tuple[EObject, ...] = (*whole.components, *whole.bridges, *whole.nodes)
-    taken = [name_of(each) for each in others]
+    taken = [name_of(other) for other in others]
     return free_name(wanted, [*taken, f"{own}_bringup", f"{own}_messages"])
 
 
 def free_address(model: Model, taken: Iterable[str] = ()) -> str:
     """Returns a JAUS id in the subsystem of most components, which none of them has."""
     components = model.instances(jaus.Component, library=False)
-    known = [_parts(str(each)) for each in (*(one.address for one in components), *taken)]
-    used = {each for each in known if each is not None}
-    places = Counter(each[:2] for each in sorted(used) if _is_usable(*each[:2]))
+    known = [
+        _parts(str(address_text)) for address_text in (*(one.address for one in components), *taken)
+    ]
+    used = {address for address in known if address is not None}
+    places = Counter(address[:2] for address in sorted(used) if _is_usable(*address[:2]))
     ((subsystem, node), _), *_ = places.most_common(1) or [(_FIRST, 0)]
     for at in range(node, _LAST + 1):
         for number in range(1, _LAST + 1):
@@ -78,10 +82,10 @@ def stated_or_free_address(model: Model, address: str) -> str:
     """
     if not address:
         return free_address(model)
-    for each in model.instances(jaus.Component, library=False):
-        if _parts(address) is not None and _parts(str(each.address)) == _parts(address):
+    for component in model.instances(jaus.Component, library=False):
+        if _parts(address) is not None and _parts(str(component.address)) == _parts(address):
             free = free_address(model)
-            raise AnswerError(f"{name_of(each)} has the address {address}; {free} is free")
+            raise AnswerError(f"{name_of(component)} has the address {address}; {free} is free")
     return address
 
 
@@ -135,10 +139,10 @@ def open_decisions(points: Iterable[OpenPoint]) -> tuple[Child, ...]:
         Child(
             "openDecisions",
             "bridge.OpenDecision",
-            {"text": (each.text,)} | ({} if each.is_blocking else {"blocking": ("false",)}),
+            {"text": (point.text,)} | ({} if point.is_blocking else {"blocking": ("false",)}),
         )
-        for each in points
-        if each.rule == _OWN_RULE
+        for point in points
+        if point.rule == _OWN_RULE
     )
 
 
@@ -171,9 +175,9 @@ def usual_values(
     values: dict[str, tuple[str, ...]] = {}
     if "name" in table.features and table.features["name"].kind is FeatureKind.ATTRIBUTE:
         values["name"] = (_first_name(owner, feature, table.name, kind, siblings),)
-    for each in table.features.values():
-        if each.name in _LIKE_NAMES and each.lower > 0 and "name" in values:
-            values[each.name] = values["name"]
+    for own_feature in table.features.values():
+        if own_feature.name in _LIKE_NAMES and own_feature.lower > 0 and "name" in values:
+            values[own_feature.name] = values["name"]
     if "address" in table.features:
         values["address"] = (free_address(model),)
     if kind == "jaus.MessageDef":
@@ -197,7 +201,7 @@ def _first_name(
         return participant_name(word, owner)
     if kind not in _CAPITAL:
         return name_among(word, siblings)
-    used = {package_key(name_of(each)) for each in siblings if name_of(each)}
+    used = {package_key(name_of(sibling)) for sibling in siblings if name_of(sibling)}
     special = _of_the_core(owner, kind)
     if special and package_key(special) not in used:
         return special
@@ -208,7 +212,7 @@ def _first_name(
 def _of_the_core(owner: EObject, kind: str) -> str:
     """Returns what a machine is called that extends that of the core, or its first state."""
     if kind == "jaus.StateMachine" and isinstance(owner, jaus.Service):
-        is_core = any(str(each.urn).startswith(CORE) for each in lineage(owner))
+        is_core = any(str(service.urn).startswith(CORE) for service in lineage(owner))
         return CORE_MACHINE if is_core else ""
     is_extending = isinstance(owner, jaus.StateMachine) and owner.name == CORE_MACHINE
     return _READY if kind == "jaus.State" and is_extending else ""
@@ -216,5 +220,5 @@ def _of_the_core(owner: EObject, kind: str) -> str:
 
 def free_code(model: Model) -> str:
     """Returns the first code of the range for users that no message of a model has."""
-    used = {str(each.code or "").upper() for each in model.instances(jaus.MessageDef)}
+    used = {str(message_def.code or "").upper() for message_def in model.instances(jaus.MessageDef)}
     return next(e for n in count(FIRST_CODE) if (e := f"0x{n:04X}").upper() not in used)

@@ -40,7 +40,7 @@ def new_bridge(
     if namespace:
         values["namespace"] = (namespace,)
     for feature, is_used in (("provides", False), ("uses", True)):
-        services = [each.service for each in _offers(chosen) if each.is_provided is is_used]
+        services = [offer.service for offer in _offers(chosen) if offer.is_provided is is_used]
         if services:
             values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
     made = Add(scope.ref(whole), "bridges", "bridge.Bridge", values)
@@ -55,17 +55,17 @@ def new_connections(
     made: list[Command] = []
     for feature, is_used in (("provides", False), ("uses", True)):
         known = list(getattr(owner, feature))
-        wanted = [each for each in _offers(chosen) if each.is_provided is is_used]
-        missing = [each.service for each in wanted if not has_message(known, each.message)]
+        wanted = [offer for offer in _offers(chosen) if offer.is_provided is is_used]
+        missing = [offer.service for offer in wanted if not has_message(known, offer.message)]
         if missing:
-            refs = (scope.ref(each) for each in (*known, *missing))
+            refs = (scope.ref(service) for service in (*known, *missing))
             made.append(Set(place, feature, tuple(dict.fromkeys(refs))))
     return [*made, *_connections(scope, place, chosen, topics, owner)]
 
 
 def _offers(chosen: Sequence[Crossing]) -> list[Offer]:
     """Returns what is exchanged with others."""
-    return [each.offer for each in chosen if not each.is_own]
+    return [crossing.offer for crossing in chosen if not crossing.is_own]
 
 
 def _connections(
@@ -83,30 +83,34 @@ def _connections(
     made before.
     """
     found: list[Command] = []
-    names = [name_of(each) for each in owner.bridgeConnections] if owner is not None else []
-    maps = [name_of(each) for each in owner.maps] if owner is not None else []
+    names = (
+        [name_of(bridge_connection) for bridge_connection in owner.bridgeConnections]
+        if owner is not None
+        else []
+    )
+    maps = [name_of(attribute_map) for attribute_map in owner.maps] if owner is not None else []
     fed: set[str] = set()
-    for each in chosen:
-        used = scope.ref(each.map)
-        if each.has_own_map:
-            maps.append(free_name(f"{each.topic.name}_{name_of(each.map)}", maps))
+    for crossing in chosen:
+        used = scope.ref(crossing.map)
+        if crossing.has_own_map:
+            maps.append(free_name(f"{crossing.topic.name}_{name_of(crossing.map)}", maps))
             before = first + sum(isinstance(one, Add) for one in found)
             used = f"{NEW}{before}"
             found += copied_with_names(
-                scope, place, each.map, maps[-1], each.names, each.frames, first=before
+                scope, place, crossing.map, maps[-1], crossing.names, crossing.frames, first=before
             )
-        names.append(free_name(_connection_name(each, chosen, names), names))
+        names.append(free_name(_connection_name(crossing, chosen, names), names))
         draft = Draft(
-            each.offer,
-            peer_of(scope, each.offer) if each.offer.is_provided else None,
-            each.map.type,
-            each.map,
-            each.topic.name,
+            crossing.offer,
+            peer_of(scope, crossing.offer) if crossing.offer.is_provided else None,
+            crossing.map.type,
+            crossing.map,
+            crossing.topic.name,
             names[-1],
-            each.qos,
-            joins_of(each, topics, fed),
-            each.hold_reason,
-            each.is_own,
+            crossing.qos,
+            joins_of(crossing, topics, fed),
+            crossing.hold_reason,
+            crossing.is_own,
         )
         found.append(draft.connection(scope, place, used))
     return found
@@ -115,7 +119,9 @@ def _connections(
 def _connection_name(crossing: Crossing, chosen: Sequence[Crossing], taken: Sequence[str]) -> str:
     """Returns the name of a connection: its topic's, or its map's where a topic has several."""
     own = snake_case(crossing.topic.name)
-    is_shared = sum(each.topic.name == crossing.topic.name for each in chosen) > 1
+    is_shared = (
+        sum(chosen_crossing.topic.name == crossing.topic.name for chosen_crossing in chosen) > 1
+    )
     return snake_case(name_of(crossing.map)) if is_shared or own in taken else own
 
 
@@ -135,7 +141,7 @@ def new_component(
         "address": (stated_or_free_address(scope.model, address),),
     }
     for feature, words in (("provides", provides), ("uses", uses)):
-        services = [service_of(scope, each) for each in words]
+        services = [service_of(scope, word) for word in words]
         if services:
             values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
     if simulated:
@@ -212,7 +218,7 @@ def new_service(
     fault = urn_fault(urn)
     if fault:
         raise AnswerError(f"URN {show(urn)} {fault}; one is urn:example:sea:Sonar")
-    if any(each.urn == urn for each in known):
+    if any(known_service.urn == urn for known_service in known):
         raise AnswerError(f"there is a service {urn} already")
     messages = messages or [f"{_REPORT}{name}"]
     for message, count in Counter(messages).items():
@@ -290,11 +296,13 @@ def _free(begin: int, taken: set[int], octet: int | None) -> int:
     if octet is not None and begin + octet not in taken:
         return begin + octet
     begins = (_COMMANDS, *_BEGINS.values())
-    together = (n for n in range(1, _MOST) if taken.isdisjoint(each + n for each in begins))
+    together = (
+        n for n in range(1, _MOST) if taken.isdisjoint(base_code + n for base_code in begins)
+    )
     number = next(together, None)
     if number is not None:
         return begin + number
-    code = next((each for each in range(_FIRST, _LAST + 1) if each not in taken), None)
+    code = next((index for index in range(_FIRST, _LAST + 1) if index not in taken), None)
     if code is None:
         raise AnswerError(f"no message code of 0x{_FIRST:04X} to 0x{_LAST:04X} is free")
     return code
@@ -302,4 +310,6 @@ def _free(begin: int, taken: set[int], octet: int | None) -> int:
 
 def _codes(services: Iterable[jaus.Service]) -> set[int]:
     """Returns the codes of the messages of services."""
-    return {code(message) for each in services for message in (*each.inputs, *each.outputs)}
+    return {
+        code(message) for service in services for message in (*service.inputs, *service.outputs)
+    }

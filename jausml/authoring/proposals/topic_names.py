@@ -48,8 +48,8 @@ class TopicName:
 
     def __init__(self, name: str) -> None:
         """Splits the name of a topic, or of a join, into words."""
-        own = _split("_".join(_LONG.get(each, each) for each in _lower(name)))
-        self._all = {*own, *(_MEANT[each] for each in own if each in _MEANT)}
+        own = _split("_".join(_LONG.get(word, word) for word in _lower(name)))
+        self._all = {*own, *(_MEANT[word] for word in own if word in _MEANT)}
         self._told = _told(own)
         self.commands = not _COMMANDING.isdisjoint(own) and not {"current", "applied"} & {*own}
 
@@ -76,7 +76,9 @@ def is_bare(kind: str) -> bool:
 def is_emergency_stop(name: str) -> bool:
     """Tells whether a topic or service is called after an emergency stop."""
     own = _lower(name)
-    return any(own[at : at + len(each)] == each for each in _EMERGENCY for at in range(len(own)))
+    return any(
+        own[at : at + len(phrase)] == phrase for phrase in _EMERGENCY for at in range(len(own))
+    )
 
 
 def _of_map(used: bridge.AttributeMap) -> list[str]:
@@ -87,16 +89,16 @@ def _of_map(used: bridge.AttributeMap) -> list[str]:
 
 
 def _lower(name: str) -> list[str]:
-    return [each.lower() for each in words(name)]
+    return [word.lower() for word in words(name)]
 
 
 def _split(name: str) -> list[str]:
     """Returns words; those of one thing stay together."""
-    for each in _JOINED:
-        name = name.replace(each, each.replace("_", ""))
-    return [each for each in name.split("_") if each]
+    for compound in _JOINED:
+        name = name.replace(compound, compound.replace("_", ""))
+    return [word for word in name.split("_") if word]
 
 
 def _told(own: list[str]) -> set[str]:
     """Returns the words that say which thing is meant; all where none does."""
-    return {each for each in own if each not in _IDLE} or {*own}
+    return {word for word in own if word not in _IDLE} or {*own}

@@ -94,7 +94,7 @@ class Crossing:
         if not self.offer.to_ros or library().document_of(self.map) is None:
             return {}
         known = self.topic.frames
-        return {each: known[each] for each in frames_in(self.map) if each in known}
+        return {frame: known[frame] for frame in frames_in(self.map) if frame in known}
 
     @property
     def has_own_map(self) -> bool:
@@ -137,34 +137,42 @@ def crossings(topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -
     """
     said = TopicName(topic.name)
 
-    def rank(each: Crossing) -> tuple[bool, bool, bool, int, int, int]:
+    def rank(crossing: Crossing) -> tuple[bool, bool, bool, int, int, int]:
         moves = (
-            each.offer.to_ros
-            if is_emergency(each.offer.message)
-            else is_command(each.offer.message)
+            crossing.offer.to_ros
+            if is_emergency(crossing.offer.message)
+            else is_command(crossing.offer.message)
         )
-        is_named = are_named(each.map, topic.names)
-        return moves is not said.commands, not is_named, *said.distance(each.map)
+        is_named = are_named(crossing.map, topic.names)
+        return moves is not said.commands, not is_named, *said.distance(crossing.map)
 
     found = sorted(_possible(topic, maps, is_vehicle=side == VEHICLE), key=rank)
     is_open = topic.maps or not is_bare(topic.type)
-    return [each for each in found if is_open or said.names(each.map)]
+    return [crossing for crossing in found if is_open or said.names(crossing.map)]
 
 
 def why_not(wanted: str, topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -> str:
     """Returns why a topic cannot have a map, with the next step; empty for an unknown name."""
-    named = [each for each in maps if name_of(each) == wanted]
+    named = [attribute_map for attribute_map in maps if name_of(attribute_map) == wanted]
     if not named:
         return ""
-    if not (of_type := [each for each in named if _is_of(each, topic.type)]):
+    if not (
+        of_type := [attribute_map for attribute_map in named if _is_of(attribute_map, topic.type)]
+    ):
         kinds = " or ".join(
-            sorted({ros_name(each.type) for each in named if each.type is not None})
+            sorted(
+                {
+                    ros_name(attribute_map.type)
+                    for attribute_map in named
+                    if attribute_map.type is not None
+                }
+            )
         )
         return f"the map {wanted!a} is for {kinds or 'a type that is not known'}, not {topic.type}"
     other = SIDES[side == VEHICLE]
     if crossings(topic, of_type, other):
         return f"the map {wanted!a} is for the other side: add --side {other}"
-    if not any(each.toRos or each.toJaus for each in of_type):
+    if not any(attribute_map.toRos or attribute_map.toJaus for attribute_map in of_type):
         return f"the map {wanted!a} assigns nothing yet: fill it in, and do this again"
     return f"the map {wanted!a} needs more than one topic and one message, or the other direction"
 
@@ -209,12 +217,12 @@ def robots_in(topics: Sequence[TopicEnd]) -> list[str]:
     """
     spaces: dict[tuple[str, str], set[str]] = defaultdict(set)
     heard = set()
-    for each in topics:
-        parts = each.name.strip("/").split("/")
+    for topic in topics:
+        parts = topic.name.strip("/").split("/")
         for at in range(len(parts)):
-            end = "/".join(parts[at:]), each.type
+            end = "/".join(parts[at:]), topic.type
             spaces[end].add("/".join(parts[:at]))
-            if each.to_ros:
+            if topic.to_ros:
                 heard.add(end)
     shared = {end: found for end, found in spaces.items() if len(found) > 1}
     are_several = len(shared) > 1 or not heard.isdisjoint(shared)
@@ -225,10 +233,10 @@ def within(topics: Sequence[TopicEnd], namespace: str) -> list[TopicEnd]:
     """Returns the topics of a namespace, with names relative to it; of the root, all but robots."""
     own = namespace.strip("/")
     if own:
-        inner = [each for each in topics if each.name.strip("/").startswith(f"{own}/")]
-        return [replace(each, name=each.name.strip("/").removeprefix(f"{own}/")) for each in inner]
-    others = [f"{each}/" for each in robots_in(topics) if each]
-    return [each for each in topics if not each.name.strip("/").startswith(tuple(others))]
+        inner = [topic for topic in topics if topic.name.strip("/").startswith(f"{own}/")]
+        return [replace(end, name=end.name.strip("/").removeprefix(f"{own}/")) for end in inner]
+    others = [f"{robot}/" for robot in robots_in(topics) if robot]
+    return [topic for topic in topics if not topic.name.strip("/").startswith(tuple(others))]
 
 
 def clashes(chosen: Sequence[Crossing]) -> list[tuple[Crossing, Crossing]]:
@@ -239,11 +247,11 @@ def clashes(chosen: Sequence[Crossing]) -> list[tuple[Crossing, Crossing]]:
     """
     first: dict[tuple[int, bool], Crossing] = {}
     found = []
-    for each in chosen:
-        before = first.setdefault((code(each.offer.message), each.offer.to_ros), each)
-        is_same = before.topic is each.topic or each.map.message.moves is False
-        if before is not each and not is_same and not each.topic.maps:
-            found.append((each, before))
+    for crossing in chosen:
+        before = first.setdefault((code(crossing.offer.message), crossing.offer.to_ros), crossing)
+        is_same = before.topic is crossing.topic or crossing.map.message.moves is False
+        if before is not crossing and not is_same and not crossing.topic.maps:
+            found.append((crossing, before))
     return found
 
 
@@ -256,11 +264,11 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
     if crossing.offer.to_ros:
         return found
     for join in crossing.map.joins:
-        free = [each for each in topics if each.name not in taken | {crossing.topic.name}]
-        fitting = [each for each in free if feeds(each, join)]
+        free = [topic for topic in topics if topic.name not in taken | {crossing.topic.name}]
+        fitting = [end for end in free if feeds(end, join)]
         # Of several of a type, one whose name says so.
         if best := next(
-            (each for each in fitting if TopicName(each.name).feeds(join)),
+            (end for end in fitting if TopicName(end.name).feeds(join)),
             next(iter(fitting), None),
         ):
             found[name_of(join)] = best.name
@@ -280,17 +288,23 @@ def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
 
     Returns the names of queries by the names of the services that the bridge provides.
     """
-    sent = {code(each.offer.message) for each in chosen if not each.offer.to_ros}
+    sent = {code(crossing.offer.message) for crossing in chosen if not crossing.offer.to_ros}
     services = list(
-        dict.fromkeys(each.offer.service for each in chosen if not each.offer.is_provided)
+        dict.fromkeys(
+            crossing.offer.service for crossing in chosen if not crossing.offer.is_provided
+        )
     )
-    commands = [each.offer.message for each in chosen if each.offer.to_ros]
+    commands = [crossing.offer.message for crossing in chosen if crossing.offer.to_ros]
     codes = list(map(code, commands))
-    answers = (told_by_command(each, services) for each in commands if codes.count(code(each)) == 1)
-    sent.update(code(each.report) for each in answers if each is not None)
-    found = {name_of(each): unanswered(each, sent) for each in services}
+    answers = (
+        told_by_command(command, services)
+        for command in commands
+        if codes.count(code(command)) == 1
+    )
+    sent.update(code(answer.report) for answer in answers if answer is not None)
+    found = {name_of(service): unanswered(service, sent) for service in services}
     return {
-        service: [name_of(each) for each in queries]
+        service: [name_of(query) for query in queries]
         for service, queries in found.items()
         if queries
     }
@@ -360,8 +374,8 @@ def frame_role(name: str) -> str:
 
 def described_joints(description: Any) -> list[str]:
     """Returns the joints of a URDF that move, in its order."""
-    found = (dict(_ATTRIBUTE.findall(each)) for each in _JOINT.findall(str(description)))
-    return [each["name"] for each in found if each.get("type") in _MOVABLE and "name" in each]
+    found = (dict(_ATTRIBUTE.findall(match)) for match in _JOINT.findall(str(description)))
+    return [joint["name"] for joint in found if joint.get("type") in _MOVABLE and "name" in joint]
 
 
 def _meaning(name: str) -> str:

@@ -102,7 +102,7 @@ class KeptEdits:
 
     def concerning(self, files: frozenset[str]) -> tuple[KeptEdit, ...]:
         """Returns those that would change one of some files."""
-        return tuple(each for each in self.all if not each.files.isdisjoint(files))
+        return tuple(edit for edit in self.all if not edit.files.isdisjoint(files))
 
 
 def _file(command: Command) -> str:
@@ -177,8 +177,8 @@ class Subscribers:
         message = rpc.notification(method, params)
         with self._lock:
             listeners = list(self._listeners)
-        for each in listeners:
-            each(message)
+        for listener in listeners:
+            listener(message)
 
 
 class Faults(logging.Handler):
@@ -252,7 +252,9 @@ class StudioContext:
         if not verdict.freshness.is_current:
             return verdict.freshness
         model, root = verdict.result.model, self.project.root
-        kept = self.kept.concerning(frozenset(file_of(each, root) for each in model.documents))
+        kept = self.kept.concerning(
+            frozenset(file_of(document, root) for document in model.documents)
+        )
         if not kept:
             return verdict.freshness
         why = (
@@ -273,7 +275,7 @@ class StudioContext:
 
     def notify_kept(self) -> None:
         """Tells pages which edits are kept."""
-        self.subscribers.notify("kept", {"edits": [each.as_json() for each in self.kept.all]})
+        self.subscribers.notify("kept", {"edits": [edit.as_json() for edit in self.kept.all]})
 
     def refresh(self, files: Iterable[str] = ()) -> None:
         """Takes over what other programs did to files, and tells of it.
@@ -284,14 +286,14 @@ class StudioContext:
 
     def notify_outside(self, found: Sequence[Change]) -> None:
         """Tells of changes by other programs."""
-        for each in found:
-            event = "conflict" if each.is_conflict else "outside"
-            is_gone = all(held.path != each.file for held in self.project.files)
-            told = {"file": each.file, "diff": each.diff, "gone": is_gone}
+        for change in found:
+            event = "conflict" if change.is_conflict else "outside"
+            is_gone = all(held.path != change.file for held in self.project.files)
+            told = {"file": change.file, "diff": change.diff, "gone": is_gone}
             self.subscribers.notify(event, told)
         if found:
             log = reversed(self.project.log)
-            self.changed(next((each for each in log if each.is_outside), None), by="outside")
+            self.changed(next((entry for entry in log if entry.is_outside), None), by="outside")
 
     def changed(self, entry: Entry | None, *, by: str = "edit") -> None:
         """Tells pages and followers that the project has changed.
@@ -309,5 +311,5 @@ class StudioContext:
             **log_as_json(self.project),
         }
         self.subscribers.notify("changed", state)
-        for each in self.followers:
-            each()
+        for follower in self.followers:
+            follower()

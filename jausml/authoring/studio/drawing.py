@@ -170,9 +170,9 @@ def _box_of(graph: Graph, element: str) -> Node | None:
     for node in graph.nodes:
         if element in (node.element, *(port.element for port in node.ports)):
             return node
-    groups = {each.id for each in graph.groups if each.element == element}
-    inside = [each for each in graph.nodes if each.group in groups]
-    lines = [nodes[each.source.node] for each in graph.edges if each.element == element]
+    groups = {group.id for group in graph.groups if group.element == element}
+    inside = [inner_node for inner_node in graph.nodes if inner_node.group in groups]
+    lines = [nodes[edge.source.node] for edge in graph.edges if edge.element == element]
     return next(iter(inside + lines), None)
 
 
@@ -186,12 +186,15 @@ def difference(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str,
         "rest": {name: value for name, value in after.items() if name not in _LISTS}
     }
     for name in _LISTS:
-        old = {each["id"]: each for each in before[name]}
-        new = {each["id"]: each for each in after[name]}
-        order = [*(each for each in old if each in new), *(each for each in new if each not in old)]
+        old = {part["id"]: part for part in before[name]}
+        new = {part["id"]: part for part in after[name]}
+        order = [
+            *(part_id for part_id in old if part_id in new),
+            *(part_id for part_id in new if part_id not in old),
+        ]
         changed[name] = {
-            "put": [each for key, each in new.items() if old.get(key) != each],
-            "gone": [each for each in old if each not in new],
+            "put": [part for key, part in new.items() if old.get(key) != part],
+            "gone": [part_id for part_id in old if part_id not in new],
             "order": None if order == list(new) else list(new),
         }
     return changed

@@ -37,13 +37,17 @@ def live_values(state: SystemState, places: Places) -> dict[str, Any]:
     is left to who asks about one connection.
     """
     values = state_as_json(state)
-    for each, connection in zip(values["connections"], state.connections.values(), strict=True):
-        del each["values"]
-        each["history"] = each["history"][-HISTORY:]
-        each["row"] = row_of(connection, places) or ""
-    for each, component in zip(values["components"], state.components.values(), strict=True):
-        each["box"] = places.boxes.get(each["id"], "")
-        for told, machine in zip(each["machines"], component.machines, strict=True):
+    for connection_entry, connection in zip(
+        values["connections"], state.connections.values(), strict=True
+    ):
+        del connection_entry["values"]
+        connection_entry["history"] = connection_entry["history"][-HISTORY:]
+        connection_entry["row"] = row_of(connection, places) or ""
+    for component_entry, component in zip(
+        values["components"], state.components.values(), strict=True
+    ):
+        component_entry["box"] = places.boxes.get(component_entry["id"], "")
+        for told, machine in zip(component_entry["machines"], component.machines, strict=True):
             told["known"] = is_known(machine, places.machines)
     edges, boxes = _edges(state, places), _boxes(state, places)
     return {
@@ -62,15 +66,17 @@ def _closed(
 ) -> dict[str, dict[str, Any]]:
     """Returns how frames are: as the worst that is in them, with how many are how."""
     inside: dict[str, list[dict[str, Any]]] = defaultdict(list)
-    for name, each in (*boxes.items(), *edges.items()):
+    for name, status in (*boxes.items(), *edges.items()):
         for frame in places.frames.get(name, ()):
-            inside[frame].append(each)
+            inside[frame].append(status)
     return {frame: _worst(found) for frame, found in inside.items()}
 
 
 def _worst(found: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    level = max((Level(each["level"]) for each in found), key=lambda each: each.weight)
-    counts = Counter("gone" if each["gone"] else each["level"] for each in found)
+    level = max(
+        (Level(status["level"]) for status in found), key=lambda status_level: status_level.weight
+    )
+    counts = Counter("gone" if status["gone"] else status["level"] for status in found)
     return {
         "level": level.value,
         "gone": bool(counts["gone"]),
@@ -82,10 +88,10 @@ def _worst(found: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 def _edges(state: SystemState, places: Places) -> dict[str, Any]:
     found = {}
-    for each in state.connections.values():
-        row = row_of(each, places)
+    for connection in state.connections.values():
+        row = row_of(connection, places)
         if row is not None:
-            shown = _edge(each, state.age_of(each))
+            shown = _edge(connection, state.age_of(connection))
             found.update(dict.fromkeys((row, *places.edges[row]), shown))
     return found
 
@@ -144,9 +150,9 @@ def _control(component: ComponentState, owner: str) -> tuple[Level, str]:
 
 def _boxes(state: SystemState, places: Places) -> dict[str, Any]:
     complaints: dict[str, list[ConnectionState]] = defaultdict(list)
-    for each in state.connections.values():
-        if each.concerns_bridge and each.level is not Level.OK:
-            complaints[each.jaus_id].append(each)
+    for connection in state.connections.values():
+        if connection.concerns_bridge and connection.level is not Level.OK:
+            complaints[connection.jaus_id].append(connection)
     return {
         box: _box(state.components[address], complaints[address])
         for address, box in places.boxes.items()
@@ -157,9 +163,9 @@ def _boxes(state: SystemState, places: Places) -> dict[str, Any]:
 def _box(component: ComponentState, complaints: Iterable[ConnectionState]) -> dict[str, Any]:
     """Returns how a component is; of a bridge also what it says of itself on `/diagnostics`."""
     level, texts = component.level, [_component_text(component)]
-    for each in complaints:
-        level = each.level if each.level.weight > level.weight else level
-        texts.append(f"{each.name}: {each.reason}")
+    for complaint in complaints:
+        level = complaint.level if complaint.level.weight > level.weight else level
+        texts.append(f"{complaint.name}: {complaint.reason}")
     return {
         "level": level.value,
         "gone": component.is_gone,
@@ -247,7 +253,7 @@ class LiveSystem(RunningSystem):
             "jaus": "\n".join(jaus),
             "age": age,
             "history": list(connection.history),
-            "values": [list(each) for each in connection.values],
+            "values": [list(value) for value in connection.values],
         }
 
     def _connection(self, row: str) -> tuple[ConnectionState, float | None]:
@@ -255,9 +261,9 @@ class LiveSystem(RunningSystem):
         with self._lock:
             places = self._places
         state = self.monitor.state()
-        for each in state.connections.values():
-            if row_of(each, places) == row:
-                return each, state.age_of(each)
+        for connection in state.connections.values():
+            if row_of(connection, places) == row:
+                return connection, state.age_of(connection)
         raise NotWatchedError("nothing is known of this connection")
 
     # ---- the thread -------------------------------------------------------------------------

@@ -48,9 +48,9 @@ def places_of(model: Model) -> Places:
         return Places()
     context = Context(model, SYSTEM, ())
     boxes = {
-        context.id_of(each): str(each.address)
-        for each in model.instances(jaus.Component, library=False)
-        if each.address
+        context.id_of(component): str(component.address)
+        for component in model.instances(jaus.Component, library=False)
+        if component.address
     }
     edges: dict[str, list[str]] = defaultdict(list)
     controls = {}
@@ -62,9 +62,13 @@ def places_of(model: Model) -> Places:
         if edge.kind == "control" and ends[0] is not None and ends[1] is not None:
             controls[edge.id] = (ends[0], ends[1])
     rows = {
-        (node_of(owner), str(each.name)): context.id_of(each)
+        (node_of(owner), str(bridge_connection.name)): context.id_of(bridge_connection)
         for owner in model.instances(bridge.Bridge, library=False)
-        for each in (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
+        for bridge_connection in (
+            *owner.bridgeConnections,
+            *owner.serviceConnections,
+            *owner.actionConnections,
+        )
     }
     return Places(
         rows,
@@ -118,7 +122,7 @@ def machine_views(model: Model) -> dict[Key, tuple[MachineView, ...]]:
         if whole is not None and owner is not None and owner.urn not in SERVED_BY_RUNTIME:
             paths = dict.fromkeys((*whole.nodes, *whole.core_states))
             views[element] = MachineView(context.id_of(element), tuple(paths))
-            shown = tuple(views[each] for each in whole.elements if each in views)
+            shown = tuple(views[machine] for machine in whole.elements if machine in views)
             found[str(owner.urn), str(element.name)] = shown
     return found
 
@@ -143,10 +147,10 @@ def machine_boxes(
 
 def _box(path: str, instances: Sequence[tuple[str, MachineState]]) -> dict[str, Any] | None:
     """Returns how a state is in all components together, None when none was ever in it."""
-    machines = [each for _, each in instances]
-    inside = [time for each in machines for time in each.times if _lies_in(time.state, path)]
-    present = [(name, each) for name, each in instances if _lies_in(each.state, path)]
-    is_innermost = any(each.state == path for _, each in present)
+    machines = [state for _, state in instances]
+    inside = [time for machine in machines for time in machine.times if _lies_in(time.state, path)]
+    present = [(name, state) for name, state in instances if _lies_in(state.state, path)]
+    is_innermost = any(state.state == path for _, state in present)
     if not inside and not present:
         return None
     words = []
@@ -155,9 +159,12 @@ def _box(path: str, instances: Sequence[tuple[str, MachineState]]) -> dict[str, 
         words.append(f"{len(present)} of {len(instances)}: {names}")
     elif is_innermost:
         words.append(f"{present[0][1].seconds:.1f} s")
-    seconds, total = sum(each.seconds for each in inside), sum(each.total for each in machines)
+    seconds, total = (
+        sum(state_time.seconds for state_time in inside),
+        sum(machine.total for machine in machines),
+    )
     words.append(f"{share_text(seconds, total)} of the time")
-    entries = sum(each.entries for each in inside if each.state == path)
+    entries = sum(state_time.entries for state_time in inside if state_time.state == path)
     words += [f"entered {entries}×"] if entries else []
     return {
         "level": _ACTIVE if is_innermost else _AROUND if present else _LEFT,
@@ -175,4 +182,4 @@ def _lies_in(path: str, outer: str) -> bool:
 def is_known(machine: MachineState, views: Mapping[Key, Sequence[MachineView]]) -> bool:
     """Tells whether the model has the state that a machine says it is in."""
     shown = views.get((machine.service, machine.machine), ())
-    return any(machine.state in each.paths for each in shown)
+    return any(machine.state in view.paths for view in shown)

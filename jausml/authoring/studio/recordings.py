@@ -81,7 +81,7 @@ class Recordings:
     def files(self) -> list[str]:
         """Returns the names of those that may be opened."""
         found = islice(walk(str(self._root), (MCAP,), lambda _: None), MOST_LISTED)
-        below = (Path(each).relative_to(self._root).as_posix() for each in found)
+        below = (Path(path).relative_to(self._root).as_posix() for path in found)
         return list(dict.fromkeys((*self._given, *below)))
 
     def opened(self, name: str) -> OpenedRecording:
@@ -102,11 +102,15 @@ class Recordings:
             if key not in self._opened:
                 self._opened[key] = OpenedRecording(path, name)
             self._opened.move_to_end(key)
-            old = [each for each in self._opened if each[0] == name and each != key]
+            old = [
+                opened_key
+                for opened_key in self._opened
+                if opened_key[0] == name and opened_key != key
+            ]
             old += list(self._opened)[: max(0, len(self._opened) - len(old) - MOST_OPEN)]
-            closed = [self._opened.pop(each) for each in dict.fromkeys(old)]
-        for each in closed:
-            each.close()
+            closed = [self._opened.pop(opened_key) for opened_key in dict.fromkeys(old)]
+        for opened_recording in closed:
+            opened_recording.close()
         return self._opened[key]
 
     def system(self, name: str) -> RecordedSystem:
@@ -125,8 +129,8 @@ class Recordings:
         with self._lock:
             closed = list(self._opened.values())
             self._opened.clear()
-        for each in closed:
-            each.close()
+        for opened_recording in closed:
+            opened_recording.close()
 
     def _path(self, name: str) -> Path:
         """Returns the file of a name: one that was given, or one of the folder and no other."""
@@ -145,8 +149,8 @@ class Recordings:
 def _named(root: Path, given: Iterable[Path]) -> Mapping[str, Path]:
     """Returns files by the names that pages know: paths below the folder, else their last part."""
     found: dict[str, Path] = {}
-    for each in given:
-        path = each.resolve()
+    for file in given:
+        path = file.resolve()
         name = path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
         numbered = (f"{name} ({number})" for number in count(2))
         while found.get(name, path) != path:

@@ -91,15 +91,18 @@ def _bound(call: Any, value: Any, where: str) -> Any:
     if not isinstance(value, dict):
         raise TypedError(f"{where} is an object")
     hints, known = _hints(getattr(call, "func", call)), signature(call).parameters
-    unknown = [each for each in value if each not in known]
+    unknown = [member for member in value if member not in known]
     if unknown:
         raise TypedError(f"{where} has no {unknown[0]!a}")
-    for name, each in known.items():
-        if each.default is Parameter.empty and name not in value:
+    for name, parameter in known.items():
+        if parameter.default is Parameter.empty and name not in value:
             raise TypedError(f"{where} lacks {name}")
     return partial(
         call,
-        **{name: _typed(hints[name], each, f"{where}.{name}") for name, each in value.items()},
+        **{
+            name: _typed(hints[name], argument, f"{where}.{name}")
+            for name, argument in value.items()
+        },
     )
 
 
@@ -111,11 +114,11 @@ def _hints(kind: Any) -> Mapping[str, Any]:
 def _one_of(kinds: tuple[Any, ...], value: Any, where: str) -> Any:
     if value is None and type(None) in kinds:
         return None
-    others = [each for each in kinds if each is not type(None)]
+    others = [kind for kind in kinds if kind is not type(None)]
     faults = []
-    for each in others:
+    for other in others:
         try:
-            return _typed(each, value, where)
+            return _typed(other, value, where)
         except TypedError as fault:
             faults.append(fault)
     raise faults[0]
@@ -129,15 +132,15 @@ def _list(kinds: tuple[Any, ...], value: Any, where: str) -> Any:
     if len(value) != len(kinds):
         raise TypedError(f"{where} has {len(kinds)} values")
     pairs = enumerate(zip(kinds, value, strict=True))
-    return tuple(_typed(kind, each, f"{where}[{index}]") for index, (kind, each) in pairs)
+    return tuple(_typed(kind, item, f"{where}[{index}]") for index, (kind, item) in pairs)
 
 
 def _mapping(kind: Any, value: Any, where: str) -> Any:
     if not isinstance(value, dict):
         raise TypedError(f"{where} is an object")
     return {
-        _plain(str, name, f"a name in {where}"): _typed(kind, each, f"{where}[{name!a}]")
-        for name, each in value.items()
+        _plain(str, name, f"a name in {where}"): _typed(kind, member, f"{where}[{name!a}]")
+        for name, member in value.items()
     }
 
 
@@ -197,9 +200,9 @@ def as_json(value: Any) -> Any:
     if is_dataclass(value):
         return _members(value)
     if isinstance(value, dict):
-        return {str(name): as_json(each) for name, each in value.items()}
+        return {str(name): as_json(member) for name, member in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
-        return [as_json(each) for each in value]
+        return [as_json(item) for item in value]
     if isinstance(value, Enum):
         return as_json(value.value)
     if isinstance(value, PurePath):
@@ -209,7 +212,7 @@ def as_json(value: Any) -> Any:
 
 def _members(value: Any) -> dict[str, Any]:
     # A name of Python's own has an underscore behind it.
-    found = {each.name.rstrip("_"): as_json(getattr(value, each.name)) for each in fields(value)}
+    found = {field.name.rstrip("_"): as_json(getattr(value, field.name)) for field in fields(value)}
     name = _NAMES.get(type(value))
     if name is None:
         return found
@@ -222,13 +225,13 @@ def files_as_json(project: Project) -> list[dict[str, Any]]:
     """Returns the files of a project."""
     return [
         {
-            "path": each.path,
-            "notation": each.notation,
-            "revision": each.revision,
-            "stale": each.is_stale,
-            "dirty": each.is_dirty,
+            "path": file.path,
+            "notation": file.notation,
+            "revision": file.revision,
+            "stale": file.is_stale,
+            "dirty": file.is_dirty,
         }
-        for each in project.files
+        for file in project.files
     ]
 
 

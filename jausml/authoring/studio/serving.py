@@ -104,12 +104,12 @@ def _ended_by_signals(server: uvicorn.Server) -> Iterator[None]:
         server.should_exit = True
 
     signals = (signal.SIGINT, signal.SIGTERM)
-    before = [signal.signal(each, end) for each in signals]
+    before = [signal.signal(signal_number, end) for signal_number in signals]
     try:
         yield
     finally:
-        for each, handler in zip(signals, before, strict=True):
-            signal.signal(each, handler)
+        for signal_number, handler in zip(signals, before, strict=True):
+            signal.signal(signal_number, handler)
 
 
 @dataclass
@@ -194,7 +194,9 @@ class Studio:
         if seat is None or len(self._sockets) < MOST_SOCKETS + KEPT_SOCKETS:
             return seat is not None
         seats = self._sockets.items()
-        looking = next((each for each, held in seats if held and not held.may_command), None)
+        looking = next(
+            (web_socket for web_socket, held in seats if held and not held.may_command), None
+        )
         if looking is None:
             return False
         del self._sockets[looking]

@@ -52,7 +52,7 @@ class Session:
         self._live_requests = LiveRequests(context)
         context.subscribers.left = self._live_requests.leave
         methods = {
-            name: each for module in _MODULES for name, each in module.methods(context).items()
+            name: method for module in _MODULES for name, method in module.methods(context).items()
         }
         self._answering = Answering({**methods, **self._live_requests.methods()})
         self._checking = Checking(
@@ -133,4 +133,4 @@ async def changes(root: Path, end: asyncio.Event) -> AsyncIterator[list[str]]:
         ignore_permission_denied=True,
     )
     async for found in watching:
-        yield sorted({os.path.relpath(each, root).replace(os.sep, "/") for _, each in found})
+        yield sorted({os.path.relpath(path, root).replace(os.sep, "/") for _, path in found})

@@ -256,7 +256,7 @@ class LanguageSocket:
             return
         self._outgoing.send(rpc.answer(hello.id, {}))
         ways = (self._receive_all(), self._outgoing.send_all())
-        tasks = [asyncio.create_task(each) for each in ways]
+        tasks = [asyncio.create_task(coroutine) for coroutine in ways]
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         for task in tasks:
             task.cancel()

@@ -44,11 +44,11 @@ _EXAMPLES = {_TOPICS: "odom:nav_msgs/Odometry", _JSIDL: "services/Winch.jsidl"}
 @click.option(
     "--from",
     "origin",
-    type=click.Choice([_TOPICS, _JSIDL, *(each.name for each in STARTING_POINTS)]),
+    type=click.Choice([_TOPICS, _JSIDL, *(start_point.name for start_point in STARTING_POINTS)]),
     default=EXAMPLE,
     help="Content of the model. topics: a bridge for the SOURCEs, which are topics such as "
     "odom:nav_msgs/Odometry; jsidl: a component with the services of the SOURCEs, which are JSIDL "
-    f"files and folders; {'; '.join(f'{each.name}: {each.about}' for each in STARTING_POINTS)}.",
+    f"files and folders; {'; '.join(f'{start.name}: {start.about}' for start in STARTING_POINTS)}.",
 )
 @click.option(
     "--copies",
@@ -84,7 +84,7 @@ def command(
         return
     if bool(sources) is not (origin in _EXAMPLES):
         what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
-        if sources and all(":" in each for each in sources):
+        if sources and all(":" in source for source in sources):
             what += "; did you mean --from topics?"
         raise click.UsageError(f"--from {origin} {what}")
     point = starting_point(origin)

@@ -65,8 +65,8 @@ def _list_open(output_format: str) -> None:
     from jausml.language.validation.rules import all_rules
 
     report = checked([project()])
-    asking = {each.id for each in all_rules() if each.is_decision}
-    found = tuple(each for each in report.diagnostics if each.rule in asking)
+    asking = {rule.id for rule in all_rules() if rule.is_decision}
+    found = tuple(diagnostic for diagnostic in report.diagnostics if diagnostic.rule in asking)
     listed = replace(report, diagnostics=found, set_aside=())
     rendered = RENDERERS[output_format](listed)
     is_text = output_format == "text"
@@ -140,8 +140,8 @@ def add_to(
 
 def report(place: Place, files: Sequence[str]) -> None:
     """Says what was written, and what comes next."""
-    for each in files:
-        remark(f"{_shown(place.root / each)} written")
+    for file in files:
+        remark(f"{_shown(place.root / file)} written")
     remark(f"next: jausml validate {_shown(place.path)}")
 
 
@@ -150,10 +150,10 @@ def show_open(points: Sequence[OpenPoint], findings: Sequence[str] = ()) -> None
 
     `findings`: what rules report of the element as it is.
     """
-    decisions = [*(str(each) for each in points if each.rule), *findings]
-    remarks = [each.text for each in points if not each.rule]
+    decisions = [*(str(point) for point in points if point.rule), *findings]
+    remarks = [point.text for point in points if not point.rule]
     for title, lines in (("open", decisions), ("remarks", remarks)):
-        for line in [title, *(f"  {each}" for each in lines)] if lines else ():
+        for line in [title, *(f"  {point_text}" for point_text in lines)] if lines else ():
             click.echo(line)
 
 

@@ -105,8 +105,10 @@ def service_connection(
         own = _free_name(owner, name)
         needed = halves(scope, call)
         _check_stated(stated, needed)
-        made = {each.kind: _map_of(scope, owner, each, own, stated, yes=yes) for each in needed}
-        maps = {half: each for half, each in made.items() if each is not None}
+        made = {half.kind: _map_of(scope, owner, half, own, stated, yes=yes) for half in needed}
+        maps = {
+            half: map_commands for half, map_commands in made.items() if map_commands is not None
+        }
         told.extend(opens_of(call))
         _show_call(call.message, call.answer, call.rejections, to_ros=call.to_ros, name=name)
         return connection_commands(scope, owner, call, maps, own)
@@ -116,7 +118,7 @@ def service_connection(
 
 def _check_stated(stated: dict[str, list[tuple[str, str]]], needed: Sequence[Half]) -> None:
     for kind, words in stated.items():
-        if words and kind not in [each.kind for each in needed]:
+        if words and kind not in [half.kind for half in needed]:
             raise click.UsageError(f"--{kind}: nothing has to be carried by the {kind}")
 
 
@@ -160,7 +162,7 @@ def _show_call(
 
     asked = name_of(message)
     line = f"{name}: {asked} calls it" if to_ros else f"{name}: a call of it is sent as {asked}"
-    names = [name_of(each) for each in (answer, *rejections) if each is not None]
+    names = [name_of(element) for element in (answer, *rejections) if element is not None]
     click.echo(f"{line}; answered by {' or '.join(names)}" if names else line)
 
 
@@ -226,12 +228,12 @@ def _meant(ways: list[ListWay], driver: str | None, element: str | None) -> list
     from jausml.language.model.names import name_of
 
     if driver is None and element is None:
-        return [each for each in ways if each.is_usual] or ways
+        return [list_way for list_way in ways if list_way.is_usual] or ways
     found = [
-        each
-        for each in ways
-        if driver in (None, name_of(each.driver), each.driver.urn)
-        and element in (None, name_of(each.map))
+        list_way
+        for list_way in ways
+        if driver in (None, name_of(list_way.driver), list_way.driver.urn)
+        and element in (None, name_of(list_way.map))
     ]
     if ways and not found:
         raise click.UsageError(f"no such driver and map; there are{_listed(ways)}")
@@ -239,7 +241,7 @@ def _meant(ways: list[ListWay], driver: str | None, element: str | None) -> list
 
 
 def _listed(ways: Sequence[ListWay]) -> str:
-    return "".join(f"\n  {each.says()}" for each in ways)
+    return "".join(f"\n  {list_way.says()}" for list_way in ways)
 
 
 def _chosen_way(
@@ -257,7 +259,7 @@ def _chosen_way(
     if not can_ask():
         text = f"{name} fits several: say --driver and --element, or take the first by --yes"
         raise click.UsageError(text + _listed(ways))
-    return ways[choose(f"{name} fits several:", [each.says() for each in ways])[0]]
+    return ways[choose(f"{name} fits several:", [list_way.says() for list_way in ways])[0]]
 
 
 def _free_name(owner: bridges.Bridge, name: str) -> str:
@@ -266,8 +268,8 @@ def _free_name(owner: bridges.Bridge, name: str) -> str:
     from jausml.authoring.proposals.new_elements import name_among
     from jausml.language.model.names import name_of
 
-    carried = (*(each.service for each in owner.serviceConnections),)
-    carried += (*(each.action for each in owner.actionConnections),)
+    carried = (*(connection.service for connection in owner.serviceConnections),)
+    carried += (*(connection.action for connection in owner.actionConnections),)
     if name in carried:
         raise ProjectError(f"{name_of(owner)} carries {name} already")
     siblings = (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)

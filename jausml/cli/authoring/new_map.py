@@ -102,7 +102,7 @@ def map_(
     if ready is not None and (fills or to_ros or to_jaus or zeros_stop):
         taken = "--fill, --to-ros, --to-jaus or --zeros-stop"
         raise click.UsageError(f"--copy takes a map as it is: no {taken}")
-    ros, jaus = (tuple(pairs(each, "=", _EXAMPLE)) for each in (to_ros, to_jaus))
+    ros, jaus = (tuple(pairs(option, "=", _EXAMPLE)) for option in (to_ros, to_jaus))
 
     def commands(at: Opened) -> Sequence[Command]:
         owner = bridge_in(at, bridge or "")
@@ -140,7 +140,7 @@ def _copy(
     from jausml.language.semantics.assignments.named_places import named_places
 
     found = between(scope, wish.message, wish.type)
-    names = [name_of(each) for each in found]
+    names = [name_of(attribute_map) for attribute_map in found]
     if wanted is not None and wanted not in names:
         raise click.UsageError(
             f"no ready map {wanted!a} of the two; there are: {', '.join(names) or 'none'}"
@@ -192,11 +192,11 @@ def begun_map(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> B
     begun = begin_map(scope, owner, wish)
     asked: set[Doubt] = set()
     while yes or can_ask():
-        doubts = [each for each in begun.doubts if each not in asked]
+        doubts = [doubt for doubt in begun.doubts if doubt not in asked]
         if not doubts:
             break
-        for each in doubts:
-            wish = wish.with_first(each) if yes else _answered(wish, each)
+        for doubt in doubts:
+            wish = wish.with_first(doubt) if yes else _answered(wish, doubt)
         asked |= {*doubts}
         begun = begin_map(scope, owner, wish)
     if wish.zeros_stop and not begun.stops_by_zeros:
@@ -221,20 +221,20 @@ def _answered(wish: Wish, doubt: Doubt) -> Wish:
     """Returns a wish with what somebody says to a doubt, which may be nothing."""
     from jausml.authoring.proposals.mapping.beginning import shown
 
-    chosen = choose(f"What fills {doubt.target}?", [shown(each) for each in doubt.choices])
+    chosen = choose(f"What fills {doubt.target}?", [shown(choice) for choice in doubt.choices])
     return wish.with_answer(doubt, doubt.choices[chosen[0]]) if chosen else wish
 
 
 def _show_begun(begun: Begun) -> None:
-    for table in (each for each in begun.tables if each.kind == "bridge.ValueTable"):
+    for table in (addition for addition in begun.tables if addition.kind == "bridge.ValueTable"):
         entries = (
-            f"{each.values['jaus'][0]} <-> {each.values['ros'][0]}" for each in table.children
+            f"{child.values['jaus'][0]} <-> {child.values['ros'][0]}" for child in table.children
         )
         click.echo(f"table {table.values['name'][0]} ( {'  '.join(entries)} )")
     for to_ros, statements in begun.statements.items():
         click.echo("JAUS->ROS" if to_ros else "ROS->JAUS")
-        for each in statements:
-            click.echo(f"  {each}")
+        for statement in statements:
+            click.echo(f"  {statement}")
     if not begun.statements:
         click.echo("nothing corresponds by name, time, or unit and axis")
     show_open(begun.opens, begun.findings)

@@ -80,15 +80,15 @@ def service(
 
     def show() -> None:
         [service] = made if made[0].feature != "serviceSets" else made[0].children
-        for each in service.children:
-            click.echo(_message_line(each))
+        for child in service.children:
+            click.echo(_message_line(child))
 
     add_to(model, f"Add service {name}", commands, show, is_of_services=True)
 
 
 def _message_line(message: Child) -> str:
     """Returns a message in a line: its code, its name, and its fields."""
-    fields = [each.values["name"][0] for body in message.children for each in body.children]
+    fields = [child.values["name"][0] for body in message.children for child in body.children]
     way = "sends" if message.feature == "outputs" else "takes"
     head = f"{way} {message.values['code'][0]} {message.values['name'][0]}"
     return f"{head}: {', '.join(fields)}" if fields else head

@@ -57,8 +57,8 @@ def what_runs_here(seconds: float) -> Running:
     graph = running.graph
     if not graph:
         raise EnvironmentFault(f"no topic, service or action runs here (looked for {seconds:g} s)")
-    for each in graph.topics:
-        click.echo(_line(each))
+    for topic in graph.topics:
+        click.echo(_line(topic))
     for call in (*graph.services, *graph.actions):
         click.echo(_call_line(call))
     for line in (*_said_lines(running), *_parameter_lines(running)):
@@ -122,9 +122,9 @@ def topics_in(running: Running, words: Sequence[str], namespace: str = "") -> li
     """
     frames = _frames(running)
     known = {
-        each.name: replace(_end(each, running, namespace), frames=frames)
-        for each in running.graph.topics
-        if len(each.types) == 1
+        topic.name: replace(_end(topic, running, namespace), frames=frames)
+        for topic in running.graph.topics
+        if len(topic.types) == 1
     }
     if not words:
         return list(known.values())
@@ -139,7 +139,7 @@ def of_one_robot(topics: Sequence[TopicEnd], namespace: str | None) -> list[Topi
     from jausml.authoring.proposals.topics import robots_in, within
 
     if namespace is None and (robots := robots_in(topics)):
-        ways = "".join(f"\n  --namespace {each or '/'}" for each in robots)
+        ways = "".join(f"\n  --namespace {robot or '/'}" for robot in robots)
         raise click.UsageError(
             "several namespaces have topics of the same names, as several robots have; give each "
             f"robot a bridge of its own:{ways}"
@@ -160,12 +160,14 @@ def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
     if found is None:
         hint = suggest(f"/{name.strip('/')}", known)
         raise click.UsageError(f"no topic {name!a} of one type runs; {hint}".rstrip("; "))
-    return replace(found, maps=tuple(each for each in maps.split(",") if each))
+    return replace(found, maps=tuple(map_name for map_name in maps.split(",") if map_name))
 
 
 def _line(topic: RunningTopic) -> str:
     kinds = " and ".join(topic.types)
-    ends = (_nodes(each.node for each in one) for one in (topic.publishers, topic.subscriptions))
+    ends = (
+        _nodes(endpoint.node for endpoint in one) for one in (topic.publishers, topic.subscriptions)
+    )
     return f"{topic.name}  {kinds}  from {' to '.join(ends)}"
 
 
@@ -209,11 +211,12 @@ def _joints(topic: RunningTopic, running: Running) -> tuple[str, ...]:
     """Returns the joints of a topic: those that it names, else those that its nodes publish."""
     if topic.name in running.joints:
         return running.joints[topic.name]
-    own = {each.node for each in topic.subscriptions}
+    own = {subscription.node for subscription in topic.subscriptions}
     by_own = {
-        running.joints[each.name]
-        for each in running.graph.topics
-        if each.name in running.joints and own & {end.node for end in each.publishers}
+        running.joints[running_topic.name]
+        for running_topic in running.graph.topics
+        if running_topic.name in running.joints
+        and own & {end.node for end in running_topic.publishers}
     }
     found = by_own or set(running.joints.values())
     return next(iter(found)) if len(found) == 1 else ()
@@ -223,9 +226,9 @@ def _heard(publishers: Sequence[RosEndpoint]) -> dict[str, str] | None:
     """Returns what hears all of some publishers: no more than the least of them offers."""
     if not publishers:
         return None
-    sure = all(each.reliability == "reliable" for each in publishers)
+    sure = all(publisher.reliability == "reliable" for publisher in publishers)
     # What was published before is repeated to reliable subscriptions alone.
-    kept = sure and all(each.durability == "transient_local" for each in publishers)
+    kept = sure and all(publisher.durability == "transient_local" for publisher in publishers)
     found = {"reliability": "reliable" if sure else "best_effort"}
     return {**found, "durability": "transient_local"} if kept else found
 
@@ -234,7 +237,7 @@ def _published(subscriptions: Sequence[RosEndpoint]) -> dict[str, str] | None:
     """Returns what all of some subscriptions get: as much as the most demanding asks for."""
     if not subscriptions:
         return None
-    kept = any(each.durability == "transient_local" for each in subscriptions)
+    kept = any(subscription.durability == "transient_local" for subscription in subscriptions)
     return {"reliability": "reliable", **({"durability": "transient_local"} if kept else {})}
 
 
@@ -247,12 +250,12 @@ def show_left(running: Running, scope: Scope, namespace: str = "") -> None:
         ("service", _service, running.graph.services),
         ("action", _action, running.graph.actions),
     ):
-        for each in calls:
-            if len(each.types) > 1:
-                _left(f"{kind} {each.name} has several types, a fault of its nodes")
+        for call in calls:
+            if len(call.types) > 1:
+                _left(f"{kind} {call.name} has several types, a fault of its nodes")
                 continue
-            side = "" if each.servers else " --side operator"
-            _left(*next_of(scope, _relative(each.name, namespace), each.types[0], side))
+            side = "" if call.servers else " --side operator"
+            _left(*next_of(scope, _relative(call.name, namespace), call.types[0], side))
 
 
 def left_topic(scope: Scope) -> LeftOut:

@@ -154,7 +154,7 @@ def command(
 def _require_extra() -> None:
     from jausml.views.diagrams.layout import graphviz
 
-    missing = [each for each in _NEEDED if find_spec(each) is None]
+    missing = [module for module in _NEEDED if find_spec(module) is None]
     if graphviz.program() is None:
         missing.append(graphviz.PACKAGE)
     if missing:

@@ -84,7 +84,7 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
     """Returns the reasons of a person why last commands may stand, by topic."""
     from jausml.language.semantics.connections.stops import is_reason
 
-    known = {each.name for each in topics}
+    known = {topic.name for topic in topics}
     found: dict[str, str] = {}
     for word in words:
         name, _, reason = word.partition("=")
@@ -103,15 +103,15 @@ def _with_joints(topics: Sequence[TopicEnd], words: Sequence[str]) -> list[Topic
     stated: dict[str, tuple[str, ...]] = {}
     for word in words:
         name, _, names = word.partition("=")
-        if name not in [each.name for each in topics]:
+        if name not in [topic.name for topic in topics]:
             raise click.UsageError(f"--joints {word!a}: there is no topic {name!a} here")
         stated[name] = joints_of(names)
-    return [replace(each, names=stated.get(each.name, each.names)) for each in topics]
+    return [replace(topic, names=stated.get(topic.name, topic.names)) for topic in topics]
 
 
 def joints_of(text: str) -> tuple[str, ...]:
     """Returns the names in `shoulder,elbow,wrist`."""
-    names = tuple(each.strip() for each in text.split(","))
+    names = tuple(word.strip() for word in text.split(","))
     if not all(names) or len({*names}) < len(names):
         raise click.UsageError(f"--joints {text!a} should be like shoulder,elbow,wrist")
     return names
@@ -136,7 +136,7 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
             raise click.UsageError(f"{word!a}: the name of the topic {fault}")
         if name in found:
             raise click.UsageError(f"the topic {name} is there twice: name its maps behind a colon")
-        chosen = tuple(each for each in maps.split(",") if each)
+        chosen = tuple(map_name for map_name in maps.split(",") if map_name)
         found[name] = TopicEnd(name, f"{package}/{message}", maps=chosen)
     return list(found.values())
 
@@ -148,8 +148,12 @@ def _full(message: str) -> str:
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     maps = library().instances(bridge.AttributeMap)
-    known = {ros_name(each.type) for each in maps if each.type is not None}
-    return min((each for each in known if each.partition("/")[2] == message), default="")
+    known = {
+        ros_name(attribute_map.type) for attribute_map in maps if attribute_map.type is not None
+    }
+    return min(
+        (type_name for type_name in known if type_name.partition("/")[2] == message), default=""
+    )
 
 
 def chosen_crossings(
@@ -167,9 +171,9 @@ def chosen_crossings(
     side, yes = choosing.side, choosing.yes
     reasons = holds_of(choosing.holds, topics)
     topics = _with_joints(topics, choosing.joints)
-    offered = {each.name: crossings(each, maps, side) for each in topics}
-    joins = [join for each in offered.values() for way in each for join in _fed_joins(way)]
-    waiting = {each.name for each in topics if any(feeds(each, join) for join in joins)}
+    offered = {end.name: crossings(end, maps, side) for end in topics}
+    joins = [join for offer in offered.values() for way in offer for join in _fed_joins(way)]
+    waiting = {end.name for end in topics if any(feeds(end, join) for join in joins)}
     found: list[Crossing] = []
     for topic in topics:
         if ways := offered[topic.name]:
@@ -177,18 +181,18 @@ def chosen_crossings(
         elif topic.name not in waiting:
             _without(topic, maps, side, left_out)
     _check_joints(choosing.joints, found)
-    found = [each for each in found if not _lacks_names(each, left_out)]
-    for each, first in clashes(found):
-        found.remove(each)
-        _clash(each, first)
-    used = {each for one in joined(found, topics) for each in one.values()}
+    found = [crossing for crossing in found if not _lacks_names(crossing, left_out)]
+    for crossing, first in clashes(found):
+        found.remove(crossing)
+        _clash(crossing, first)
+    used = {topic_name for one in joined(found, topics) for topic_name in one.values()}
     for topic in topics:
         is_left = topic.name in waiting and not offered[topic.name] and topic.name not in used
         if is_left and left_out is not None:
             left_out(topic, f"no topic that is carried has a join for {topic.name}", "")
     if not found and left_out is None:
         raise click.UsageError("no topic is left that a bridge could carry")
-    return [_decided(each, reasons, yes=yes) for each in found]
+    return [_decided(crossing, reasons, yes=yes) for crossing in found]
 
 
 def _clash(crossing: Crossing, first: Crossing) -> None:
@@ -204,7 +208,7 @@ def _clash(crossing: Crossing, first: Crossing) -> None:
 
 
 def _check_joints(joints: Sequence[str], chosen: Sequence[Crossing]) -> None:
-    named = {each.topic.name for each in chosen if each.names}
+    named = {crossing.topic.name for crossing in chosen if crossing.names}
     for name in (word.partition("=")[0] for word in joints):
         if name not in named:
             raise click.UsageError(f"--joints {name}: no map of it knows joints by names")
@@ -230,7 +234,7 @@ def joined(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> list[dict[
     from jausml.authoring.proposals.topics import joins_of
 
     fed: set[str] = set()
-    return [joins_of(each, topics, fed) for each in chosen]
+    return [joins_of(crossing, topics, fed) for crossing in chosen]
 
 
 def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Crossing:
@@ -282,17 +286,19 @@ def _without(
         if found := why_not(wanted, topic, maps, side):
             raise click.UsageError(f"{topic.name}: {found}")
     frames = (quote(f'{path}="{name}"') for path, name in topic.own_frames.items())
-    stated = "".join(f" --to-ros {each}" for each in frames)
+    stated = "".join(f" --to-ros {frame}" for frame in frames)
     command = f"jausml new map {snake_case(topic.name)} MESSAGE {topic.type}{stated}"
     named = crossings(replace(topic, maps=tuple(map(name_of, maps))), maps, side)
     is_stop = is_emergency_stop(topic.name)
-    if ways := [each for each in named if is_served(each.offer.service) is is_stop]:
+    if ways := [crossing for crossing in named if is_served(crossing.offer.service) is is_stop]:
         _unsaid(topic, ways, command, left_out)
         return
-    known = {ros_name(each.type) for each in maps if each.type is not None}
+    known = {
+        ros_name(attribute_map.type) for attribute_map in maps if attribute_map.type is not None
+    }
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
     reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
-    reason += "".join(f"; {each}" for each in _parts_carried(topic.type, maps))
+    reason += "".join(f"; {note}" for note in _parts_carried(topic.type, maps))
     if left_out is None:
         ask = f"jausml list maps tells which there are; {command} begins one"
         raise click.UsageError(f"{reason}; {hint or ask}")
@@ -307,14 +313,14 @@ def _parts_carried(kind: str, maps: Sequence[bridge.AttributeMap]) -> Iterator[s
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     whole = next((e for e in library().instances(ros.MessageType) if ros_name(e) == kind), None)
-    for each in whole.fields if whole is not None else ():
-        if isinstance(each, ros.MessageField) and each.arrayKind.name != "single":
-            inner = ros_name(each.messageType)
+    for field in whole.fields if whole is not None else ():
+        if isinstance(field, ros.MessageField) and field.arrayKind.name != "single":
+            inner = ros_name(field.messageType)
             carried = (one for one in maps if one.type and one.toJaus)
             names = [name_of(one) for one in carried if ros_name(one.type) == inner]
             if names:
                 yield (
-                    f"its {each.name} are {inner}, and of a topic of one of them "
+                    f"its {field.name} are {inner}, and of a topic of one of them "
                     f"{', '.join(names[:_FEW])} makes a report"
                 )
 
@@ -329,7 +335,7 @@ def _unsaid(
     reason = f"nothing in the name {topic.name} says what its {topic.type} means"
     if is_emergency_stop(topic.name):
         reason = f"{topic.name} is an emergency stop: a person states what presses and releases it"
-    names = list(dict.fromkeys(name_of(each.map) for each in ways))
+    names = list(dict.fromkeys(name_of(crossing.map) for crossing in ways))
     options = ", ".join(names[:_FEW])
     if len(names) > _FEW:
         options += f" and {len(names) - _FEW} more"
@@ -351,16 +357,16 @@ def _taken(
 
     yes = choosing.yes
     if topic.maps:
-        by_name = {name_of(each.map): each for each in reversed(ways)}
-        missing = [each for each in topic.maps if each not in by_name]
+        by_name = {name_of(crossing.map): crossing for crossing in reversed(ways)}
+        missing = [map_name for map_name in topic.maps if map_name not in by_name]
         if missing:
             names = ", ".join(sorted(by_name))
             reason = why_not(missing[0], topic, maps, choosing.side)
             reason = reason or f"no ready map {missing[0]!a}; there are {names}"
             raise click.UsageError(f"{topic.name}: {reason}")
-        return [by_name[each] for each in topic.maps]
+        return [by_name[map_name] for map_name in topic.maps]
     if yes or len(ways) == 1:
-        if others := ", ".join(name_of(each.map) for each in ways[1:]):
+        if others := ", ".join(name_of(crossing.map) for crossing in ways[1:]):
             used = name_of(ways[0].map)
             remark(
                 f"{topic.name}: {used} is used; {others} would fit too (name them after a colon)"
@@ -368,7 +374,7 @@ def _taken(
         return [ways[0]]
     options = _options(ways)
     if not can_ask():
-        listed = "".join(f"\n  {topic.name}:{topic.type}:{each}" for each in options)
+        listed = "".join(f"\n  {topic.name}:{topic.type}:{option}" for option in options)
         text = f"{topic.name} fits several maps: name one, or take the first by --yes{listed}"
         raise click.UsageError(text)
     return [ways[n] for n in choose(f"{topic.name} ({topic.type}) fits several maps:", options)]
@@ -381,7 +387,7 @@ def _options(ways: Sequence[Crossing]) -> list[str]:
     found = []
     for way in ways:
         does = way.says().partition(": ")[2]
-        is_alone = sum(each.says().partition(": ")[2] == does for each in ways) == 1
+        is_alone = sum(crossing.says().partition(": ")[2] == does for crossing in ways) == 1
         about = " ".join(str(way.map.documentation or "").split())
         found.append(
             way.says() if is_alone or not about else f"{name_of(way.map)}: {does}. {about}"

@@ -19,11 +19,11 @@ def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
     """Says what was made of each topic, and which facts of the vehicle a map has assumed."""
     from jausml.language.model.names import name_of
 
-    for each, joins in zip(chosen, joined(chosen, topics), strict=True):
-        click.echo(_crossing_line(each))
+    for crossing, joins in zip(chosen, joined(chosen, topics), strict=True):
+        click.echo(_crossing_line(crossing))
         for join, topic in joins.items():
-            used = name_of(each.map)
-            click.echo(f"{topic}: ROS -> JAUS, {used}: read as {join} with {each.topic.name}")
+            used = name_of(crossing.map)
+            click.echo(f"{topic}: ROS -> JAUS, {used}: read as {join} with {crossing.topic.name}")
     for quantity, used in _assumed(chosen):
         unit = f" {quantity.units}" if quantity.units else ""
         said = f"{name_of(quantity)} of {used} is {quantity.value:g}{unit}"
@@ -36,18 +36,18 @@ def show_undecided(chosen: Sequence[Crossing]) -> None:
     from jausml.language.model.names import name_of
     from jausml.language.semantics.jaus.commands import is_emergency
 
-    names = [each for each in chosen if each.has_no_stop and not each.hold_reason]
+    names = [crossing for crossing in chosen if crossing.has_no_stop and not crossing.hold_reason]
     if not names:
         return
     click.echo("\nYou have to decide what happens when the source of a command is lost:", err=True)
-    for each in names:
-        message = name_of(each.offer.message)
+    for name in names:
+        message = name_of(name.offer.message)
         stands = f"nothing stops what {message} sets in motion"
-        if is_emergency(each.offer.message):
+        if is_emergency(name.offer.message):
             stands = f"nobody says what releases the emergency stop ({message}); JML500 asks for it"
-        click.echo(f"  {each.topic.name}: {stands}", err=True)
-        if stops_by_zeros(each.map, [each.offer.to_ros]):
-            stop, used = STOPS[each.offer.to_ros], name_of(each.map)
+        click.echo(f"  {name.topic.name}: {stands}", err=True)
+        if stops_by_zeros(name.map, [name.offer.to_ros]):
+            stop, used = STOPS[name.offer.to_ros], name_of(name.map)
             told = f"its numbers are all rates: if zeros stop it, give map {used} a {stop} of zeros"
             click.echo(f"    {told}", err=True)
     click.echo(
@@ -71,9 +71,9 @@ def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
     from jausml.language.model.names import name_of
 
     found: dict[str, tuple[bridge.Quantity, str]] = {}
-    for each in chosen:
-        for quantity in each.map.quantities:
-            found.setdefault(name_of(quantity), (quantity, name_of(each.map)))
+    for crossing in chosen:
+        for quantity in crossing.map.quantities:
+            found.setdefault(name_of(quantity), (quantity, name_of(crossing.map)))
     return list(found.values())
 
 

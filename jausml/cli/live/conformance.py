@@ -159,7 +159,9 @@ def _checked(session: Session, groups: Sequence[CheckGroup], *, live: bool) -> C
 
     if live:
         host, port = session.probe.endpoint or ("", 0)
-        services = tuple(f"{each.urn} {each.major}.{each.minor}" for each in session.services)
+        services = tuple(
+            f"{service.urn} {service.major}.{service.minor}" for service in session.services
+        )
         for line in heading(str(session.probe.target), f"{host}:{port}", services):
             click.echo(line)
     return run(session, groups, show)
@@ -203,13 +205,13 @@ def _waypoints(
     from math import isfinite
 
     found = []
-    for each in words:
+    for word in words:
         try:
-            x, y = (float(part) for part in each.split(","))
+            x, y = (float(part) for part in word.split(","))
         except ValueError:
-            raise click.BadParameter(f"{each!a} is not X,Y in metres, e.g. 2,-1.5") from None
+            raise click.BadParameter(f"{word!a} is not X,Y in metres, e.g. 2,-1.5") from None
         if not (isfinite(x) and isfinite(y) and max(abs(x), abs(y)) <= 1000):
-            raise click.BadParameter(f"{each!a} is more than 1000 m away")
+            raise click.BadParameter(f"{word!a} is more than 1000 m away")
         found.append((x, y))
     return tuple(found)
 
@@ -314,11 +316,11 @@ def _check_names(only: tuple[str, ...], competition: str) -> None:
     from jausml.live.peers.judging.competitions import task_names
 
     known = task_names(competition)
-    for each in only:
-        if each not in known and not each.startswith("codecs."):
-            hint = did_you_mean(similar(each, known)) or f"; it has {', '.join(sorted(known))}"
+    for name in only:
+        if name not in known and not name.startswith("codecs."):
+            hint = did_you_mean(similar(name, known)) or f"; it has {', '.join(sorted(known))}"
             raise click.BadParameter(
-                f"no task {each!a} in {competition}{hint}", param_hint="--only"
+                f"no task {name!a} in {competition}{hint}", param_hint="--only"
             )
 
 

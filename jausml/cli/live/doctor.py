@@ -69,10 +69,10 @@ def command(
     found += machine.network_checks(settings)
     if peers:
         found += _peers(interface, port, multicast_group, peers)
-    shown = [each for each in found if not (quiet and each.verdict is Outcome.OK)]
+    shown = [finding for finding in found if not (quiet and finding.verdict is Outcome.OK)]
     if shown or output_format == "json":
         click.echo(_as_json(shown) if output_format == "json" else _as_text(shown))
-    if any(each.verdict is Outcome.ERROR for each in found):
+    if any(finding.verdict is Outcome.ERROR for finding in found):
         raise click.exceptions.Exit(PROBLEMS)
 
 
@@ -99,21 +99,21 @@ def _packages(paths: Sequence[str], reading: Reading) -> dict[str, bool]:
 
     model = read(paths, reading).model
     used = model.instances(ros.InterfacePackage)
-    found = {str(each.name): not model.is_library(each) for each in used if each.name}
+    found = {str(package.name): not model.is_library(package) for package in used if package.name}
     return dict(sorted(found.items()))
 
 
 def _as_text(found: Sequence[Finding]) -> str:
     lines: list[str] = []
     topic = ""
-    for each in found:
-        if each.topic != topic:
-            topic = each.topic
+    for finding in found:
+        if finding.topic != topic:
+            topic = finding.topic
             lines += ["", topic] if lines else [topic]
-        verdict = each.verdict.value
-        lines.append(f"  {painted(verdict, f'{verdict:<8}')} {each.name}: {each.text}")
-        if each.cure:
-            lines.append(f"  {'':<8} -> {each.cure}")
+        verdict = finding.verdict.value
+        lines.append(f"  {painted(verdict, f'{verdict:<8}')} {finding.name}: {finding.text}")
+        if finding.cure:
+            lines.append(f"  {'':<8} -> {finding.cure}")
     return "\n".join([*lines, "", ", ".join(_count(found, word) for word in _COUNTED)])
 
 
@@ -121,19 +121,19 @@ _COUNTED = ("error", "warning", "note")
 
 
 def _count(found: Sequence[Finding], word: str) -> str:
-    number = sum(each.verdict.value == word for each in found)
+    number = sum(finding.verdict.value == word for finding in found)
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def _as_json(found: Sequence[Finding]) -> str:
     checks = [
         {
-            "topic": each.topic,
-            "name": each.name,
-            "verdict": each.verdict.value,
-            "text": each.text,
-            "cure": each.cure,
+            "topic": finding.topic,
+            "name": finding.name,
+            "verdict": finding.verdict.value,
+            "text": finding.text,
+            "cure": finding.cure,
         }
-        for each in found
+        for finding in found
     ]
     return json.dumps({"checks": checks}, indent=2, ensure_ascii=False)

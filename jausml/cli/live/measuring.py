@@ -104,15 +104,17 @@ def latency(
             stack.enter_context(listening(monitor))
         if target is not None:
             names = messages or offered_reports(operator, target)
-            wanted = [(target, each) for each in names]
+            wanted = [(target, name) for name in names]
         else:
             wanted = model
         if not wanted:
             raise click.UsageError(f"{source} has no report that could be measured")
         streams = measure(operator, wanted, duration=duration, rate=rate, interval=interval)
-    connections = [each for each in monitor.state().connections.values() if each.latency]
+    connections = [
+        connection for connection in monitor.state().connections.values() if connection.latency
+    ]
     _show(streams, connections, as_json=settings.as_json)
-    if any(not each.arrivals and each.answers is None for each in streams) or not streams:
+    if any(not stream.arrivals and stream.answers is None for stream in streams) or not streams:
         raise click.exceptions.Exit(PROBLEMS)
 
 
@@ -132,12 +134,12 @@ def _meant(source: str) -> tuple[list[tuple[JausAddress, str]], JausAddress | No
 def _show(
     streams: Sequence[ReportTimes], connections: Sequence[ConnectionState], *, as_json: bool
 ) -> None:
-    for each in streams:
-        if each.fault:
-            warn(f"{each.component} {each.report.name}: no event: {each.fault}")
+    for stream in streams:
+        if stream.fault:
+            warn(f"{stream.component} {stream.report.name}: no event: {stream.fault}")
     if as_json:
-        bridges = [_bridge_as_json(each) for each in connections]
-        reports = [_as_json(each) for each in streams]
+        bridges = [_bridge_as_json(connection) for connection in connections]
+        reports = [_as_json(stream) for stream in streams]
         click.echo(to_json({"reports": reports, "bridges": bridges}))
         return
     numbers = range(2, len(_HEAD))
@@ -151,7 +153,7 @@ def _show(
 
 def _row(stream: ReportTimes) -> tuple[str, ...]:
     rate = "-" if stream.rate is None else f"{stream.rate:.2f}"
-    lost = sum(each is None for each in stream.round_trips)
+    lost = sum(round_trip is None for round_trip in stream.round_trips)
     return (
         str(stream.component),
         stream.report.name,
@@ -168,7 +170,7 @@ def _bridge_row(connection: ConnectionState) -> tuple[str, ...]:
     from jausml.live.peers.rendering import printable
 
     figures = (connection.latency.get(name) for name in _BRIDGE_FIGURES)
-    cells = ("-" if each is None else f"{each / 1e3:.3f}" for each in figures)
+    cells = ("-" if figure is None else f"{figure / 1e3:.3f}" for figure in figures)
     return (printable(connection.bridge), printable(connection.name), *cells)
 
 
@@ -194,7 +196,7 @@ def _as_json(stream: ReportTimes) -> dict[str, Any]:
         "reports": len(stream.arrivals),
         "rate": None if stream.rate is None else round(stream.rate, 4),
         "queries": len(stream.round_trips),
-        "unanswered": sum(each is None for each in stream.round_trips),
+        "unanswered": sum(round_trip is None for round_trip in stream.round_trips),
         "milliseconds": {
             name: None if spread is None else spread.milliseconds()
             for name, spread in spreads.items()

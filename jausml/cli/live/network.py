@@ -279,8 +279,8 @@ def _message_names(context: click.Context, _parameter: click.Parameter, begun: s
     found = list(input_names(context.params.get("models") or (), _provided(context.params)))
     if context.info_name not in ("query", "watch"):
         return beginning(begun, found)
-    queries = [each for each in found if each.startswith("Query")]
-    return beginning(begun, (each.removeprefix("Query") for each in queries)) or beginning(
+    queries = [name for name in found if name.startswith("Query")]
+    return beginning(begun, (query.removeprefix("Query") for query in queries)) or beginning(
         begun, queries
     )
 
@@ -298,14 +298,14 @@ def _provided(given: dict[str, Any]) -> list[str]:
             found = provided_services(ours, given["target"], _COMPLETION_TIME)
     except (KeyError, OSError, click.ClickException):
         return []  # a completion has nobody to tell it
-    return [f"{each.urn}/{each.major}.{each.minor}" for each in found]
+    return [f"{service.urn}/{service.major}.{service.minor}" for service in found]
 
 
 def _field_names(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
     """Returns the paths of the fields of the message that is named before, with their `=`."""
     given = context.params
     found = field_paths(str(given.get("message")), given.get("models") or ())
-    return beginning(begun, (f"{each}=" for each in found))
+    return beginning(begun, (f"{field_path}=" for field_path in found))
 
 
 TARGET = click.argument("target", metavar="ID", callback=parsed_address)

@@ -194,9 +194,9 @@ def _output(output: str | None, limits: SplitLimits, *, force: bool) -> Path:
     capture = path.with_suffix(".pcap")
     if capture == path:
         raise click.UsageError("the capture stands beside FILE, which needs another ending: .mcap")
-    for each in (path, capture):
-        if not (force or limits.splits) and each.exists():
-            raise already_there(str(each))
+    for file in (path, capture):
+        if not (force or limits.splits) and file.exists():
+            raise already_there(str(file))
     return path
 
 
@@ -355,7 +355,7 @@ def _show_counts(
 def _show_files(parts: RecordingFiles, recorder: Recorder) -> None:
     """Tells which files there are, or why nothing more could be written."""
     if recorder.fault is None:
-        names = ", ".join(click.format_filename(each) for each in parts.paths)
+        names = ", ".join(click.format_filename(path) for path in parts.paths)
         remark(f"written: {names}, captures beside")
         return
     until = "nothing" if recorder.reached is None else f"all until {shown_time(recorder.reached)}"

@@ -245,9 +245,9 @@ def _to_wire(recording: str, model: Model, span: TimeSpan, options: dict[str, An
         WireReplay(model, transport, allow_commands=allowed) as replay,
         pressed(partial(_pause, pace)) as has_keys,
     ):
-        for each in replay.commands:
+        for command_name in replay.commands:
             what = "its commands are sent" if allowed else "left out without --allow-commands"
-            click.echo(f"{each}: {what}", err=True)
+            click.echo(f"{command_name}: {what}", err=True)
         hint = "; the space bar pauses" if has_keys else ""
         wait = f"{options['wait']:g} s"
         click.echo(f"on the network; the first message comes in {wait}{hint}", err=True)
@@ -261,7 +261,7 @@ def _to_wire(recording: str, model: Model, span: TimeSpan, options: dict[str, An
     for encoding, number in sorted(bag.others.items()):
         click.echo(f"{number} messages in {encoding} are not of ROS", err=True)
     is_damaged = _warn_if_damaged(recording, bag.fault, bag.reached)
-    unread = any(_UNREAD in each["drops"] for each in replay.connections.values())
+    unread = any(_UNREAD in connection["drops"] for connection in replay.connections.values())
     return not (replay.refused or is_damaged or unread)
 
 
@@ -275,9 +275,9 @@ def _rounds(bag: Bag, pace: ReplayPace, stop: Event, *, is_loop: bool) -> Iterat
     is_next = True
     while is_next and not stop.is_set():
         is_next = False
-        for each in pace.messages(bag.messages()):
+        for message in pace.messages(bag.messages()):
             is_next = is_loop
-            yield each
+            yield message
 
 
 def _shown(
@@ -285,10 +285,10 @@ def _shown(
 ) -> Iterator[RosMessage]:
     """Yields messages, and lets somebody at a terminal see how far they are."""
     progress.note = lambda: "paused" if pace.is_paused else f"{pace.position:.1f} s of it"
-    for each in messages:
+    for message in messages:
         if length:
             progress.at(pace.position / length)
-        yield each
+        yield message
 
 
 def _wire_lines(replay: WireReplay) -> Iterator[str]:
@@ -349,7 +349,7 @@ def _replayed(replay: CaptureReplay, path: str, port: int, span: TimeSpan) -> bo
 
     with opened(path) as stream:
         found = filter(None, map(reader.read, readable(stream)))
-        replay.run(span.of(found, lambda each: each.nanoseconds))
+        replay.run(span.of(found, lambda datagram: datagram.nanoseconds))
     for line in (*skipped_lines(reader, port), *_counted(replay.captured.skipped), *faults):
         click.echo(f"{shown_path(path)}: {line}", err=True)
     return not faults
@@ -389,6 +389,6 @@ def _show_results(
 def _named(codes: dict[int, int], model: str) -> Iterable[str]:
     """Yields the messages of codes, the most frequent first."""
     catalogue = open_catalogue([model])
-    for code, number in sorted(codes.items(), key=lambda each: -each[1]):
-        names = " or ".join(dict.fromkeys(each.name for each in catalogue.find(code)))
+    for code, number in sorted(codes.items(), key=lambda item: -item[1]):
+        names = " or ".join(dict.fromkeys(message.name for message in catalogue.find(code)))
         yield f"{number} {names or 'unknown'} (0x{code:04X})"

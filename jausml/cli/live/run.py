@@ -67,12 +67,12 @@ def build(out: str) -> None:
     if program is None and not all(map(native.is_current, sources)):
         raise EnvironmentFault(MISSING)
     made = _built(sources, program or "")
-    for each in made:
-        reason = f": {each.reason}" if each.reason else ""
-        click.echo(f"{each.state.value} {each.library.relative_to(folder)}{reason}")
+    for result in made:
+        reason = f": {result.reason}" if result.reason else ""
+        click.echo(f"{result.state.value} {result.library.relative_to(folder)}{reason}")
     if not made:
         remark(f"no bridge in {click.format_filename(out)} has a compiled form")
-    if any(each.reason for each in made):
+    if any(result.reason for result in made):
         raise click.exceptions.Exit(PROBLEMS)
 
 
@@ -80,19 +80,21 @@ def build_before_run(folder: Path, packages: Sequence[str]) -> None:
     """Builds what is not built yet of some packages; where that fails, Python translates."""
     from jausml.generation import native
 
-    sources = [each for each in native.cores(folder) if each.parent.parent.name in packages]
-    stale = [each for each in sources if not native.is_current(each)]
+    sources = [core for core in native.cores(folder) if core.parent.parent.name in packages]
+    stale = [source for source in sources if not native.is_current(source)]
     if not stale:
         return
     program = native.compiler()
     if program is None:
         remark(MISSING)
         return
-    names = ", ".join(each.parent.parent.name for each in stale)
+    names = ", ".join(path.parent.parent.name for path in stale)
     remark(f"the translations of {names} are compiled, once, before anything runs")
-    for each in _built(stale, program):
-        if each.reason:
-            warn(f"{each.library.parent.name} is not compiled, Python translates: {each.reason}")
+    for result in _built(stale, program):
+        if result.reason:
+            warn(
+                f"{result.library.parent.name} is not compiled, Python translates: {result.reason}"
+            )
 
 
 def _built(sources: Sequence[Path], program: str) -> list[Built]:
@@ -103,7 +105,7 @@ def _built(sources: Sequence[Path], program: str) -> list[Built]:
 
 
 _MAIN = (
-    "import runpy, sys; sys.path = [each for each in sys.path if each]; "
+    "import runpy, sys; sys.path = [folder for folder in sys.path if folder]; "
     "runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
 )
 """What `-m` does, without the current folder: a script there may have the name of a package."""
@@ -193,8 +195,12 @@ def _entries(folder: Path) -> list[Mapping[str, Any]]:
     if manifest.problem:
         raise EnvironmentFault(f"{folder}: {manifest.problem}; generate it again")
     lists = [known.get("processes") for known in manifest.models.values()]
-    entries = [entry for each in lists if isinstance(each, list) for entry in each]
-    if not any(isinstance(each, list) for each in lists) or not all(map(_is_entry, entries)):
+    entries = [
+        entry for process_list in lists if isinstance(process_list, list) for entry in process_list
+    ]
+    if not any(isinstance(process_list, list) for process_list in lists) or not all(
+        map(_is_entry, entries)
+    ):
         raise EnvironmentFault(f"{folder}: the manifest lists no processes; generate it again")
     # A component that two models have is one process.
     return list({entry["name"]: entry for entry in entries}.values())
@@ -299,7 +305,7 @@ def process_arguments(
         raise click.UsageError(f"no process speaks JAUS, which {own[0]} is for")
     if ros and not nodes:
         raise click.UsageError(f"no process is a ROS node, which {_ROS_ARGUMENTS} is for")
-    if len(jaus) > 1 and any(each.partition("=")[0] == _IDENTITY for each in own):
+    if len(jaus) > 1 and any(argument.partition("=")[0] == _IDENTITY for argument in own):
         names = ", ".join(jaus)
         raise click.UsageError(f"name the process that gets this {_IDENTITY}: one of {names}")
     return [
@@ -319,8 +325,10 @@ def _with_frequency(
     # A number without a point is an integer to ROS, which the parameter is not.
     said = (_ROS_ARGUMENTS, "-p", f"frequency:={frequency!r}")
     return [
-        replace(each, ros=(*said, *each.ros)) if entry["kind"] == "bridge" else each
-        for entry, each in zip(entries, passed, strict=True)
+        replace(passed_arguments, ros=(*said, *passed_arguments.ros))
+        if entry["kind"] == "bridge"
+        else passed_arguments
+        for entry, passed_arguments in zip(entries, passed, strict=True)
     ]
 
 
@@ -375,6 +383,6 @@ def _needed(file: Path) -> Iterator[str]:
         root = etree.parse(file, parser).getroot()
     except etree.XMLSyntaxError:
         return
-    for each in root.iter("depend", "exec_depend"):
-        if each.text:
-            yield each.text.strip()
+    for element in root.iter("depend", "exec_depend"):
+        if element.text:
+            yield element.text.strip()

@@ -200,7 +200,7 @@ class Supervisor:
 
     def _stop(self) -> None:
         """Stops what still runs, ever more firmly; a second signal takes the next step at once."""
-        asked = {name for name, each in self._processes.items() if each.poll() is None}
+        asked = {name for name, process in self._processes.items() if process.poll() is None}
         for number, grace in GRACE:
             self._send(asked, number)
             if self._all_ended(asked, time.monotonic() + grace):

@@ -158,12 +158,12 @@ def _print(state: SystemState, *, as_json: bool) -> None:
         return
     from jausml.live.systems import tables
 
-    numbers = [index for index, each in enumerate(tables.COLUMNS) if each.is_number]
-    rows = [tables.row(each) for each in tables.arranged(state, 0)]
-    components = [tables.component_row(each) for each in tables.by_address(state)]
+    numbers = [index for index, column in enumerate(tables.COLUMNS) if column.is_number]
+    rows = [tables.row(connection) for connection in tables.arranged(state, 0)]
+    components = [tables.component_row(component) for component in tables.by_address(state)]
     machines = tables.machine_rows(state)
     for line in (
-        *in_columns([[each.title for each in tables.COLUMNS], *rows], numbers),
+        *in_columns([[column.title for column in tables.COLUMNS], *rows], numbers),
         "",
         *in_columns([tables.COMPONENT_TITLES, *components]),
         *(["", *in_columns([tables.MACHINE_TITLES, *machines])] if machines else []),

@@ -68,12 +68,12 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
         return
     rows = (
         (
-            each["code"],
-            each["message"],
-            "command" if each["command"] else "",
-            _shortened(each["services"]),
+            entry["code"],
+            entry["message"],
+            "command" if entry["command"] else "",
+            _shortened(entry["services"]),
         )
-        for each in found
+        for entry in found
     )
     _table(("CODE", "MESSAGE", "", "SERVICE"), rows)
 
@@ -119,25 +119,25 @@ def maps(
         return
     rows = (
         (
-            each["map"],
-            each["message"],
-            each["type"],
-            " and ".join(each["directions"]),
-            each["module"] or "",
+            entry["map"],
+            entry["message"],
+            entry["type"],
+            " and ".join(entry["directions"]),
+            entry["module"] or "",
         )
-        for each in found
+        for entry in found
     )
     _table(("MAP", "MESSAGE", "ROS TYPE", "DIRECTIONS", "IMPORT"), rows)
 
 
-def _types(each: dict[str, Any]) -> list[str]:
+def _types(map_entry: dict[str, Any]) -> list[str]:
     """Returns the ROS type of a map and those of joined topics."""
-    return [each["type"], *(join["type"] for join in each["joins"])]
+    return [map_entry["type"], *(join["type"] for join in map_entry["joins"])]
 
 
-def _reports(each: dict[str, Any]) -> list[str]:
+def _reports(map_entry: dict[str, Any]) -> list[str]:
     """Returns the JAUS message of a map and those of joined reports."""
-    return [each["message"], *(join["message"] for join in each["reportJoins"])]
+    return [map_entry["message"], *(join["message"] for join in map_entry["reportJoins"])]
 
 
 def _chosen(
@@ -148,14 +148,14 @@ def _chosen(
 ) -> list[dict[str, Any]]:
     """Returns the maps of a name, or of the end of one behind its slash."""
 
-    def are_meant(each: dict[str, Any]) -> bool:
-        return any(wanted in (name, name.rpartition("/")[2]) for name in names(each))
+    def are_meant(map_entry: dict[str, Any]) -> bool:
+        return any(wanted in (name, name.rpartition("/")[2]) for name in names(map_entry))
 
-    chosen = [each for each in found if are_meant(each)]
+    chosen = [entry for entry in found if are_meant(entry)]
     if not chosen:
         from jausml.live.messages.errors import did_you_mean, similar
 
-        everything = {name for each in found for name in names(each)}
+        everything = {name for entry in found for name in names(entry)}
         everything |= {name.rpartition("/")[2] for name in everything if "/" not in wanted}
         hint = did_you_mean(similar(wanted, everything))
         raise click.UsageError(f"no map of the {what} {wanted!a}{hint}")
@@ -163,8 +163,8 @@ def _chosen(
 
 
 def _write_json(found: Iterable[dict[str, Any]]) -> None:
-    for each in found:
-        write(to_json(each))
+    for entry in found:
+        write(to_json(entry))
 
 
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
@@ -198,7 +198,7 @@ def explain(rule_id: str) -> None:
     if entry is None:
         # A rule says of which others it has taken the place.
         wanted = rule_id.upper()
-        near = [id_ for id_, each in entries.items() if wanted in each["documentation"]]
+        near = [id_ for id_, rule in entries.items() if wanted in rule["documentation"]]
         near = near or get_close_matches(wanted, entries, n=1)
         hint = f", did you mean {near[0]}?" if near else ""
         raise click.UsageError(f"no rule {rule_id!a}{hint} ('jausml rules' lists them)")

@@ -33,16 +33,24 @@ def overview(attribute_map: bridge.AttributeMap) -> dict[str, Any]:
         "type": ros_name(attribute_map.type),
         "directions": [way for way, assignments in ways if assignments],
         "quantities": [
-            {"name": str(each.name), "value": float(each.value), "units": str(each.units or "")}
-            for each in attribute_map.quantities
+            {
+                "name": str(quantity.name),
+                "value": float(quantity.value),
+                "units": str(quantity.units or ""),
+            }
+            for quantity in attribute_map.quantities
         ],
         "joins": [
-            {"name": str(each.name), "type": ros_name(each.type), **_freshness(each)}
-            for each in attribute_map.joins
+            {"name": str(join.name), "type": ros_name(join.type), **_freshness(join)}
+            for join in attribute_map.joins
         ],
         "reportJoins": [
-            {"name": str(each.name), "message": str(each.message.name), **_freshness(each)}
-            for each in attribute_map.reportJoins
+            {
+                "name": str(report_join.name),
+                "message": str(report_join.message.name),
+                **_freshness(report_join),
+            }
+            for report_join in attribute_map.reportJoins
         ],
         "vectors": len(attribute_map.vectors),
         "documentation": str(attribute_map.documentation or ""),
@@ -82,7 +90,12 @@ def _messages_of(found: Catalogue, service: str) -> Sequence[MessageEntry]:
         meant = found.find_services(service)
     except UnknownServiceError as error:
         raise click.UsageError(str(error)) from error
-    every = (entry for each in meant for owner in each.lineage for entry in owner.messages)
+    every = (
+        entry
+        for named_service in meant
+        for owner in named_service.lineage
+        for entry in owner.messages
+    )
     return sorted(dict.fromkeys(every), key=lambda entry: (entry.code, entry.name))
 
 
@@ -114,11 +127,16 @@ def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
         own = list(map(str, sound_files(map(Path, own), "maps", warn)))
         model = readable_model([*map(str, ready), *own])
     found = []
-    for each in model.instances(bridge.AttributeMap):
-        place = model.location(each)
+    for attribute_map in model.instances(bridge.AttributeMap):
+        place = model.location(attribute_map)
         path = Path(place.path)
         module = module_of(path) if path in ready else None
         found.append(
-            {**overview(each), "file": str(place.path), "line": place.line, "module": module}
+            {
+                **overview(attribute_map),
+                "file": str(place.path),
+                "line": place.line,
+                "module": module,
+            }
         )
     return found

@@ -81,7 +81,7 @@ def message(name: str, service: str | None, output_format: str, models: tuple[st
     if output_format == "json":
         _write(to_json(_message_json(entry, fields)) for entry, fields in found)
         return
-    _write_apart(found, lambda each: _message_lines(*each))
+    _write_apart(found, lambda pair: _message_lines(*pair))
 
 
 def _meanings(catalogue: Catalogue, name: str, service: str | None) -> Sequence[MessageEntry]:
@@ -127,12 +127,12 @@ def _field_lines(fields: Sequence[Row]) -> Iterator[str]:
         (f"{'  ' * field.depth}{field.name}", field.type, field.presence, _values(field))
         for field in fields
     ]
-    widths = [max(len(each[column]) for each in cells) for column in range(3)] if cells else []
+    widths = [max(len(cell[column]) for cell in cells) for column in range(3)] if cells else []
     for field, (*columns, values) in zip(fields, cells, strict=True):
         padded = "  ".join(cell.ljust(width) for cell, width in zip(columns, widths, strict=True))
         names = (f"{value} '{name}'" for value, name in sorted((field.names or {}).items()))
         told = (values, field.documentation, *names, *field.markers)
-        notes = [each for each in told if each] or [""]
+        notes = [note for note in told if note] or [""]
         yield f"  {padded}  {notes[0]}".rstrip()
         yield from (" " * (len(padded) + 4) + note for note in notes[1:])
 
@@ -160,7 +160,7 @@ def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
     except MessageError as error:
         raise click.UsageError(told(error, models)) from error
     if output_format == "json":
-        _write(to_json(_service_json(each)) for each in found)
+        _write(to_json(_service_json(entry)) for entry in found)
         return
     _write_apart(found, _service_lines)
 
@@ -172,9 +172,9 @@ def _service_json(entry: ServiceEntry) -> dict[str, Any]:
         "name": entry.name,
         "set": entry.set_name,
         "documentation": entry.documentation,
-        "inherits": [each.label for each in list(entry.lineage)[1:]],
-        "inputs": [_named(each) for each in entry.inputs],
-        "outputs": [_named(each) for each in entry.outputs],
+        "inherits": [ancestor.label for ancestor in list(entry.lineage)[1:]],
+        "inputs": [_named(message_entry) for message_entry in entry.inputs],
+        "outputs": [_named(output) for output in entry.outputs],
     }
 
 
@@ -187,14 +187,14 @@ def _service_lines(entry: ServiceEntry) -> Iterator[str]:
     yield f"  {entry.urn}"
     if entry.documentation:
         yield f"  {entry.documentation}"
-    ancestors = [f"{each.name} {each.version}" for each in list(entry.lineage)[1:]]
+    ancestors = [f"{ancestor.name} {ancestor.version}" for ancestor in list(entry.lineage)[1:]]
     if ancestors:
         yield f"  inherits {', which inherits '.join(ancestors)}"
     yield ""
     for word, entries in (("takes", entry.inputs), ("sends", entry.outputs)):
-        for each in entries:
-            mark = " (command)" if each.is_command else ""
-            yield f"  {word}  {each.code_text}  {each.name}{mark}"
+        for message_entry in entries:
+            mark = " (command)" if message_entry.is_command else ""
+            yield f"  {word}  {message_entry.code_text}  {message_entry.name}{mark}"
 
 
 @command.command("type")
@@ -217,10 +217,14 @@ def type_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     from jausml.live.messages.text import ros_rows
 
     plain = plain_type(name)
-    shipped = [str(each) for each in library_paths("ros") if each.stem == plain.partition("/")[0]]
+    shipped = [
+        str(library_path)
+        for library_path in library_paths("ros")
+        if library_path.stem == plain.partition("/")[0]
+    ]
     paths = [*shipped, *(models or project_files())]
     kinds = readable_model(paths).instances(ros.MessageType) if paths else ()
-    found = {ros_name(each): each for each in kinds}
+    found = {ros_name(message_type): message_type for message_type in kinds}
     if plain not in found:
         raise click.UsageError(f"no ROS type {name!a}{did_you_mean(similar(plain, found))}")
     kind, fields = found[plain], list(ros_rows(found[plain]))
@@ -245,9 +249,9 @@ def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     from jausml.cli.lookup import listed
     from jausml.live.messages.errors import did_you_mean, similar
 
-    found = [each for each in listed.maps(models, name) if each["map"] == name]
+    found = [entry for entry in listed.maps(models, name) if entry["map"] == name]
     if not found:
-        hint = did_you_mean(similar(name, {each["map"] for each in listed.maps(models)}))
+        hint = did_you_mean(similar(name, {entry["map"] for entry in listed.maps(models)}))
         raise click.UsageError(f"no map {name!a}{hint or '; `jausml list maps` lists them'}")
     if output_format == "json":
         _write(map(to_json, found))
@@ -262,12 +266,12 @@ def _map_lines(found: dict[str, Any]) -> Iterator[str]:
         yield f"  {found['documentation']}"
     yield ""
     yield f"  directions: {', '.join(found['directions']) or 'none'}"
-    for each in found["quantities"]:
-        shown = f"  quantity {each['name']}: {each['value']:g} {each['units']}".rstrip()
+    for quantity in found["quantities"]:
+        shown = f"  quantity {quantity['name']}: {quantity['value']:g} {quantity['units']}".rstrip()
         yield f"{shown}, which a bridge may override"
-    for each in (*found["joins"], *found["reportJoins"]):
-        kind, stale = each.get("type") or each["message"], each["whenStale"]
-        yield f"  join {each['name']}: {kind}, fresh for {each['freshness']:g} s, then {stale}"
+    for join in (*found["joins"], *found["reportJoins"]):
+        kind, stale = join.get("type") or join["message"], join["whenStale"]
+        yield f"  join {join['name']}: {kind}, fresh for {join['freshness']:g} s, then {stale}"
     yield f"  test vectors: {found['vectors']}"
     yield f"  file: {found['file']}:{found['line']}"
     if module:
@@ -281,10 +285,10 @@ def _map_lines(found: dict[str, Any]) -> Iterator[str]:
 
 def _write_apart(found: Iterable[Any], lines: Callable[[Any], Iterator[str]]) -> None:
     """Writes the lines of each thing, with an empty line between two."""
-    for index, each in enumerate(found):
+    for index, entry in enumerate(found):
         if index:
             write("")
-        _write(lines(each))
+        _write(lines(entry))
 
 
 def _write(lines: Iterable[str]) -> None:

@@ -64,7 +64,7 @@ def command(
         raise click.UsageError("--check takes -o DIR, and the evidence that the case there names")
     folder = Path(output or ".")
     former = _former(folder) if check or (output and (folder / _PLAIN).exists()) else None
-    links = [os.path.relpath(each, folder).replace(os.sep, "/") for each in files]
+    links = [os.path.relpath(path, folder).replace(os.sep, "/") for path in files]
     report = _readable(model, reading)
     case, unread = _case(report, folder, links or (former.evidence if former else ()))
     if check and former:
@@ -88,8 +88,8 @@ def _readable(path: str, reading: Reading) -> Report:
     from jausml.language.validation.rules import all_rules
 
     report = checked([path], reading, is_one=True)
-    rules = {each.id for each in all_rules()}
-    if any(each.rule not in rules for each in _errors(report)):
+    rules = {rule.id for rule in all_rules()}
+    if any(error.rule not in rules for error in _errors(report)):
         show_findings(report)
         fail(report, "no case made")
     return report
@@ -98,7 +98,9 @@ def _readable(path: str, reading: Reading) -> Report:
 def _errors(report: Report) -> list[Diagnostic]:
     from jausml.language.model import Severity
 
-    return [each for each in report.diagnostics if each.severity is Severity.ERROR]
+    return [
+        diagnostic for diagnostic in report.diagnostics if diagnostic.severity is Severity.ERROR
+    ]
 
 
 def _case(report: Report, folder: Path, links: Iterable[str]) -> tuple[SafetyCase, dict[str, str]]:

@@ -194,7 +194,7 @@ def model_check(
     write_report(RENDERERS[output_format](outcomes, read), output)
     if not quiet:
         click.echo(summary(outcomes), err=True)
-    if any(each.found for each in outcomes):
+    if any(outcome.found for outcome in outcomes):
         raise click.exceptions.Exit(PROBLEMS)
 
 
@@ -208,10 +208,10 @@ def _write_examples(
 
     made_folder(folder)
     for outcome in outcomes:
-        for each in (each for each in outcome.found if each.moments):
-            words = re.findall(r"\w+", f"{outcome.subject.name} {each.rule.lower()}")
-            name, course = "_".join(words), course_of(outcome.subject, each)
-            test = virtual_test(model, outcome.subject, each) or ""
+        for counter_example in (example for example in outcome.found if example.moments):
+            words = re.findall(r"\w+", f"{outcome.subject.name} {counter_example.rule.lower()}")
+            name, course = "_".join(words), course_of(outcome.subject, counter_example)
+            test = virtual_test(model, outcome.subject, counter_example) or ""
             texts = {
                 f"{name}.mmd": sequence.mermaid(course),
                 f"{name}.svg": sequence.svg(course),

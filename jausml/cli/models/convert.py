@@ -112,7 +112,9 @@ def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
     from jausml.language.validation.rule import Report
 
     report = Report(result.model, (source,), tuple(result.diagnostics))
-    shown = [each for each in report.diagnostics if each.severity is not Severity.INFO]
+    shown = [
+        diagnostic for diagnostic in report.diagnostics if diagnostic.severity is not Severity.INFO
+    ]
     if shown:
         show_findings(Report(result.model, (source,), tuple(shown)), err=False)
     if result.has_errors:
@@ -142,11 +144,11 @@ def _check_written(
     if not after.has_errors:
         return
     before = checked([source], reading)
-    known = {each.rule for each in before.diagnostics}
+    known = {diagnostic.rule for diagnostic in before.diagnostics}
     new = tuple(
-        each
-        for each in after.diagnostics
-        if each.severity is Severity.ERROR and each.rule not in known
+        diagnostic
+        for diagnostic in after.diagnostics
+        if diagnostic.severity is Severity.ERROR and diagnostic.rule not in known
     )
     if new:
         report = Report(after.model, (target,), new)
@@ -185,9 +187,9 @@ def _left_behind(result: ReadResult, target: str, written: str) -> Iterator[str]
         noun = "comment stays" if number == 1 else "comments stay"
         yield f"{number} {noun} behind: only documentation is part of a model"
     if target.endswith(_XMI):
-        for each in others:
-            if not each.is_xml and f"{quote(each.path.name)}#" in written:
-                yield f"refers to {each.display}, which Eclipse cannot read: convert it too"
+        for other in others:
+            if not other.is_xml and f"{quote(other.path.name)}#" in written:
+                yield f"refers to {other.display}, which Eclipse cannot read: convert it too"
     root = find_project_root([Path(target)])
     outside = [e for e in others if not e.is_library and not e.path.is_relative_to(root)]
     if outside:
@@ -238,8 +240,8 @@ def format_(files: tuple[str, ...], check: bool, diff: bool, quiet: bool) -> Non
     if _report_faults(parsed):
         raise click.exceptions.Exit(PROBLEMS)
     laid_out = {
-        name: lay_out(each.document).replace("\n", line_end(texts[name]))
-        for name, each in parsed.items()
+        name: lay_out(result.document).replace("\n", line_end(texts[name]))
+        for name, result in parsed.items()
     }
     changed = {name: new for name, new in laid_out.items() if new != texts[name]}
     for name, new in changed.items():
@@ -285,8 +287,8 @@ def _report_faults(parsed: Mapping[str, Parsed]) -> bool:
             fault.message,
             fault.hint,
         )
-        for name, each in parsed.items()
-        for fault in each.faults
+        for name, result in parsed.items()
+        for fault in result.faults
     ]
     for finding in sorted(findings):
         for line in lines_of(finding):

@@ -127,10 +127,10 @@ def command(
             if broken:
                 lines = f"{len(broken)} line{'' if len(broken) == 1 else 's'}"
                 end += f"; {lines} of your code to change"
-            lost = [line for each in broken for line in lines_of(each)]
+            lost = [line for diagnostic in broken for line in lines_of(diagnostic)]
             text = "".join(f"{line}\n" for line in (*shown, *map(_line, found), *lost, end))
         write_report(click.unstyle(text) if output is not None else text, output)
-    is_breaking = bool(broken) or any(each.breaks for each in found)
+    is_breaking = bool(broken) or any(change.breaks for change in found)
     if (fail_on == "any" and found) or (fail_on == "breaking" and is_breaking):
         raise click.exceptions.Exit(PROBLEMS)
 
@@ -148,7 +148,7 @@ def _broken(old: str, new: str, code: str, reading: Reading, stack: ExitStack) -
         found = broken_code(states[0], states[1], targets, Path(code))
     except GenerationError as error:
         raise EnvironmentFault(f"cannot tell which code breaks: {error}") from error
-    return [each.diagnostic(Path(code)) for each in found]
+    return [finding.diagnostic(Path(code)) for finding in found]
 
 
 def _title(file: str, renamed: str | None) -> str:
@@ -158,14 +158,16 @@ def _title(file: str, renamed: str | None) -> str:
 
 
 def _unread(*states: ReadResult) -> bool:
-    return any(not each.readable for state in states for each in state.model.documents)
+    return any(not document.readable for state in states for document in state.model.documents)
 
 
 def _warn(name: str, result: ReadResult) -> None:
     """Tells the first error of a state, and how many more there are."""
     from jausml.language.model.diagnostics import Severity
 
-    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    errors = [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
+    ]
     if not errors:
         return
     first = errors[0]
@@ -236,10 +238,10 @@ def _drawn(
         raise EnvironmentFault(str(faults[-1]))
     old, new = drawn
     graph = compared(old, new, matching, found)
-    states = [each.state for each in graph.groups]
-    states += [each.state for each in graph.edges]
-    states += [each.state for each in graph.nodes]
-    states += [each.state for node in graph.nodes for each in node.ports]
+    states = [group.state for group in graph.groups]
+    states += [edge.state for edge in graph.edges]
+    states += [node.state for node in graph.nodes]
+    states += [port.state for node in graph.nodes for port in node.ports]
     if found and not any(states):
         click.echo(f"note: nothing changed in {view}; {_summary(found)} elsewhere", err=True)
     render = svg.render if output_format == "svg" else html.render
@@ -264,7 +266,7 @@ def _summary(found: Sequence[Change]) -> str:
         return "no differences"
     parts = [f"{len(found)} change{'' if len(found) == 1 else 's'}"]
     for whom in ("peers", "code"):
-        number = sum(any(each.value == whom for each in change.breaks) for change in found)
+        number = sum(any(mark.value == whom for mark in change.breaks) for change in found)
         if number:
             parts.append(f"{number} break{'s' if number == 1 else ''} {whom}")
     return ", ".join(parts)
@@ -274,18 +276,18 @@ def _as_json(found: Iterable[Change]) -> dict[str, Any]:
     return {
         "changes": [
             {
-                "kind": each.kind.value,
-                "element": each.element,
-                "path": each.path,
-                "feature": each.feature,
-                "old": each.old,
-                "new": each.new,
-                "text": each.text,
-                "breaks": [mark.value for mark in each.breaks],
-                "oldPlace": _place(each.old_place),
-                "newPlace": _place(each.new_place),
+                "kind": change.kind.value,
+                "element": change.element,
+                "path": change.path,
+                "feature": change.feature,
+                "old": change.old,
+                "new": change.new,
+                "text": change.text,
+                "breaks": [mark.value for mark in change.breaks],
+                "oldPlace": _place(change.old_place),
+                "newPlace": _place(change.new_place),
             }
-            for each in found
+            for change in found
         ]
     }
 
@@ -293,7 +295,7 @@ def _as_json(found: Iterable[Change]) -> dict[str, Any]:
 def _code_as_json(broken: Iterable[Diagnostic], code: str | None) -> dict[str, Any]:
     from jausml.language.validation.formats.json import as_json
 
-    return {} if code is None else {"code": [as_json(each) for each in broken]}
+    return {} if code is None else {"code": [as_json(diagnostic) for diagnostic in broken]}
 
 
 def _place(location: Location | None) -> dict[str, Any] | None:

@@ -94,7 +94,9 @@ def jsidl(
     report = findings_of(result)
     _show(report, output_format, quiet=quiet)
     if len(result.sets) > 1 and (name or set_version):
-        names = ", ".join(f"{each.name} {each.version}" for each in result.sets)
+        names = ", ".join(
+            f"{service_set.name} {service_set.version}" for service_set in result.sets
+        )
         raise click.UsageError(f"--name and --set-version name one set, here are several: {names}")
     if output is not None:
         if _is_folder(output):
@@ -116,8 +118,8 @@ def read_jsidl(paths: Sequence[str], **how: Any) -> tuple[jsidl_importer.ImportR
     """Returns what files and folders hold, and all files that were looked at."""
     from jausml.language.importers.jsidl import import_jsidl
 
-    folders = [each for each in paths if Path(each).is_dir()]
-    files = find_files([each for each in paths if each not in folders], JSIDL_SUFFIXES)
+    folders = [path for path in paths if Path(path).is_dir()]
+    files = find_files([path for path in paths if path not in folders], JSIDL_SUFFIXES)
     candidates = find_files(folders, JSIDL_SUFFIXES)
     return import_jsidl(files, candidates=candidates, **how), [*files, *candidates]
 
@@ -152,17 +154,17 @@ def _differences(result: jsidl_importer.ImportResult) -> Iterator[str]:
     from jausml.language.project import library
 
     shipped = services_by_urn(library("jaus"))
-    for service in (each for root in result.sets for each in root.services):
+    for service in (imported_service for root in result.sets for imported_service in root.services):
         place = result.model.location(service)
         versions = shipped.get(service.urn)
         if versions is None:
             yield f"{place}: {service.name}: the library has no service {service.urn}"
             continue
         theirs = versions[pick_version(service.version, versions)]
-        for each in compare(service, theirs, result.model.metamodels, ON_THE_WIRE):
-            at = result.model.location(each.first_element)
-            values = f"{_shown(each.first)} here, {_shown(each.second)} in the library"
-            yield f"{at}: {each.path}: {each.feature}: {values}"
+        for difference in compare(service, theirs, result.model.metamodels, ON_THE_WIRE):
+            at = result.model.location(difference.first_element)
+            values = f"{_shown(difference.first)} here, {_shown(difference.second)} in the library"
+            yield f"{at}: {difference.path}: {difference.feature}: {values}"
 
 
 def _shown(value: str) -> str:
@@ -170,8 +172,8 @@ def _shown(value: str) -> str:
 
 
 def _summary(result: jsidl_importer.ImportResult) -> str:
-    services: list[jaus.Service] = [each for root in result.sets for each in root.services]
-    messages = sum(len(each.inputs) + len(each.outputs) for each in services)
+    services: list[jaus.Service] = [service for root in result.sets for service in root.services]
+    messages = sum(len(service.inputs) + len(service.outputs) for service in services)
     counts = ((len(result.sets), "set"), (len(services), "service"), (messages, "message"))
     return counted(*counts)
 
@@ -281,7 +283,7 @@ def _documents(
 
     output = output or f"{result.packages[0].name}.xmi"
     if _is_folder(output):
-        places = {Path(output, f"{each.name}.xmi"): [each] for each in result.packages}
+        places = {Path(output, f"{package.name}.xmi"): [package] for package in result.packages}
     else:
         places = {Path(output): result.packages}
     model = placed(result, places)
@@ -299,9 +301,9 @@ def _is_folder(output: str) -> bool:
 def _summary_of_packages(packages: list[InterfacePackage]) -> str:
     return counted(
         (len(packages), "package"),
-        (sum(len(each.messages) for each in packages), "message"),
-        (sum(len(each.services) for each in packages), "service"),
-        (sum(len(each.actions) for each in packages), "action"),
+        (sum(len(package.messages) for package in packages), "message"),
+        (sum(len(package.services) for package in packages), "service"),
+        (sum(len(package.actions) for package in packages), "action"),
     )
 
 
@@ -362,9 +364,9 @@ def _services(model: Model) -> list[jaus.Service]:
     """Returns the services of the file that was named, then those that its components provide."""
     from jausml.language.metamodel.classes import jaus
 
-    given = [each for each in model.documents if each.given]
-    elements = [each for document in given for each in model.elements_of(document)]
-    own = [each for each in elements if isinstance(each, jaus.Service)]
-    components = [each for each in elements if isinstance(each, jaus.Component)]
-    provided = [service for each in components for service in each.provides]
+    given = [named_document for named_document in model.documents if named_document.given]
+    elements = [element for document in given for element in model.elements_of(document)]
+    own = [element for element in elements if isinstance(element, jaus.Service)]
+    components = [element for element in elements if isinstance(element, jaus.Component)]
+    provided = [service for component in components for service in component.provides]
     return list(dict.fromkeys([*own, *provided]))

@@ -45,7 +45,11 @@ class WholeLibraryOption(click.Option):
         """Returns the flag and what it asks of each target."""
         targets = _installed().values()
         able = ((target.name, target.whole_library) for target in targets)
-        texts = "; ".join(f"with --target {name} {each.help}" for name, each in able if each)
+        texts = "; ".join(
+            f"with --target {name} {whole_library.help}"
+            for name, whole_library in able
+            if whole_library
+        )
         self.help = f"Describe more: {texts}."
         return super().get_help_record(ctx)
 
@@ -200,7 +204,7 @@ def _has_fallen_behind(result: Result, mode: str, *, strict: bool) -> bool:
     if mode == "check" and not result.plan.is_up_to_date:
         return True
     bad = {Severity.ERROR, Severity.WARNING} if strict or mode == "check" else {Severity.ERROR}
-    return any(each.severity in bad for each in result.drift)
+    return any(finding.severity in bad for finding in result.drift)
 
 
 def _out_folder(model: str, out: str | None) -> Path:
@@ -277,8 +281,8 @@ def _no_system(error: NoSystemError) -> str:
 
 
 def _fixes(result: Result) -> Iterator[Line]:
-    for each in result.fixed:
-        edit, place = each.edit, f"{result.plan.out / each.path}:{each.edit.line}"
+    for fix in result.fixed:
+        edit, place = fix.edit, f"{result.plan.out / fix.path}:{fix.edit.line}"
         old, new = (" ".join(text.split()) for text in (edit.old, edit.new))
         yield f"{place}: fixed: {f'{old} -> {new}' if new else f'took out {old}'}\n", True
 
@@ -307,7 +311,7 @@ def _conclusion(result: Result, *, quiet: bool) -> Iterator[Line]:
     if quiet:
         return
     yield f"{_summary(result)}\n", True
-    if result.drift and not result.fixed and any(each.edits for each in result.drift):
+    if result.drift and not result.fixed and any(finding.edits for finding in result.drift):
         yield "--fix changes your files where it is certain how\n", True
 
 

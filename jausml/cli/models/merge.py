@@ -61,7 +61,7 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
         _fail(f"{named}:1:1: error: {AS_LINES} merged as lines: {error}")
     write_report(outcome.data, output)
     if outcome.findings:
-        _fail(*(line for each in outcome.findings for line in lines_of(each)))
+        _fail(*(line for finding in outcome.findings for line in lines_of(finding)))
 
 
 def _read(file: str) -> bytes:
@@ -84,23 +84,27 @@ def _around(path: Path, root: Path, *states: bytes) -> dict[str, States]:
     from jausml.language.model.library import SUFFIXES
 
     prefix = "GITHEAD_"
-    heads = [each.removeprefix(prefix) for each in os.environ if each.startswith(prefix)]
+    heads = [
+        variable.removeprefix(prefix) for variable in os.environ if variable.startswith(prefix)
+    ]
     if len(heads) != 1:
         return {}
     bases = git("merge-base", "--all", "HEAD", heads[0]).stdout.decode().split()
     commits = (bases[0] if bases else "", "HEAD", heads[0])
     top = Path(os.fsdecode(git("rev-parse", "--show-toplevel").stdout.rstrip(b"\n"))).resolve()
     named = path.relative_to(top).as_posix() if path.is_relative_to(top) else ""
-    if len(bases) != 1 or tuple(_shown(each, named) for each in commits) != states:
+    if len(bases) != 1 or tuple(_shown(commit, named) for commit in commits) != states:
         return {}  # a merge of several bases, or a file that was moved
     changed: set[str] = set()
-    for each in commits[1:]:
-        listed = git("diff", "--name-only", "-z", "--no-renames", commits[0], each, "--", str(root))
+    for commit in commits[1:]:
+        listed = git(
+            "diff", "--name-only", "-z", "--no-renames", commits[0], commit, "--", str(root)
+        )
         changed |= set(os.fsdecode(listed.stdout).split("\0"))
-    others = [each for each in changed - {named} if each.endswith(SUFFIXES)]
+    others = [model_path for model_path in changed - {named} if model_path.endswith(SUFFIXES)]
     return {
-        (top / each).relative_to(root).as_posix(): States(*(_shown(c, each) for c in commits))
-        for each in others
+        (top / other).relative_to(root).as_posix(): States(*(_shown(c, other) for c in commits))
+        for other in others
     }
 
 
@@ -112,7 +116,7 @@ def _shown(commit: str, file: str) -> bytes | None:
 
 def _as_lines(ours: str, base: str, theirs: str) -> tuple[bytes, bool]:
     """Returns what git makes of three files as lines, and whether there were no conflicts."""
-    labels = [part for each in ("ours", "base", "theirs") for part in ("-L", each)]
+    labels = [part for label in ("ours", "base", "theirs") for part in ("-L", label)]
     done = git("merge-file", "-p", *labels, "--", ours, base, theirs)
     if not 0 <= done.returncode <= _MOST_CONFLICTS:
         reason = done.stderr.decode(errors="replace").strip()

@@ -91,7 +91,7 @@ def command(
         show_findings(judged)
     if output is not None:
         _write_pages(results, judged, Path(output))
-    failed = next((each for each in results if each.error), None)
+    failed = next((result for result in results if result.error), None)
     if failed is not None:
         raise EnvironmentFault(f"{failed.name}: {failed.error}")
     if judged.has_errors:
@@ -103,7 +103,7 @@ def _ready(name: str) -> list[str]:
     from jausml.language.model.library import library_paths, module_of
 
     modules = {str(path): module_of(path) for path in library_paths("mappings")}
-    return [path for path, each in modules.items() if f"{each}.".startswith(f"{name}.")]
+    return [path for path, module in modules.items() if f"{module}.".startswith(f"{name}.")]
 
 
 def _proved(model: Model, trips: Sequence[RoundTrip], settings: Settings) -> list[MapResult]:
@@ -135,7 +135,7 @@ def _json(results: Sequence[MapResult], judged: Report) -> str:
     from jausml.proving.results import by_map
 
     short = by_map(judged)
-    maps = [finite(each.to_json()) | {"found": short.get(each.name, [])} for each in results]
+    maps = [finite(result.to_json()) | {"found": short.get(result.name, [])} for result in results]
     found = {"digests": digests(judged.model), "maps": maps}
     return json.dumps(found, indent=2, allow_nan=False) + "\n"
 
@@ -145,14 +145,14 @@ def _wanted(model: Model, names: tuple[str, ...]) -> list[RoundTrip]:
     from jausml.proving.round_trips import round_trips
 
     found = round_trips(model)
-    known = dict.fromkeys(each.name for each in found)
+    known = dict.fromkeys(round_trip.name for round_trip in found)
     for name in names:
         if name not in known:
             there = ", ".join(known) or "none"
             raise EnvironmentFault(f"there is no map '{name}'; there are {there}")
     if not found:
         raise EnvironmentFault("the model has no maps")
-    return [each for each in found if not names or each.name in names]
+    return [round_trip for round_trip in found if not names or round_trip.name in names]
 
 
 @click.command("mutate")
@@ -250,7 +250,7 @@ def _arguments(command: str | None) -> list[str]:
 def _check_names(names: Sequence[str]) -> None:
     from jausml.mutating.operators import OPERATORS
 
-    known = [each.name for each in OPERATORS]
+    known = [operator.name for operator in OPERATORS]
     for name in names:
         if name not in known:
             raise EnvironmentFault(f"there is no operator '{name}'; there are {', '.join(known)}")
@@ -277,8 +277,8 @@ def _run(
         found = gathered("mutating", len(chosen), outcomes(document, chosen, settings))
     except (CampaignError, PoolError) as error:
         raise EnvironmentFault(str(error)) from error
-    campaign.remarks = list(dict.fromkeys(remark for each in found for remark in each.remarks))
-    campaign.outcomes = [each.outcome for each in found if each.outcome is not None]
+    campaign.remarks = list(dict.fromkeys(remark for trial in found for remark in trial.remarks))
+    campaign.outcomes = [trial.outcome for trial in found if trial.outcome is not None]
 
 
 def _write_page(text: str, folder: Path) -> None:

@@ -161,8 +161,8 @@ def _check_names(assumptions: Assumptions, system: System) -> None:
     known = {
         name
         for owner in (*system.components, *system.bridges)
-        for each in (*owner.connections, *getattr(owner, "bridgeConnections", ()))
-        for name in names_of(each)
+        for connection in (*owner.connections, *getattr(owner, "bridgeConnections", ()))
+        for name in names_of(connection)
     }
     for name in sorted(assumptions.names - known):
         raise click.UsageError(f"no connection {name!a} of which to assume something")
@@ -230,9 +230,9 @@ def report(
     _check_names(assumptions, system)
     report = report_of(system, assumptions)
     if bridge_name is not None:
-        chosen = tuple(each for each in report.bridges if each.name == bridge_name)
+        chosen = tuple(bridge for bridge in report.bridges if bridge.name == bridge_name)
         if not chosen:
-            known = ", ".join(each.name for each in report.bridges) or "none"
+            known = ", ".join(bridge.name for bridge in report.bridges) or "none"
             raise click.UsageError(f"no bridge {bridge_name!a}; there are: {known}")
         report = replace(report, components=chosen, hosts=())
     render = import_module(f"jausml.views.analysis.formats.{output_format}").render

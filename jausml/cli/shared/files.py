@@ -123,7 +123,7 @@ def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bo
 def check_output(output: str, inputs: Iterable[str]) -> None:
     """Refuses to write over a file that was imported, or over what is no file."""
     shown = click.format_filename(output)
-    if os.path.realpath(output) in {os.path.realpath(each) for each in inputs}:
+    if os.path.realpath(output) in {os.path.realpath(input_path) for input_path in inputs}:
         raise EnvironmentFault(f"{shown} is a file to import; name another one by -o")
     path = Path(output)
     if path.exists() and not path.is_file():
@@ -213,9 +213,9 @@ def to_json(value: Any) -> str:
 def finite(value: Any) -> Any:
     """Returns JSON in which numbers that are not finite, for which it has none, are texts."""
     if isinstance(value, dict):
-        return {key: finite(each) for key, each in value.items()}
+        return {key: finite(member) for key, member in value.items()}
     if isinstance(value, list | tuple):
-        return [finite(each) for each in value]
+        return [finite(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     return value

@@ -119,7 +119,7 @@ def project_files() -> list[str]:
     from jausml.language.project import Index
 
     index = Index.here()
-    return [from_here(index.root / each) for each in sorted(index.contents)] if index else []
+    return [from_here(index.root / content) for content in sorted(index.contents)] if index else []
 
 
 class ModelFault(click.ClickException):
@@ -268,7 +268,9 @@ def readable_model(paths: Iterable[str], *, is_one: bool = False) -> Model:
     from jausml.language.validation.formats.text import one_line
 
     result = read(paths, is_one=is_one)
-    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    errors = [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
+    ]
     if errors:
         raise ModelFault("\n".join(one_line(f"{e.location}: {e.rule} {e.message}") for e in errors))
     return result.model

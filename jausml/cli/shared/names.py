@@ -35,7 +35,11 @@ def service_names(models: Sequence[str] = ()) -> Iterable[str]:
 def message_names(models: Sequence[str] = ()) -> Iterable[str]:
     """Returns the messages."""
     definitions = (service.definition for service in _catalogue(models).services.values())
-    return (str(message.name) for each in definitions for message in (*each.inputs, *each.outputs))
+    return (
+        str(message.name)
+        for definition in definitions
+        for message in (*definition.inputs, *definition.outputs)
+    )
 
 
 def input_names(models: Sequence[str] = (), labels: Collection[str] = ()) -> Iterator[str]:

@@ -112,8 +112,8 @@ def gathered(label: str, total: int, results: Iterable[tuple[int, ResultT]]) -> 
     found: dict[int, ResultT] = {}
     with step(label) as progress:
         progress.note = lambda: f"{len(found)} of {total}"
-        for number, each in results:
-            found[number] = each
+        for number, result in results:
+            found[number] = result
             progress.at(len(found) / total)
     return [found[number] for number in sorted(found)]
 
@@ -180,10 +180,10 @@ def choose(question: str, options: Sequence[str]) -> list[int]:
     click.echo(f"  {_NONE}  none of these", err=True)
 
     def numbers(text: str) -> list[int]:
-        words = [each for each in re.split(r"[\s,]+", text.strip()) if each]
+        words = [word for word in re.split(r"[\s,]+", text.strip()) if word]
         if words == [_NONE]:
             return []
-        found = [int(each) - 1 for each in words if each.isascii() and each.isdigit()]
+        found = [int(word) - 1 for word in words if word.isascii() and word.isdigit()]
         if not words or len(found) != len(words) or not all(0 <= n < len(options) for n in found):
             raise click.BadParameter(f"give numbers from 1 to {len(options)}, or {_NONE} for none")
         return list(dict.fromkeys(found))

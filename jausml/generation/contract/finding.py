@@ -201,13 +201,13 @@ def removal(
             edit = text.replaced((start[0], 0), (end[0] + 1, 0), "")
         return () if "#" in edit.old or (not is_alone and edit.end) else (edit,)
     edits = []
-    last = max(i for i, each in enumerate(statement.names) if each not in unused)
+    last = max(i for i, imported_name in enumerate(statement.names) if imported_name not in unused)
     for index, alias in enumerate(statement.names):
         if alias in unused and index < last:
             edits.append(text.replaced(_start(alias), _start(statement.names[index + 1]), ""))
     if last + 1 < len(statement.names):
         edits.append(text.replaced(_end(statement.names[last]), _end(statement.names[-1]), ""))
-    return () if any("#" in each.old for each in edits) else tuple(edits)
+    return () if any("#" in cut.old for cut in edits) else tuple(edits)
 
 
 def edited(data: bytes, edits: Iterable[Edit]) -> bytes | None:
@@ -216,15 +216,15 @@ def edited(data: bytes, edits: Iterable[Edit]) -> bytes | None:
     if not text.is_exact:
         return None
     lines, former = text.lines, (len(text.lines) + 1, 0)
-    for each in sorted(set(edits), reverse=True):
-        if (each.end_line, each.end) > former:
+    for edit in sorted(set(edits), reverse=True):
+        if (edit.end_line, edit.end) > former:
             return None
-        former = (each.line, each.start)
-        if text.between(former, (each.end_line, each.end)) != each.old:
+        former = (edit.line, edit.start)
+        if text.between(former, (edit.end_line, edit.end)) != edit.old:
             return None
-        first = lines[each.line - 1].encode()[: each.start]
-        rest = lines[each.end_line - 1].encode()[each.end :] if each.end_line <= len(lines) else b""
-        lines[each.line - 1 : each.end_line] = [(first + each.new.encode() + rest).decode()]
+        first = lines[edit.line - 1].encode()[: edit.start]
+        rest = lines[edit.end_line - 1].encode()[edit.end :] if edit.end_line <= len(lines) else b""
+        lines[edit.line - 1 : edit.end_line] = [(first + edit.new.encode() + rest).decode()]
     try:
         result = text.encoded(lines)
         ast.parse(result)
@@ -260,7 +260,7 @@ class Lines:
 
     def between(self, start: tuple[int, int], end: tuple[int, int]) -> str:
         """Returns what stands from one place to another."""
-        taken = [each.encode() for each in self.lines[start[0] - 1 : end[0]]]
+        taken = [line.encode() for line in self.lines[start[0] - 1 : end[0]]]
         if end[0] == start[0] + len(taken) - 1:
             taken[-1] = taken[-1][: end[1]]
         if taken:
@@ -316,28 +316,30 @@ class File:
     @cached_property
     def names(self) -> frozenset[str]:
         """The names that are read, written or deleted; an import is no mention."""
-        return frozenset(each.id for each in self.nodes if isinstance(each, ast.Name))
+        return frozenset(node.id for node in self.nodes if isinstance(node, ast.Name))
 
     @cached_property
     def stored(self) -> frozenset[str]:
         """The attributes that are set of whatever object."""
-        attributes = (each for each in self.nodes if isinstance(each, ast.Attribute))
-        return frozenset(each.attr for each in attributes if isinstance(each.ctx, ast.Store))
+        attributes = (node for node in self.nodes if isinstance(node, ast.Attribute))
+        return frozenset(
+            attribute.attr for attribute in attributes if isinstance(attribute.ctx, ast.Store)
+        )
 
     @cached_property
     def derived(self) -> frozenset[str]:
         """The names of classes from which others derive."""
-        classes = (each for each in self.nodes if isinstance(each, ast.ClassDef))
-        return frozenset(last_name(base) for each in classes for base in each.bases)
+        classes = (node for node in self.nodes if isinstance(node, ast.ClassDef))
+        return frozenset(last_name(base) for definition in classes for base in definition.bases)
 
     @cached_property
     def asked(self) -> frozenset[str]:
         """The attributes that are asked for or set by a text, as by `getattr`."""
         return frozenset(
             argument.value
-            for each in self.nodes
-            if isinstance(each, ast.Call) and last_name(each) in _BY_TEXT
-            for argument in each.args
+            for node in self.nodes
+            if isinstance(node, ast.Call) and last_name(node) in _BY_TEXT
+            for argument in node.args
             if isinstance(argument, ast.Constant) and isinstance(argument.value, str)
         )
 
@@ -348,21 +350,21 @@ class File:
 
     def _texts(self) -> Iterator[str]:
         documentation = {
-            each.value
-            for each in self.nodes
-            if isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant)
+            node.value
+            for node in self.nodes
+            if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
         }
-        for each in self.nodes:
-            match each:
-                case ast.Constant(value=str(text)) if each not in documentation:
+        for node in self.nodes:
+            match node:
+                case ast.Constant(value=str(text)) if node not in documentation:
                     yield text
 
     def is_alone(self, statement: ast.stmt) -> bool:
         """Tells whether a block would be empty without a statement."""
-        for each in self.nodes:
-            if isinstance(each, ast.Module):
+        for node in self.nodes:
+            if isinstance(node, ast.Module):
                 continue
             for block in _BLOCKS:
-                if getattr(each, block, None) == [statement]:
+                if getattr(node, block, None) == [statement]:
                     return True
         return False

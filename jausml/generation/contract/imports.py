@@ -55,7 +55,7 @@ class Imports:
         for alias in node.names:
             parts = alias.name.split(".")
             names = [".".join(parts[: count + 1]) for count in range(len(parts))]
-            gone = next((each for each in names if self._modules.find(each) is None), "")
+            gone = next((name for name in names if self._modules.find(name) is None), "")
             if gone:
                 yield Lost(alias, f"there is no module {gone} any more")
 
@@ -67,11 +67,11 @@ class Imports:
             yield self._without_module(node, source)
         elif isinstance(module, Module) and module.is_generated:
             gone = [
-                each
-                for each in node.names
-                if each.name != "*" and self._modules.member(module, each.name) is None
+                name
+                for name in node.names
+                if name.name != "*" and self._modules.member(module, name.name) is None
             ]
-            unused = [each for each in gone if self._is_unused(each)]
+            unused = [lost_alias for lost_alias in gone if self._is_unused(lost_alias)]
             cut = self._without(node, unused)
             for alias in gone:
                 yield self._without_name(module, alias, scope, cut if alias in unused else ())
@@ -122,7 +122,7 @@ class Imports:
         edit = name_edit(alias.lineno, alias.col_offset, name, successor)
         if alias.asname:
             return (edit,)
-        is_taken = any(successor in each.bindings for each in self._names.scopes.values())
+        is_taken = any(successor in namespace.bindings for namespace in self._names.scopes.values())
         is_given = self._module.is_package or (self._module.name, name) in self._around.imported
         is_single = len(scope.bindings.get(name, ())) == 1
         if is_taken or is_given or not is_single or name in self._file.words:
@@ -131,16 +131,16 @@ class Imports:
         return (edit, *self._uses(name, scope, successor))
 
     def _uses(self, name: str, scope: Scope, successor: str) -> Iterator[Edit]:
-        for each in self._names.scopes.values():
-            found = each.find(name)
-            for node in own_nodes(each.node) if found and found[0] is scope else ():
+        for namespace in self._names.scopes.values():
+            found = namespace.find(name)
+            for node in own_nodes(namespace.node) if found and found[0] is scope else ():
                 if isinstance(node, ast.Name) and node.id == name:
                     yield name_edit(node.lineno, node.col_offset, name, successor)
 
 
 def alike(name: str, names: Iterable[str]) -> str:
     """Asks whether a name is another one that resembles it; empty where none does."""
-    likely = [each for each in names if each[:1].isupper() == name[:1].isupper()]
+    likely = [candidate for candidate in names if candidate[:1].isupper() == name[:1].isupper()]
     found = nearest(name, likely)
     return f"; is it {found} now?" if found else ""
 

@@ -89,14 +89,17 @@ class _Difference:
 
 def _public(names: Mapping[str, object], others: Mapping[str, object]) -> list[str]:
     """Returns the public names that others lack."""
-    return [each for each in names if each not in others and not each.startswith("_")]
+    return [name for name in names if name not in others and not name.startswith("_")]
 
 
 def _paired(
     gone: list[str], come: list[str], old_key: Callable[[str], str], new_key: Callable[[str], str]
 ) -> Iterator[tuple[str, str]]:
     """Yields names with the same key, where just one of each state has it."""
-    ours, theirs = [old_key(each) for each in gone], [new_key(each) for each in come]
+    ours, theirs = (
+        [old_key(old_name) for old_name in gone],
+        [new_key(new_name) for new_name in come],
+    )
     for name, key in zip(gone, ours, strict=True):
         if key and ours.count(key) == theirs.count(key) == 1:
             yield name, come[theirs.index(key)]
@@ -105,13 +108,13 @@ def _paired(
 def _key(symbol: Symbol | None) -> str:
     """Returns what stays of a class when it is renamed; empty when nothing is known."""
     if isinstance(symbol, Class):
-        for each in symbol.node.body:
+        for statement in symbol.node.body:
             if (
-                isinstance(each, ast.AnnAssign)
-                and ast.unparse(each.target) == "CODE"
-                and each.value
+                isinstance(statement, ast.AnnAssign)
+                and ast.unparse(statement.target) == "CODE"
+                and statement.value
             ):
-                return f"{symbol.module.name.partition('.')[0]}: {ast.unparse(each.value)}"
+                return f"{symbol.module.name.partition('.')[0]}: {ast.unparse(statement.value)}"
         return _code(symbol.node)
     return ""
 
@@ -160,7 +163,7 @@ class Interface:
         live = self._generated - deleted
         self._live = {_package(path) for path in live if path.endswith(".py")}
         packages = {_package(path) for path in {*manifest.files, *live} if path.endswith(".py")}
-        self._words = {each.encode() for each in packages if each}
+        self._words = {package.encode() for package in packages if package}
         self.modules = Modules(self.read, packages - {""}, self.is_generated)
 
     def is_generated(self, path: str) -> bool:
@@ -202,10 +205,10 @@ class Interface:
 
     def _is_otherwise(self, place: Path) -> bool:
         """Whether something else than text of Python can be imported from a place."""
-        if any(each.suffix in (".so", ".pyd") for each in place.parent.glob(f"{place.name}.*")):
+        if any(path.suffix in (".so", ".pyd") for path in place.parent.glob(f"{place.name}.*")):
             return True
-        inside = (each.relative_to(self._out).as_posix() for each in place.rglob("*.py"))
-        return any(each not in self._deleted for each in inside)
+        inside = (path.relative_to(self._out).as_posix() for path in place.rglob("*.py"))
+        return any(relative_path not in self._deleted for relative_path in inside)
 
 
 def former_names(before: Interface, after: Interface, known: object = None) -> dict[str, str]:
@@ -216,7 +219,9 @@ def former_names(before: Interface, after: Interface, known: object = None) -> d
         name: new.get(f"{name.rpartition('.')[0]}.{successor}", successor)
         for name, successor in former.items()
     }
-    return {name: each for name, each in followed.items() if not _has(after.modules, name)}
+    return {
+        name: successor for name, successor in followed.items() if not _has(after.modules, name)
+    }
 
 
 def _strings(known: object) -> Mapping[str, str]:

@@ -221,14 +221,14 @@ def _renaming(
         and defined == [function]
         and successor.name not in user.methods
         and not _signature_problem(function, successor)
-        and all(last_name(each.value) in ("self", "super") for each in used)
+        and all(last_name(attribute.value) in ("self", "super") for attribute in used)
         and name not in file.words
     )
     if function is None or not is_certain:
         return ()
     head = "async def " if isinstance(function, ast.AsyncFunctionDef) else "def "
     edits = [name_edit(function.lineno, function.col_offset + len(head), name, successor.name)]
-    edits += [attribute_edit(each, successor.name) for each in used]
+    edits += [attribute_edit(attribute, successor.name) for attribute in used]
     return tuple(edits)
 
 

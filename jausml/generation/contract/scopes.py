@@ -163,17 +163,17 @@ def _open(node: Block, parent: Scope | None, scopes: dict[ast.AST, Scope]) -> No
     scope = scopes[node] = Scope(node, parent)
     if isinstance(node, Function):
         _parameters(scope, node)
-    for each in own_nodes(node):
-        _bind(scope, each)
-        if isinstance(each, (*Function, *_COMPREHENSIONS, ast.ClassDef)):
-            _open(each, scope, scopes)
+    for syntax in own_nodes(node):
+        _bind(scope, syntax)
+        if isinstance(syntax, (*Function, *_COMPREHENSIONS, ast.ClassDef)):
+            _open(syntax, scope, scopes)
 
 
 def names_of(node: Block) -> dict[str, list[Binding]]:
     """Returns the names that a block binds itself."""
     scope = Scope(node, None)
-    for each in own_nodes(node):
-        _bind(scope, each)
+    for syntax in own_nodes(node):
+        _bind(scope, syntax)
     return scope.bindings
 
 
@@ -189,21 +189,21 @@ def own_nodes(node: Block) -> Iterator[ast.AST]:
     """Yields the nodes of a block, inner blocks included, but not what is inside of these."""
     waiting = [*ast.iter_child_nodes(node)][::-1]
     while waiting:
-        each = waiting.pop()
-        yield each
-        if isinstance(each, (*Function, *_COMPREHENSIONS, ast.ClassDef)):
-            if not isinstance(each, (ast.Lambda, *_COMPREHENSIONS)):
-                waiting += each.decorator_list[::-1]
+        syntax = waiting.pop()
+        yield syntax
+        if isinstance(syntax, (*Function, *_COMPREHENSIONS, ast.ClassDef)):
+            if not isinstance(syntax, (ast.Lambda, *_COMPREHENSIONS)):
+                waiting += syntax.decorator_list[::-1]
         else:
-            waiting += [*ast.iter_child_nodes(each)][::-1]
+            waiting += [*ast.iter_child_nodes(syntax)][::-1]
 
 
 def _parameters(scope: Scope, node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> None:
     arguments = node.args
-    for position, each in enumerate((*arguments.posonlyargs, *arguments.args)):
-        _add(scope, each.arg, Binding(Bound.PARAMETER, each, position=position))
-    for each in arguments.kwonlyargs:
-        _add(scope, each.arg, Binding(Bound.PARAMETER, each, position=-1))
+    for position, argument in enumerate((*arguments.posonlyargs, *arguments.args)):
+        _add(scope, argument.arg, Binding(Bound.PARAMETER, argument, position=position))
+    for kwonlyarg in arguments.kwonlyargs:
+        _add(scope, kwonlyarg.arg, Binding(Bound.PARAMETER, kwonlyarg, position=-1))
     for rest in (arguments.vararg, arguments.kwarg):
         if rest is not None:
             _add(scope, rest.arg, Binding(Bound.OTHER, rest))
@@ -245,7 +245,9 @@ def _bind_otherwise(scope: Scope, node: ast.AST) -> None:
             _add(scope, name, Binding(Bound.OTHER, node))
         case ast.Call(func=ast.Name(id=probe), args=[first, *rest]) if probe in _PROBES:
             asked = rest[0] if probe == "cast" and rest else first
-            scope.probed |= {each.id for each in ast.walk(asked) if isinstance(each, ast.Name)}
+            scope.probed |= {
+                syntax.id for syntax in ast.walk(asked) if isinstance(syntax, ast.Name)
+            }
         case ast.Match(subject=ast.Name(id=name)):
             scope.probed.add(name)
 
@@ -281,10 +283,10 @@ class Walk:
         self._tree = tree
         self._scopes = scopes
         self._is_lazy = any(
-            isinstance(each, ast.ImportFrom)
-            and each.module == "__future__"
-            and any(alias.name == "annotations" for alias in each.names)
-            for each in tree.body
+            isinstance(statement, ast.ImportFrom)
+            and statement.module == "__future__"
+            and any(alias.name == "annotations" for alias in statement.names)
+            for statement in tree.body
         )
 
     def __iter__(self) -> Iterator[tuple[ast.AST, Place]]:
@@ -293,7 +295,9 @@ class Walk:
         while waiting:
             node, place = waiting.pop()
             yield node, place
-            inside = [(each, at) for each, at in self._inside(node, place) if each is not None]
+            inside = [
+                (syntax, at) for syntax, at in self._inside(node, place) if syntax is not None
+            ]
             waiting += reversed(inside)
 
     def _inside(self, node: ast.AST, place: Place) -> Iterator[tuple[ast.AST | None, Place]]:
@@ -320,7 +324,7 @@ class Walk:
                 yield from _at(replace(place, is_run=is_run), node.body)
                 yield from _at(place, node.orelse)
             case ast.Try():
-                caught = frozenset(name for each in node.handlers for name in _caught(each))
+                caught = frozenset(name for handler in node.handlers for name in _caught(handler))
                 yield from _at(replace(place, caught=place.caught | caught), node.body)
                 yield from _at(place, (*node.handlers, *node.orelse, *node.finalbody))
             case _:
@@ -338,7 +342,7 @@ class Walk:
             return
         yield from _at(place, node.decorator_list)
         parameters = (*given.posonlyargs, *given.args, given.vararg, *given.kwonlyargs, given.kwarg)
-        annotations = (each.annotation for each in parameters if each is not None)
+        annotations = (parameter.annotation for parameter in parameters if parameter is not None)
         yield from _at(self._annotation(place), (*annotations, node.returns))
         yield from _at(inner, node.body)
 
@@ -350,11 +354,11 @@ class Walk:
 
 
 def _at(place: Place, nodes: Iterable[ast.AST | None]) -> Iterator[tuple[ast.AST | None, Place]]:
-    for each in nodes:
-        yield each, place
+    for node in nodes:
+        yield node, place
 
 
 def _caught(handler: ast.ExceptHandler) -> list[str]:
     """Returns the names of what a handler catches; an empty one for everything."""
     kinds = handler.type.elts if isinstance(handler.type, ast.Tuple) else [handler.type]
-    return ["" if each is None else last_name(each) for each in kinds]
+    return ["" if kind is None else last_name(kind) for kind in kinds]

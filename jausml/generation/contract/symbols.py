@@ -24,7 +24,10 @@ _KNOWN_BASES = {
     ("abc", "ABC"): object,
     ("typing", "Generic"): object,
     ("typing", "Protocol"): object,
-    **{("enum", each): getattr(enum, each) for each in ("Enum", "Flag", "IntEnum", "IntFlag")},
+    **{
+        ("enum", class_name): getattr(enum, class_name)
+        for class_name in ("Enum", "Flag", "IntEnum", "IntFlag")
+    },
 }
 """Classes of the standard library that generated classes derive from: their attributes count."""
 _SETTERS = ("setattr", "__setattr__", "vars")
@@ -182,7 +185,7 @@ class Modules:
     def names(self, module: Module) -> list[str]:
         """Returns the names that a module defines or imports."""
         symbols = self._scope(module).symbols
-        return [name for name, each in symbols.items() if each is not UNKNOWN]
+        return [name for name, symbol in symbols.items() if symbol is not UNKNOWN]
 
     def offered(self, module: Module) -> set[str]:
         """Returns the names that a module defines or lists in `__all__`, not its own imports."""
@@ -190,8 +193,12 @@ class Modules:
         listed = symbols.get("__all__")
         values = ast.walk(listed.value) if isinstance(listed, Value) and listed.value else ()
         return {
-            *(str(each.value) for each in values if isinstance(each, ast.Constant)),
-            *(name for name, each in symbols.items() if not isinstance(each, (_Alias, Unknown))),
+            *(str(value.value) for value in values if isinstance(value, ast.Constant)),
+            *(
+                name
+                for name, symbol in symbols.items()
+                if not isinstance(symbol, (_Alias, Unknown))
+            ),
         }
 
     def _scope(self, module: Module) -> _Names:
@@ -204,8 +211,8 @@ class Modules:
     def members(self, cls: Class) -> dict[str, Symbol]:
         """Returns what the body and the methods of a class define, without its base classes."""
         return {
-            name: UNKNOWN if isinstance(each, _Alias) else each
-            for name, each in self._body(cls).symbols.items()
+            name: UNKNOWN if isinstance(symbol, _Alias) else symbol
+            for name, symbol in self._body(cls).symbols.items()
         }
 
     def _body(self, cls: Class) -> _Names:
@@ -263,14 +270,14 @@ class Modules:
     def attribute(self, cls: Class, name: str) -> Symbol | None:
         """Returns what a class or its objects have by a name; None when they have no such one."""
         is_open = _is_special(name)
-        for each in self.ancestors(cls):
-            if isinstance(each, Class):
-                body = self._body(each)
+        for ancestor in self.ancestors(cls):
+            if isinstance(ancestor, Class):
+                body = self._body(ancestor)
                 found = body.symbols.get(name)
                 if found is not None:
                     return UNKNOWN if isinstance(found, _Alias) else found
                 is_open = is_open or body.is_open
-            elif each is None or any(name in vars(kind) for kind in each.__mro__):
+            elif ancestor is None or any(name in vars(kind) for kind in ancestor.__mro__):
                 is_open = True
         return UNKNOWN if is_open else None
 
@@ -283,9 +290,10 @@ def is_enumeration(modules: Modules, cls: Class) -> bool:
 def is_slotted(modules: Modules, cls: Class) -> bool:
     """Tells whether objects of a class take no other attributes."""
     return all(
-        isinstance(each, Class) and ("__slots__" in modules.members(each) or _has_slots(each.node))
-        for each in modules.ancestors(cls)
-        if each is not object
+        isinstance(ancestor, Class)
+        and ("__slots__" in modules.members(ancestor) or _has_slots(ancestor.node))
+        for ancestor in modules.ancestors(cls)
+        if ancestor is not object
     )
 
 
@@ -293,12 +301,12 @@ def _names(node: ast.Module | ast.ClassDef, module: Module, owner: Class | None 
     """Returns the names of a body; of one that is defined twice no more is known."""
     names = _Names()
     for name, bindings in names_of(node).items():
-        first, *others = (_symbol(name, each, module, owner) for each in bindings)
+        first, *others = (_symbol(name, binding, module, owner) for binding in bindings)
         if name == "*":
             found = (first, *others)
-            names.stars += [each.module for each in found if isinstance(each, _Alias)]
+            names.stars += [symbol.module for symbol in found if isinstance(symbol, _Alias)]
         else:
-            names.symbols[name] = first if all(each == first for each in others) else UNKNOWN
+            names.symbols[name] = first if all(other == first for other in others) else UNKNOWN
     return names
 
 
@@ -328,24 +336,26 @@ def _set_by_methods(node: ast.ClassDef) -> Iterator[str]:
     )
     for function in functions:
         arguments = [*function.args.posonlyargs, *function.args.args][:1]
-        for each in ast.walk(function) if arguments else ():
-            match each:
+        for syntax in ast.walk(function) if arguments else ():
+            match syntax:
                 case ast.Attribute(value=ast.Name(id=name), ctx=ast.Store()):
                     if name == arguments[0].arg:
-                        yield each.attr
+                        yield syntax.attr
 
 
 def _is_dynamic(node: ast.ClassDef) -> bool:
     """Tells whether a class may have attributes that its text does not name."""
     known = ("dataclass", "final", "total_ordering", "unique")
-    if node.keywords or not all(is_decorated_by(each, *known) for each in node.decorator_list):
+    if node.keywords or not all(
+        is_decorated_by(expression, *known) for expression in node.decorator_list
+    ):
         return True
     named: set[ast.AST] = set()
-    for each in ast.walk(node):
-        match each:
+    for syntax in ast.walk(node):
+        match syntax:
             case ast.Subscript(slice=ast.Constant()):
-                named.add(each.value)
-            case ast.Call() if each not in named and last_name(each) in _SETTERS:
+                named.add(syntax.value)
+            case ast.Call() if syntax not in named and last_name(syntax) in _SETTERS:
                 return True
             case ast.Attribute(attr="__dict__"):
                 return True
@@ -353,7 +363,7 @@ def _is_dynamic(node: ast.ClassDef) -> bool:
 
 
 def _has_slots(node: ast.ClassDef) -> bool:
-    return any("slots=True" in ast.unparse(each) for each in node.decorator_list)
+    return any("slots=True" in ast.unparse(expression) for expression in node.decorator_list)
 
 
 def _is_special(name: str) -> bool:

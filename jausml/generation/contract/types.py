@@ -146,7 +146,7 @@ class Types:
         found = [
             self.modules.attribute(e, name) if isinstance(e, Class) else UNKNOWN for e in above
         ]
-        return next((each for each in found if each is not None), None)
+        return next((symbol for symbol in found if symbol is not None), None)
 
     def _method(self, function: Function, owner: Class | Object) -> Type:
         decorators = function.node.decorator_list
@@ -154,11 +154,11 @@ class Types:
         match [d for d in decorators if not is_decorated_by(d, "override", "abstractmethod")]:
             case []:
                 return Method(function, is_bound=is_object)
-            case [each] if is_decorated_by(each, "property", "cached_property"):
+            case [decorator] if is_decorated_by(decorator, "property", "cached_property"):
                 return self._annotated(function) if is_object else UNKNOWN
-            case [each] if is_decorated_by(each, "classmethod"):
+            case [decorator] if is_decorated_by(decorator, "classmethod"):
                 return Method(function, is_bound=True)
-            case [each] if is_decorated_by(each, "staticmethod"):
+            case [decorator] if is_decorated_by(decorator, "staticmethod"):
                 return Method(function, is_bound=False)
         return UNKNOWN
 
@@ -302,8 +302,10 @@ class Names:
         if owner is None or not isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
             return UNKNOWN
         decorators = function.decorator_list
-        if position == 0 and not any(is_decorated_by(each, "staticmethod") for each in decorators):
-            is_class = any(is_decorated_by(each, "classmethod") for each in decorators)
+        if position == 0 and not any(
+            is_decorated_by(decorator, "staticmethod") for decorator in decorators
+        ):
+            is_class = any(is_decorated_by(decorator, "classmethod") for decorator in decorators)
             return owner if is_class else Object(owner)
         if position < 0 or decorators:
             return UNKNOWN

@@ -39,21 +39,21 @@ class Signature:
 
     def problem(self, call: ast.Call) -> tuple[str, ast.keyword | None]:
         """Says why a call does not fit, and which keyword is the reason; empty when it fits."""
-        is_open = any(isinstance(each, ast.Starred) for each in call.args)
-        names = [each.arg for each in call.keywords if each.arg is not None]
+        is_open = any(isinstance(expression, ast.Starred) for expression in call.args)
+        names = [keyword.arg for keyword in call.keywords if keyword.arg is not None]
         is_open_by_name = len(names) != len(call.keywords)
         if not self.takes_any_name:
-            for each in call.keywords:
-                if each.arg is not None and each.arg not in self.named:
-                    return f"has no parameter {each.arg}", each
-        count = sum(not isinstance(each, ast.Starred) for each in call.args)
+            for keyword in call.keywords:
+                if keyword.arg is not None and keyword.arg not in self.named:
+                    return f"has no parameter {keyword.arg}", keyword
+        count = sum(not isinstance(expression, ast.Starred) for expression in call.args)
         if count > len(self.positional) and not self.takes_more:
             few = len(self.positional)
             return f"takes {few} positional argument{'' if few == 1 else 's'}, not {count}", None
         if is_open or is_open_by_name:
             return "", None
         given = {*self.positional[:count], *names}
-        missing = [each for each in self.positional if each in self.required - given]
+        missing = [parameter for parameter in self.positional if parameter in self.required - given]
         missing += sorted(self.required - given - set(missing))
         return (f"needs {', '.join(missing)}", None) if missing else ("", None)
 
@@ -72,14 +72,14 @@ def signature(modules: Modules, called: object) -> Signature | None:
 
 def _of_function(node: ast.FunctionDef | ast.AsyncFunctionDef, bound: int) -> Signature:
     given = node.args
-    positional = [each.arg for each in (*given.posonlyargs, *given.args)]
+    positional = [posonlyarg.arg for posonlyarg in (*given.posonlyargs, *given.args)]
     required = positional[: len(positional) - len(given.defaults)][bound:]
     required += [
-        each.arg
-        for each, default in zip(given.kwonlyargs, given.kw_defaults, strict=True)
+        argument.arg
+        for argument, default in zip(given.kwonlyargs, given.kw_defaults, strict=True)
         if default is None
     ]
-    named = [each.arg for each in (*given.args, *given.kwonlyargs)]
+    named = [kwonlyarg.arg for kwonlyarg in (*given.args, *given.kwonlyargs)]
     return Signature(
         tuple(positional[bound:]),
         frozenset(named),
@@ -91,18 +91,18 @@ def _of_function(node: ast.FunctionDef | ast.AsyncFunctionDef, bound: int) -> Si
 
 def _of_class(modules: Modules, cls: Class) -> Signature | None:
     ancestors = modules.ancestors(cls)
-    for each in ancestors:
-        if not isinstance(each, Class):
+    for ancestor in ancestors:
+        if not isinstance(ancestor, Class):
             return None
-        members = modules.members(each)
-        if "__new__" in members or each.node.keywords:
+        members = modules.members(ancestor)
+        if "__new__" in members or ancestor.node.keywords:
             return None
         made = members.get("__init__")
         if isinstance(made, Function):
             return None if made.node.decorator_list else _of_function(made.node, 1)
-        if any(is_decorated_by(d, "dataclass") for d in each.node.decorator_list):
+        if any(is_decorated_by(d, "dataclass") for d in ancestor.node.decorator_list):
             return _of_fields([e for e in reversed(ancestors) if isinstance(e, Class)])
-        if made is not None or each.node.decorator_list:
+        if made is not None or ancestor.node.decorator_list:
             return None
     return None
 
@@ -116,19 +116,21 @@ def _of_fields(classes: Sequence[Class]) -> Signature | None:
             continue
         if any("kw_only" in ast.unparse(d) or "init=" in ast.unparse(d) for d in decorators):
             return None
-        for each in cls.node.body:
-            if not isinstance(each, ast.AnnAssign) or not isinstance(each.target, ast.Name):
+        for statement in cls.node.body:
+            if not isinstance(statement, ast.AnnAssign) or not isinstance(
+                statement.target, ast.Name
+            ):
                 continue
-            annotation = ast.unparse(each.annotation)
+            annotation = ast.unparse(statement.annotation)
             if "ClassVar" in annotation:
                 continue
             if "KW_ONLY" in annotation or "InitVar" in annotation:
                 return None
-            value = ast.unparse(each.value) if each.value is not None else ""
+            value = ast.unparse(statement.value) if statement.value is not None else ""
             if value.startswith("field(") and ("init=" in value or "kw_only" in value):
                 return None
             is_bare = value.startswith("field(") and "default" not in value
-            positional[each.target.id] = not value or is_bare
+            positional[statement.target.id] = not value or is_bare
     required = frozenset(name for name, is_required in positional.items() if is_required)
     return Signature(tuple(positional), frozenset(positional), required)
 
@@ -185,9 +187,9 @@ class _Reader:
 
     def _tell_imports(self, found: Iterable[Lost]) -> Iterator[Finding]:
         if self._place.caught.isdisjoint(_IMPORT_CAUGHT):
-            for each in found:
-                place = each.node.lineno, each.node.col_offset
-                yield self._use(*place, each.message, each.edits, FindingKind.IMPORT)
+            for lost_name in found:
+                place = lost_name.node.lineno, lost_name.node.col_offset
+                yield self._use(*place, lost_name.message, lost_name.edits, FindingKind.IMPORT)
 
     def _attribute(self, node: ast.Attribute) -> Iterator[Finding]:
         owner = self._type_of(node.value)
@@ -205,18 +207,20 @@ class _Reader:
     def _look_at(self, node: ast.Attribute, owner: Class | Object) -> Iterator[Finding]:
         """Looks at an attribute of a class or of an object."""
         cls = owner.of if isinstance(owner, Object) else owner
-        generated = [each for each in self._classes(cls) if each.module.is_generated]
+        generated = [ancestor for ancestor in self._classes(cls) if ancestor.module.is_generated]
         if not generated or not self._is_lost(node, owner, cls):
             return
-        members = (name for each in generated for name in self._modules.members(each))
+        members = (name for ancestor in generated for name in self._modules.members(ancestor))
         label = cls.name if cls.module.is_generated else generated[0].name
-        places = [f"{each.module.name}.{each.name}" for each in generated]
+        places = [f"{ancestor.module.name}.{ancestor.name}" for ancestor in generated]
         yield self._lost_attribute(
             node, label, places, [n for n in members if not n.startswith("_")]
         )
 
     def _classes(self, cls: Class) -> list[Class]:
-        return [each for each in self._modules.ancestors(cls) if isinstance(each, Class)]
+        return [
+            ancestor for ancestor in self._modules.ancestors(cls) if isinstance(ancestor, Class)
+        ]
 
     def _is_lost(self, node: ast.Attribute, owner: Class | Object, cls: Class) -> bool:
         """Tells whether an attribute is certainly none that a class or its objects have."""
@@ -232,8 +236,9 @@ class _Reader:
             is_whole = cls.module.is_generated or cls.name not in self._around.derived
             return is_super or is_whole
         classes = self._classes(cls)
-        return not any(name in self._modules.members(each) for each in classes) and any(
-            f"{each.module.name}.{each.name}.{name}" in self._around.former for each in classes
+        return not any(name in self._modules.members(ancestor) for ancestor in classes) and any(
+            f"{ancestor.module.name}.{ancestor.name}.{name}" in self._around.former
+            for ancestor in classes
         )
 
     def _is_uncalled(self, name: str) -> bool:
@@ -285,10 +290,10 @@ class _Reader:
         self, label: str, name: str, places: list[str], names: Iterable[str]
     ) -> tuple[str, str]:
         """Returns what is said of a name that is not there, and what it is for certain now."""
-        known = [self._around.former.get(f"{each}.{name}") for each in places]
+        known = [self._around.former.get(f"{place}.{name}") for place in places]
         successor = next(filter(None, known), "")
         message = f"{label} has no {name}"
-        message += " any more" if any(each is not None for each in known) else ""
+        message += " any more" if any(candidate is not None for candidate in known) else ""
         message += f"; it is {successor} now" if successor else alike(name, names)
         return message, successor
 

@@ -90,7 +90,7 @@ def _statements(module: ast.Module) -> Iterator[ast.AST]:
 def _end_of_head(first: ast.stmt, lines: Sequence[str]) -> int | None:
     """Returns the last line of what stands before a body; None when both share a line."""
     decorators = getattr(first, "decorator_list", ())
-    start = min(each.lineno for each in (first, *decorators))
+    start = min(node.lineno for node in (first, *decorators))
     if not decorators and lines[start - 1][: first.col_offset].strip():
         return None
     end: int = start - 1
@@ -160,7 +160,7 @@ def _import(parts: Sequence[Part], indent: str) -> list[str]:
     line = f"{indent}{head} {flat(bracket.inside)}"
     if len(line) <= LINE_WIDTH and not bracket.comma:
         return [line]
-    inner = [f"{indent}{_STEP}{flat(each)}," for each in items(bracket)]
+    inner = [f"{indent}{_STEP}{flat(item)}," for item in items(bracket)]
     return [f"{indent}{head} (", *inner, f"{indent})"]
 
 
@@ -178,7 +178,7 @@ def _definition(parts: Sequence[Part], indent: str) -> list[str]:
     inner = [together]
     # The formatter gives a lone parameter a comma too.
     if len(every) == 1 or parameters.comma or len(together) > LINE_WIDTH:
-        inner = [line for each in every for line in _inside(each, indent + _STEP, ",")]
+        inner = [line for parameter in every for line in _inside(parameter, indent + _STEP, ",")]
     return [opening, *inner, *_bracketed(parts[at + 1 :], indent, ")" + " " * parts[at + 1].spaced)]
 
 
@@ -241,7 +241,7 @@ def _without_parentheses(parts: Sequence[Part]) -> Sequence[Part]:
     """Returns what stands in parentheses that say nothing."""
     if len(parts) == 1 and isinstance(parts[0], Bracket) and parts[0].opening == "(":
         bracket = parts[0]
-        plain = not bracket.comma and not any(is_word(each, ",", "for") for each in bracket.inside)
+        plain = not bracket.comma and not any(is_word(part, ",", "for") for part in bracket.inside)
         if bracket.inside and plain:
             return _without_parentheses(bracket.inside)
     return parts
@@ -284,7 +284,7 @@ def _adjacent_strings(parts: Sequence[Part]) -> list[int]:
     return [
         at
         for at in range(1, len(parts))
-        if all(isinstance(each, Token) and each.is_string for each in parts[at - 1 : at + 1])
+        if all(isinstance(part, Token) and part.is_string for part in parts[at - 1 : at + 1])
     ]
 
 
@@ -370,7 +370,7 @@ def _bracketed(parts: Sequence[Part], indent: str, before: str = "", after: str 
             line += space + flat([part])
             continue
         rest = parts[at + 1 :]
-        stop = next((n for n, each in enumerate(rest) if _has_content(each)), None)
+        stop = next((n for n, next_part in enumerate(rest) if _has_content(next_part)), None)
         following = _tail(rest if stop is None else rest[:stop])
         following += after if stop is None else " " * rest[stop].spaced + "("
         whole = line + space + flat([part])
@@ -392,4 +392,4 @@ def _exploded(bracket: Bracket, indent: str) -> list[str]:
     together = f"{inner}{flat(bracket.inside)}"
     if bracket.trails and len(together) <= LINE_WIDTH and can_be_flat([bracket]):
         return [together]
-    return [line for each in every for line in _inside(each, inner, ",")]
+    return [line for inner_part in every for line in _inside(inner_part, inner, ",")]

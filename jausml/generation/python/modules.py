@@ -105,7 +105,7 @@ def names_in(module: ast.Module) -> Names:
             value = getattr(node, field, None)
             inside = annotating if field in _ANNOTATIONS else used
             if isinstance(value, list):
-                pending += [(each, inside) for each in value if isinstance(each, ast.AST)]
+                pending += [(child, inside) for child in value if isinstance(child, ast.AST)]
             elif isinstance(value, ast.AST):
                 pending.append((value, inside))
     return Names(running, annotating, defined)
@@ -130,14 +130,14 @@ def import_lines(names: Names, imports: Imports) -> str:
     if only_typing:
         inner = "\n\n".join(_sections(only_typing, origins, imports.own))
         blocks.append("if TYPE_CHECKING:\n" + re.sub("^(?=.)", "    ", inner, flags=re.MULTILINE))
-    return "\n".join(f"{each}\n" for each in blocks)
+    return "\n".join(f"{block}\n" for block in blocks)
 
 
 def _defined(node: ast.AST) -> list[str]:
     if isinstance(node, ast.arg):
         return [node.arg]
     if isinstance(node, ast.Import | ast.ImportFrom):
-        return [each.asname or each.name.partition(".")[0] for each in node.names]
+        return [name.asname or name.name.partition(".")[0] for name in node.names]
     return [node.name] if isinstance(node, _NAMED) and node.name else []
 
 
@@ -161,9 +161,9 @@ def statements(origins: Mapping[str, Origin]) -> Iterator[str]:
             members[origin.module, ""].add(name)
         elif origin.name:
             members[origin.module, name].add(f"{origin.name} as {name}")
-    lines = [(module, sorted(each, key=_rank)) for (module, _), each in members.items()]
-    for module, each in sorted(lines, key=lambda line: (_natural(line[0]), _rank(line[1][0]))):
-        yield f"from {module} import {', '.join(each)}"
+    lines = [(module, sorted(group, key=_rank)) for (module, _), group in members.items()]
+    for module, group in sorted(lines, key=lambda line: (_natural(line[0]), _rank(line[1][0]))):
+        yield f"from {module} import {', '.join(group)}"
 
 
 def _rank(name: str) -> tuple[int, str, str]:
@@ -205,7 +205,7 @@ class _Piece:
         text = _HIDDEN_STRING.sub(lambda found: letters.read(len(found[0])), self.text)
         names = self.names
         groups = (names.running, names.annotating, names.defined)
-        found = ({each.replace(stand_in, word) for each in group} for group in groups)
+        found = ({name.replace(stand_in, word) for name in group} for group in groups)
         return _Piece(text.replace(stand_in, word), Names(*found))
 
 
@@ -231,11 +231,11 @@ class Modules:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             try:
-                pieces = [self._piece(each, words) for each in _START.split(text)]
+                pieces = [self._piece(word, words) for word in _START.split(text)]
             except CANNOT_PARSE:
                 # What looks like a function may stand in a string.
                 pieces = [self._worked_on(text)]
-            laid_out = "\n\n".join(each.text for each in pieces)
+            laid_out = "\n\n".join(piece.text for piece in pieces)
             if imports is None:
                 return laid_out
             lines = import_lines(_joined(pieces), imports)
@@ -276,9 +276,9 @@ class Modules:
 
 def _joined(pieces: Sequence[_Piece]) -> Names:
     return Names(
-        {name for each in pieces for name in each.names.running},
-        {name for each in pieces for name in each.names.annotating},
-        {name for each in pieces for name in each.names.defined},
+        {name for piece in pieces for name in piece.names.running},
+        {name for piece in pieces for name in piece.names.annotating},
+        {name for piece in pieces for name in piece.names.defined},
     )
 
 

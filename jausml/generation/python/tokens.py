@@ -95,7 +95,7 @@ def flat(parts: Sequence[Part]) -> str:
 def can_be_flat(parts: Sequence[Part]) -> bool:
     """Tells whether no comma at the end of a bracket asks for several lines."""
     brackets = (part for part in parts if isinstance(part, Bracket))
-    return all(not each.stays_open and can_be_flat(each.inside) for each in brackets)
+    return all(not bracket.stays_open and can_be_flat(bracket.inside) for bracket in brackets)
 
 
 def read(text: str) -> Statement | None:

@@ -94,7 +94,7 @@ def occurrences(expression: Expression) -> Iterator[Variable]:
 
 def variables(expression: Expression) -> tuple[str, ...]:
     """Returns the names of the variables, each once, in the order in which they stand."""
-    return tuple(dict.fromkeys(each.name for each in occurrences(expression)))
+    return tuple(dict.fromkeys(occurrence.name for occurrence in occurrences(expression)))
 
 
 def opposite(condition: Expression) -> Expression:

@@ -165,7 +165,7 @@ def _check_depth(expression: Expression) -> None:
     """Refuses long chains: their operations are within each other too."""
     level: list[Expression] = [expression]
     for _ in range(DEEPEST):
-        level = [inner for each in level for inner in operands_of(each)]
+        level = [inner for parent in level for inner in operands_of(parent)]
         if not level:
             return
     raise ExpressionError(f"more than {DEEPEST} operations within each other", 1)
@@ -279,7 +279,9 @@ def _bound_choice(expression: Conditional, known: Mapping[str, Interval]) -> Int
 
 def _bound_truth(sign: str, operands: Sequence[Interval]) -> Interval:
     # An operand without a value may be one that is never asked, and not a number counts as true.
-    found = [spans.EITHER if spans.is_empty(each) else spans.truth(each) for each in operands]
+    found = [
+        spans.EITHER if spans.is_empty(operand) else spans.truth(operand) for operand in operands
+    ]
     if sign == "not":
         return spans.inverse(found[0])
     return spans.least(*found) if sign == "and" else spans.greatest(*found)

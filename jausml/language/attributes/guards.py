@@ -118,14 +118,18 @@ def alternatives(guard: Guard, *, holds: bool = True) -> list[Alternative] | Non
         return [((guard, holds),)]
     if isinstance(guard, Negation):
         return alternatives(guard.operand, holds=not holds)
-    inside = [alternatives(each, holds=holds) for each in guard.operands]
-    known = [each for each in inside if each is not None]
+    inside = [alternatives(operand, holds=holds) for operand in guard.operands]
+    known = [choice for choice in inside if choice is not None]
     is_choice = isinstance(guard, AnyOf) is holds
     number = sum(map(len, known)) if is_choice else prod(map(len, known))
     if len(known) < len(inside) or number > MOST_ALTERNATIVES:
         return None
-    found = chain(*known) if is_choice else (tuple(chain(*each)) for each in product(*known))
-    return list(dict.fromkeys(tuple(dict.fromkeys(each)) for each in found))
+    found = (
+        chain(*known)
+        if is_choice
+        else (tuple(chain(*combination)) for combination in product(*known))
+    )
+    return list(dict.fromkeys(tuple(dict.fromkeys(alternative)) for alternative in found))
 
 
 class _Parser:

@@ -111,7 +111,7 @@ def _times(left: Unit, right: Unit) -> Unit:
 
 
 def _power(unit: Unit, power: Fraction) -> Unit:
-    dimension = tuple((base, each * power) for base, each in unit.dimension)
+    dimension = tuple((base, fraction * power) for base, fraction in unit.dimension)
     return Unit(dimension, unit.factor ** float(power))
 
 

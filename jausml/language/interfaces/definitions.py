@@ -236,7 +236,7 @@ def parse_value(text: str, kind: FieldType) -> str:
     if kind.array == BOUNDED and len(elements) > size:
         raise ValueTextError(f"has {len(elements)} elements, more than {size}")
     # As rosidl has it, blanks at the ends of an element are lost even inside quotes.
-    values = [_element(each.strip(), kind) for each in elements]
+    values = [_element(element.strip(), kind) for element in elements]
     if kind.name in TEXTS:
         return json.dumps(values, ensure_ascii=False)
     return f"[{', '.join(map(_shown, values))}]"
@@ -274,7 +274,7 @@ def _json_texts(value: str) -> list[str]:
         elements = json.loads(value)
     except ValueError as error:
         raise ValueTextError("is no array in JSON") from error
-    if not isinstance(elements, list) or not all(isinstance(each, str) for each in elements):
+    if not isinstance(elements, list) or not all(isinstance(element, str) for element in elements):
         raise ValueTextError("is no array of texts in JSON")
     if value != json.dumps(elements, ensure_ascii=False):
         raise ValueTextError(f"is written {json.dumps(elements, ensure_ascii=False)}")

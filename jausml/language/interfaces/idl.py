@@ -97,7 +97,7 @@ def parse_interface(path: str, kind: str, text: str) -> Definition:
         return Definition([], [error.fault])
     except RecursionError:
         return Definition([], [Fault("JML652", 1, 1, "the file is nested too deeply")])
-    missing = [each for each in names if each not in reader.sections]
+    missing = [section_name for section_name in names if section_name not in reader.sections]
     if missing and not reader.faults:
         message = f"the file has no structure {missing[0]!a}"
         hint = f"it defines {', '.join(names)}, as its name says"
@@ -186,7 +186,7 @@ class _Reader:
         self._expect("{")
         while not self._accept("}"):
             self._member(section)
-        if [each.name for each in section.fields] == [_EMPTY]:
+        if [member.name for member in section.fields] == [_EMPTY]:
             section.fields.clear()
 
     def _member(self, section: Section) -> None:
@@ -214,7 +214,7 @@ class _Reader:
                     column=token.column,
                 )
             )
-        taken = [each.name for each in section.fields]
+        taken = [member.name for member in section.fields]
         if len(set(taken)) < len(taken):
             self._report(names[-1][0], "JML647", f"field {taken[-1]!a} is there already")
 
@@ -286,7 +286,11 @@ class _Reader:
     def _size(self) -> int:
         token = self._next
         text = self._literal()
-        known = {each.name: each.value for found in self._constants.values() for each in found}
+        known = {
+            constant_definition.name: constant_definition.value
+            for found in self._constants.values()
+            for constant_definition in found
+        }
         text = known.get(text, text)
         if not text.isdecimal() or not 0 < int(text[:11]) < 2**32:
             raise _SyntaxError(token, f"{token.text!a} is no size of 1 or more", rule="JML644")

@@ -251,8 +251,8 @@ class Installation:
 
     def __init__(self, shares: Iterable[str | os.PathLike[str]] = ()) -> None:
         prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-        found = [Path(each) for each in shares]
-        found += [Path(each, "share") for each in (*filter(None, prefixes), sys.prefix)]
+        found = [Path(share) for share in shares]
+        found += [Path(prefix, "share") for prefix in (*filter(None, prefixes), sys.prefix)]
         self.shares = list(dict.fromkeys(found))
 
     def folder(self, package: str) -> Path | None:

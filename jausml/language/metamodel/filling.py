@@ -63,8 +63,8 @@ def set_values(obj: Any, table: FeatureTable, values: Iterable[Any]) -> None:
 def assign(obj: Any, table: FeatureTable, value: Any) -> None:
     """Sets a feature, or adds to one with many values; an enumeration by the name of a literal."""
     if table.kind is not FeatureKind.ATTRIBUTE:
-        for each in value if table.many and isinstance(value, list | tuple) else [value]:
-            link(obj, table, each)
+        for target in value if table.many and isinstance(value, list | tuple) else [value]:
+            link(obj, table, target)
     elif table.many:
         set_values(obj, table, value)
     else:
@@ -212,7 +212,7 @@ def _take_attribute(obj: Any, name: str) -> None:
 
 def _known(obj: Any, name: str) -> Any:
     """Returns what the class of an element has by a name."""
-    return next((vars(each)[name] for each in type(obj).__mro__ if name in vars(each)), None)
+    return next((vars(base)[name] for base in type(obj).__mro__ if name in vars(base)), None)
 
 
 class _Access:

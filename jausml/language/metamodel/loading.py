@@ -142,7 +142,7 @@ class _EcoreFile(XMIResource):  # type: ignore[misc]  # pyecore has no types
 
     def _decode_eobject(self, node: Any, parent: Any) -> None:
         if node.tag == "eAnnotations":
-            details = {each.get("key"): each.get("value") for each in node}
+            details = {detail.get("key"): detail.get("value") for detail in node}
             vars(parent).setdefault(_ANNOTATIONS, {})[node.get("source")] = details
         else:
             super()._decode_eobject(node, parent)
@@ -207,8 +207,8 @@ def _resolve_proxies(packages: Iterable[PackageTable]) -> None:
                 if isinstance(feature.eType, EProxy):
                     feature.eType = feature.eType.force_resolve()
             supers = list(eclass.eSuperTypes)
-            if any(isinstance(each, EProxy) for each in supers):
-                resolved = [each.force_resolve() for each in supers]
+            if any(isinstance(supertype, EProxy) for supertype in supers):
+                resolved = [supertype.force_resolve() for supertype in supers]
                 eclass.eSuperTypes.clear()
                 eclass.eSuperTypes.extend(resolved)
 
@@ -248,14 +248,18 @@ class _Flattening:
 
     def _fill(self, table: ClassTable) -> None:
         lineage = [*reversed(table.eclass.eAllSuperTypes()), table.eclass]
-        table.supertypes = frozenset(self._classes[each] for each in lineage)
+        table.supertypes = frozenset(self._classes[ancestor] for ancestor in lineage)
         for eclass in lineage:
             for feature in eclass.eStructuralFeatures:
                 table.features[feature.name] = self._feature(feature)
         features = tuple(table.features.values())
-        table.id_feature = next((each for each in features if each.is_id), None)
-        table.bounded = tuple(each for each in features if each.upper > 1 or each.can_be_missing)
-        table.contained = tuple(each for each in features if each.kind is FeatureKind.CONTAINMENT)
+        table.id_feature = next((candidate for candidate in features if candidate.is_id), None)
+        table.bounded = tuple(
+            candidate for candidate in features if candidate.upper > 1 or candidate.can_be_missing
+        )
+        table.contained = tuple(
+            candidate for candidate in features if candidate.kind is FeatureKind.CONTAINMENT
+        )
 
     def _feature(self, feature: Any) -> FeatureTable:
         known = self._features.get(feature)
@@ -319,11 +323,11 @@ def _kind(feature: Any) -> FeatureKind:
 def _enumeration(etype: EEnum) -> DataTypeTable:
     literals: dict[str, Any] = {}
     legal = []
-    for each in etype.eLiterals:
-        legal.append(each.literal or each.name)
-        literals[legal[-1]] = each
-    for each in etype.eLiterals:
-        literals.setdefault(each.name, each)
+    for e_literal in etype.eLiterals:
+        legal.append(e_literal.literal or e_literal.name)
+        literals[legal[-1]] = e_literal
+    for e_literal in etype.eLiterals:
+        literals.setdefault(e_literal.name, e_literal)
     return DataTypeTable(
         etype.name, ValueKind.ENUMERATION, nullable=False, literals=literals, legal=tuple(legal)
     )

@@ -120,7 +120,7 @@ class _Comparison:
 
     def _is_ignored(self, table: ClassTable, feature: FeatureTable) -> bool:
         ignored = self._policy.ignored
-        qualified = (f"{each.qualified_name}.{feature.name}" for each in table.supertypes)
+        qualified = (f"{supertype.qualified_name}.{feature.name}" for supertype in table.supertypes)
         return feature.name in ignored or any(name in ignored for name in qualified)
 
     def _owned(
@@ -147,10 +147,10 @@ class _Comparison:
         values = list(value) if feature.many else [] if value is None else [value]
         by = self._policy.matched_by.get(feature.name)
         keyed: dict[Hashable, EObject] = {}
-        for position, each in enumerate(values):
-            key: Hashable = getattr(each, by) if by else position
+        for position, element in enumerate(values):
+            key: Hashable = getattr(element, by) if by else position
             # A second element of the key is told apart by its position.
-            keyed[(key, position) if key in keyed else key] = each
+            keyed[(key, position) if key in keyed else key] = element
         return keyed
 
     def _values(
@@ -167,8 +167,8 @@ class _Comparison:
         value = getattr(obj, feature.name)
         values = list(value) if feature.many else [] if value is None else [value]
         if feature.is_reference:
-            return [self._address(each) for each in values]
-        return [getattr(each, "name", each) for each in values]
+            return [self._address(target) for target in values]
+        return [getattr(item, "name", item) for item in values]
 
     def _same(self, one: Any, other: Any) -> bool:
         if isinstance(one, float) and isinstance(other, float):

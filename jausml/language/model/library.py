@@ -34,15 +34,15 @@ def library_paths(kind: str = "", suffixes: tuple[str, ...] = SUFFIXES) -> tuple
         kind: The folder that is meant: `jaus`, `ros` or `mappings`; empty for all of them.
     """
     root = library_root()
-    found = (root / each for each in _places(root) if each.endswith(suffixes))
-    return tuple(each for each in found if not kind or each.is_relative_to(root / kind))
+    found = (root / place for place in _places(root) if place.endswith(suffixes))
+    return tuple(path for path in found if not kind or path.is_relative_to(root / kind))
 
 
 @cache
 def _places(root: Path) -> tuple[str, ...]:
     # No path has parts before its folder: they are in order of their parts, as paths are.
-    found = sorted(each.relative_to(root) for each in root.rglob("*") if each.suffix in SUFFIXES)
-    return tuple(each.as_posix() for each in found)
+    found = sorted(path.relative_to(root) for path in root.rglob("*") if path.suffix in SUFFIXES)
+    return tuple(path.as_posix() for path in found)
 
 
 def place_in_library(path: Path) -> str:
@@ -79,10 +79,10 @@ def shipped_as(path: Path) -> Path | None:
 
 def copy_in_project(place: str, folder: Path, root: Path) -> Path | None:
     """Returns the copy of a file of the shipped library that a project has, None without one."""
-    for each in (folder, *folder.parents):
-        if not each.is_relative_to(root):
+    for path in (folder, *folder.parents):
+        if not path.is_relative_to(root):
             return None
-        copy = each / "library" / place
+        copy = path / "library" / place
         if shipped_as(copy) is not None:
             return copy
     return None

@@ -66,8 +66,10 @@ class Model:
     def origins_of(self, document: Document) -> Origins:
         """Returns the elements of a document, for another model that shares them."""
         elements = list(self.elements_of(document))
-        nodes = {each: self._origin[each] for each in elements}
-        return Origins(nodes, {each: self._ids[each] for each in elements if each in self._ids})
+        nodes = {element: self._origin[element] for element in elements}
+        return Origins(
+            nodes, {element: self._ids[element] for element in elements if element in self._ids}
+        )
 
     def share(self, origins: Origins) -> None:
         """Remembers the elements of a document that another model has too; for the reader."""
@@ -141,12 +143,12 @@ class Model:
         by_class = self._by_class
         if by_class is None:
             by_class = self._by_class = self._lists()  # whole: another thread may ask meanwhile
-        lists = [each for eclass in by_class.keys() & wanted for each in by_class[eclass]]
+        lists = [entry for eclass in by_class.keys() & wanted for entry in by_class[eclass]]
         found = [
             (number, position, obj)
-            for number, is_library, each in lists
+            for number, is_library, instance_list in lists
             if library or not is_library
-            for position, obj in each
+            for position, obj in instance_list
         ]
         return [obj for _, _, obj in sorted(found, key=itemgetter(0, 1))]
 
@@ -154,8 +156,8 @@ class Model:
         """Returns by class the elements of each document that has some, with its number."""
         found: _Lists = {}
         for number, document in enumerate(self.documents):
-            for eclass, each in self._classes_of(document).items():
-                found.setdefault(eclass, []).append((number, document.is_library, each))
+            for eclass, instance_list in self._classes_of(document).items():
+                found.setdefault(eclass, []).append((number, document.is_library, instance_list))
         return found
 
     def _classes_of(self, document: Document) -> ByClass:
@@ -285,8 +287,8 @@ def made_model(metamodels: Metamodels, root: EObject, *inner: EObject) -> Model:
     top = _node(root, None)
     document.root_nodes.append(top)
     model.adopt(document, top)
-    for each in inner:
-        node = _node(each, top)
+    for element in inner:
+        node = _node(element, top)
         top.children.append(node)
         model.adopt(document, node)
     return model
@@ -316,10 +318,12 @@ def digests(model: Model) -> dict[str, str]:
     Returns:
         Digests by path, relative to the folder of the first file, in the order of the paths.
     """
-    own = [each for each in model.documents if not each.is_library]
+    own = [document for document in model.documents if not document.is_library]
     folder = model.documents[0].path.parent
     found = {
-        os.path.relpath(each.path, folder).replace(os.sep, "/"): sha256(each.data).hexdigest()
-        for each in own
+        os.path.relpath(document.path, folder).replace(os.sep, "/"): sha256(
+            document.data
+        ).hexdigest()
+        for document in own
     }
     return dict(sorted(found.items()))

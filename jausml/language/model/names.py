@@ -78,21 +78,22 @@ class NameFinder:
     def alike(self, name: str, wanted: ClassTable, document: Document) -> list[str]:
         """Returns known names of a class that are much like a name, the nearest first."""
         known: dict[str, None] = {}
-        for each in (document, *document.imports):
-            for elements in self._index(each).values():
+        for visible_document in (document, *document.imports):
+            for elements in self._index(visible_document).values():
                 known.update((name_of(o), None) for o in elements if self._is_a(o, wanted))
         known.update(dict.fromkeys(_library_names(_tags(self._model.metamodels, wanted))))
         last = _last_step(_normal(name))
-        folded = [each for each in known if each.lower() == last.lower()]
+        folded = [candidate for candidate in known if candidate.lower() == last.lower()]
         return folded or get_close_matches(last, known, n=3, cutoff=0.6)
 
     def others(self, name: str, document: Document) -> list[EObject]:
         """Returns the elements of any class that a name means in a document and its imports."""
         text = _normal(name)
         found = (
-            self._index(each).get(_last_step(text), ()) for each in (document, *document.imports)
+            self._index(visible_document).get(_last_step(text), ())
+            for visible_document in (document, *document.imports)
         )
-        return [each for elements in found for each in elements if _matches(each, text)]
+        return [element for elements in found for element in elements if _matches(element, text)]
 
     def label(self, element: EObject) -> str:
         """Returns how messages name an element that is one of several: its names and its file."""
@@ -102,16 +103,16 @@ class NameFinder:
 
     def how_to_choose(self, elements: list[EObject], document: Document) -> str:
         """Returns what makes one of several elements the one that a document means."""
-        documents = [self._model.document_of(each) for each in elements]
-        if len({qualified_name(each) for each in elements}) < len(elements) and len(
+        documents = [self._model.document_of(element) for element in elements]
+        if len({qualified_name(element) for element in elements}) < len(elements) and len(
             set(documents)
         ) < len(elements):
             return "rename one of them"
-        shipped = [each.path for each in documents if each is not None and each.is_library]
+        shipped = [origin.path for origin in documents if origin is not None and origin.is_library]
         if len(set(shipped)) < len(elements):
             return "write enough of the name, or import the document that is meant"
         module = f"import `{module_of(shipped[-1])}`"
-        if all(each in document.imports for each in documents):
+        if all(origin in document.imports for origin in documents):
             href = f"{LIBRARY_URI}{place_in_library(shipped[0])}"
             fragment = self._model.fragment(elements[0])
             other = f'or say where the other one stands: @"{href}#{fragment}"'
@@ -136,24 +137,26 @@ class NameFinder:
             tags |= _WHOLES
             files = (*files, *library_index().get(_last_step(whole), ()))
         found = (self._open(f"{LIBRARY_URI}{path}") for path, tag in files if tag in tags)
-        return list(dict.fromkeys(each for each in found if isinstance(each, Document)))
+        return list(dict.fromkeys(document for document in found if isinstance(document, Document)))
 
     def _within(
         self, documents: Iterable[Document], name: str, wanted: ClassTable
     ) -> list[EObject]:
-        return [each for one in documents for each in self._in_document(one, name, wanted)]
+        return [element for one in documents for element in self._in_document(one, name, wanted)]
 
     def _in_document(self, document: Document, name: str, wanted: ClassTable) -> list[EObject]:
         text = _normal(name)
         index = self._index(document)
         candidates = index.get(_last_step(text), [])
         if "." in text:  # the index knows the last step alone
-            candidates = [each for each in candidates if _matches(each, text)]
+            candidates = [candidate for candidate in candidates if _matches(candidate, text)]
         whole = _whole_of(text)
         if whole:
-            owners = [each for each in index.get(_last_step(whole), ()) if _matches(each, whole)]
+            owners = [
+                element for element in index.get(_last_step(whole), ()) if _matches(element, whole)
+            ]
             candidates = [*candidates, *_parts(owners, _last_step(text))]
-        return [each for each in candidates if self._is_a(each, wanted)]
+        return [candidate for candidate in candidates if self._is_a(candidate, wanted)]
 
     def _in_what_owners_refer_to(
         self, name: str, wanted: ClassTable, owner: EObject | None
@@ -165,11 +168,11 @@ class NameFinder:
         text = _normal(name)
         for scope in _lineage(owner)[1:]:
             found = [
-                each
+                element
                 for target in self._referred(scope)
                 if wanted in held_by(self._model.metamodels, self._class_of(target))
-                for each in target.eAllContents()
-                if self._is_a(each, wanted) and _matches(each, text)
+                for element in target.eAllContents()
+                if self._is_a(element, wanted) and _matches(element, text)
             ]
             if found:
                 return found
@@ -178,17 +181,17 @@ class NameFinder:
     def _referred(self, element: EObject) -> list[EObject]:
         """Returns what the references of an element that take one value refer to."""
         names = _single_references(self._model.metamodels.class_of(element))
-        values = (getattr(element, each) for each in names)
+        values = (getattr(element, name) for name in names)
         return [value for value in values if value is not None]
 
     @staticmethod
     def _innermost(candidates: list[EObject], owner: EObject | None) -> list[EObject]:
-        others = [each for each in candidates if each is not owner]
+        others = [candidate for candidate in candidates if candidate is not owner]
         if len(others) <= 1:
             return others
-        around = {id(each): set(map(id, _lineage(each))) for each in others}
+        around = {id(other): set(map(id, _lineage(other))) for other in others}
         for scope in _lineage(owner):
-            inside = [each for each in others if id(scope) in around[id(each)]]
+            inside = [other for other in others if id(scope) in around[id(other)]]
             if inside:
                 return inside
         return others
@@ -223,11 +226,11 @@ def newest(elements: list[EObject]) -> list[EObject]:
     Versions of one service with the same major number understand each other; others are as far
     apart as different services. What is not that comes back as it is.
     """
-    versions = [_version_of(each) for each in elements]
-    whose = {None if each is None else each[0] for each in versions}
+    versions = [_version_of(element) for element in elements]
+    whose = {None if version is None else version[0] for version in versions}
     if len(whose) != 1 or None in whose:
         return elements
-    best = max(each[1] for each in versions if each is not None)
+    best = max(version[1] for version in versions if version is not None)
     return [
         element
         for element, version in zip(elements, versions, strict=True)
@@ -314,14 +317,16 @@ def held_by(metamodels: Metamodels, table: ClassTable) -> frozenset[ClassTable]:
             new = set(metamodels.classes.values() if target is None else target.subtypes) - found
             found |= new
             pending += new
-    return frozenset(base for each in found for base in (each, *each.supertypes))
+    return frozenset(
+        base for class_table in found for base in (class_table, *class_table.supertypes)
+    )
 
 
 @cache
 def _single_references(table: ClassTable) -> tuple[str, ...]:
     features = table.features.values()
-    single = (each for each in features if each.kind is FeatureKind.CROSS_REFERENCE)
-    return tuple(each.name for each in single if not each.many)
+    single = (feature for feature in features if feature.kind is FeatureKind.CROSS_REFERENCE)
+    return tuple(feature.name for feature in single if not feature.many)
 
 
 def _normal(name: str) -> str:
@@ -343,8 +348,8 @@ def _whole_of(text: str) -> str:
 
 def _parts(owners: Iterable[EObject], part: str) -> list[EObject]:
     """Returns the parts of services and actions that go by what they are."""
-    parts = [getattr(each, part) for each in owners if isinstance(each, _PARTS[part])]
-    return [each for each in parts if each is not None]
+    parts = [getattr(owner, part) for owner in owners if isinstance(owner, _PARTS[part])]
+    return [member for member in parts if member is not None]
 
 
 def _matches(element: EObject, text: str) -> bool:

@@ -33,7 +33,7 @@ def project_folder(path: Path) -> Path | None:
     """
     marks = (MARKER, _CHECKOUT)
     return next(
-        (each for each in path.parents if any(os.path.exists(each / m) for m in marks)), None
+        (parent for parent in path.parents if any(os.path.exists(parent / m) for m in marks)), None
     )
 
 
@@ -48,7 +48,7 @@ def made_project(folder: Path) -> Path | None:
 
 def enclosing_project(path: Path) -> Path | None:
     """Returns the nearest folder above a file that is an Eclipse project, None without one."""
-    return next((each for each in path.parents if os.path.isfile(each / MARKER)), None)
+    return next((parent for parent in path.parents if os.path.isfile(parent / MARKER)), None)
 
 
 def find_project_root(paths: Iterable[Path]) -> Path:
@@ -186,12 +186,12 @@ def shown(path: str | Path) -> str:
 
 def _refuse_links(folder: str, found: Sequence[str]) -> None:
     """Refuses files of a walk that are links out of the project: nobody has named them."""
-    links = [each for each in found if os.path.islink(each)]  # noqa: PTH114 - as above
+    links = [path for path in found if os.path.islink(path)]  # noqa: PTH114 - as above
     root = Path(os.path.realpath(find_project_root([Path(folder) / "any"]))) if links else None
-    for each in links:
-        if root is not None and leads_out(each, root):
+    for link in links:
+        if root is not None and leads_out(link, root):
             raise InputError(
-                f"{shown(each)}: JML209 the link leads out of the project root {root}; "
+                f"{shown(link)}: JML209 the link leads out of the project root {root}; "
                 "name the file itself to have it read"
             )
 
@@ -200,7 +200,9 @@ def _near(path: str, suffixes: tuple[str, ...]) -> str:
     """Returns a question for the file that may be meant, empty where none is near."""
     wanted = Path(path)
     try:
-        there = [each.name for each in wanted.parent.iterdir() if each.name.endswith(suffixes)]
+        there = [
+            sibling.name for sibling in wanted.parent.iterdir() if sibling.name.endswith(suffixes)
+        ]
     except OSError:
         return ""
     near = get_close_matches(wanted.name, there, n=1)

@@ -218,15 +218,15 @@ class Keys:
     def of(self, element: EObject) -> str:
         """Returns the key of an element, its own among those of the model."""
         steps: list[str] = []
-        each = element
-        while (owner := each.eContainer()) is not None:
-            if each not in self._steps:
+        ancestor = element
+        while (owner := ancestor.eContainer()) is not None:
+            if ancestor not in self._steps:
                 self._name(owner)
-            steps.append(self._steps[each][each is not element])
-            each = owner
+            steps.append(self._steps[ancestor][ancestor is not element])
+            ancestor = owner
         document = self._model.document_of(element)
         if not steps or (document is not None and len(document.root_nodes) > 1):
-            steps.append(_escaped(getattr(each, "name", None) or ""))
+            steps.append(_escaped(getattr(ancestor, "name", None) or ""))
         names = "/".join(reversed(steps))
         return f"{self._file(document)}{_kind(element)}:{names}"
 
@@ -241,14 +241,14 @@ class Keys:
         Itself it shares its name with elements of other classes: the class tells them apart.
         """
         counts: Counter[tuple[str, str]] = Counter()
-        for each in self._model.owned(owner):
-            name = getattr(each, "name", None)
-            word = _escaped(name) if name else each.eContainmentFeature().name
-            kind = _kind(each)
+        for element in self._model.owned(owner):
+            name = getattr(element, "name", None)
+            word = _escaped(name) if name else element.eContainmentFeature().name
+            kind = _kind(element)
             numbers = counts[kind, word], counts["", word]
             counts[kind, word] += 1
             counts["", word] += 1
-            self._steps[each] = (
+            self._steps[element] = (
                 f"{word}[{numbers[0]}]" if numbers[0] or not name else word,
                 f"{word}[{numbers[1]}]" if numbers[1] or not name else word,
             )
@@ -262,8 +262,8 @@ def _kind(element: EObject) -> str:
 def _escaped(name: str) -> str:
     """Returns a name without the signs that part keys, and without what cannot be shown."""
     return "".join(
-        each
-        if each.isprintable() and each not in _PARTING
-        else quote(each, safe="", errors="replace")
-        for each in name
+        character
+        if character.isprintable() and character not in _PARTING
+        else quote(character, safe="", errors="replace")
+        for character in name
     )

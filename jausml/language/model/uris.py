@@ -157,7 +157,7 @@ class UriResolver:
         """The Eclipse projects that a document may refer to, by name."""
         document = Path(os.path.realpath(base.display))
         if document.parent not in self._around:
-            given = {name: Path(os.path.realpath(each)) for name, each in self._projects.items()}
+            given = {name: Path(os.path.realpath(path)) for name, path in self._projects.items()}
             found = {**projects_around(document), **projects_in(self._root), **given}
             self._around[document.parent] = found
         return self._around[document.parent]
@@ -209,10 +209,10 @@ def projects_in(folder: Path) -> dict[str, Path]:
     A name is that which the file says; it may differ from that of the folder.
     """
     found: dict[str, Path] = {}
-    for each in (folder, *_folders(folder)):
-        name = _name_of(each)
+    for path in (folder, *_folders(folder)):
+        name = _name_of(path)
         if name:
-            found.setdefault(name, each)
+            found.setdefault(name, path)
     return found
 
 
@@ -236,4 +236,4 @@ def _name_of(folder: Path) -> str:
     root = parse(data).root
     if root is None or root.tag != "projectDescription":
         return ""
-    return next((each.text.strip() for each in root.children if each.tag == "name"), "")
+    return next((child.text.strip() for child in root.children if child.tag == "name"), "")

@@ -79,7 +79,7 @@ def suggest_or_list(wrong: str, known: Iterable[str]) -> str:
 
 def show(text: str) -> str:
     """Quotes a text for a message, shortened and on one line."""
-    flat = " ".join(text.split()) if any(each in text for each in "\r\n\t") else text
+    flat = " ".join(text.split()) if any(character in text for character in "\r\n\t") else text
     if len(flat) > _LONGEST_SHOWN:
         flat = flat[: _LONGEST_SHOWN - 3] + "..."
     return f"'{flat}'"

@@ -59,8 +59,8 @@ def excesses(types: Iterable[ros.MessageType]) -> Iterator[Excess]:
     Types that are too large only because of another one are left out.
     """
     extents: dict[ros.MessageType, Extent | None] = {}
-    for each in types:
-        for found in _inner_first(each, extents):
+    for message_type in types:
+        for found in _inner_first(message_type, extents):
             extent, excess = _measured(found, extents)
             extents[found] = extent
             if excess is not None:
@@ -74,13 +74,13 @@ def _inner_first(
     pending = [(start, True)]
     entered: set[ros.MessageType] = set()
     while pending:
-        each, is_new = pending.pop()
+        message_type, is_new = pending.pop()
         if not is_new:
-            yield each
-        elif each not in known and each not in entered:
-            entered.add(each)
-            pending.append((each, False))
-            pending += [(inner, True) for field in each.fields if (inner := _inner(field))]
+            yield message_type
+        elif message_type not in known and message_type not in entered:
+            entered.add(message_type)
+            pending.append((message_type, False))
+            pending += [(inner, True) for field in message_type.fields if (inner := _inner(field))]
 
 
 def _measured(
@@ -206,8 +206,8 @@ def package_of(element: EObject) -> str:
 
 
 def _fields(message: ros.MessageType, section: Section, package: str) -> Iterator[TypeDifference]:
-    here = {str(each.name): each for each in message.fields}
-    there = {each.name: _installed_type(each, package) for each in section.fields}
+    here = {str(field.name): field for field in message.fields}
+    there = {field.name: _installed_type(field, package) for field in section.fields}
     renamed = _renamed(here, there)
     for name, element in here.items():
         if name in renamed:
@@ -238,7 +238,7 @@ def _renamed(here: dict[str, ros.Field], there: dict[str, str]) -> dict[str, str
 
 
 def _constants(message: ros.MessageType, section: Section) -> Iterator[TypeDifference]:
-    there = {each.name: each for each in section.constants}
+    there = {constant.name: constant for constant in section.constants}
     for element in message.constants:
         installed = there.get(element.name)
         if installed is None:

@@ -47,11 +47,15 @@ class Subject:
         self._unread: dict[EObject, _Unread] = {}
         self._damaged: set[EObject] = set()
         errors: dict[str, dict[str, _Unread]] = defaultdict(dict)
-        for each in diagnostics:
-            if each.severity is Severity.ERROR and each.fragment and each.unread != frozenset():
-                of_file = errors[each.location.path]
-                of_file[each.fragment] = _joined(
-                    of_file.get(each.fragment, frozenset()), each.unread
+        for diagnostic in diagnostics:
+            if (
+                diagnostic.severity is Severity.ERROR
+                and diagnostic.fragment
+                and diagnostic.unread != frozenset()
+            ):
+                of_file = errors[diagnostic.location.path]
+                of_file[diagnostic.fragment] = _joined(
+                    of_file.get(diagnostic.fragment, frozenset()), diagnostic.unread
                 )
         for document in model.documents:
             is_checked = document.given or not document.is_library
@@ -120,7 +124,7 @@ class Subject:
 
     def is_intact(self, *elements: EObject | None) -> bool:
         """Tells whether elements are there and were read without an error, contents included."""
-        return all(each is not None and each not in self._damaged for each in elements)
+        return all(element is not None and element not in self._damaged for element in elements)
 
     def severity(self, element: EObject) -> Severity | None:
         """Returns how grave a fault of an element's definition is: a warning in the library.

@@ -190,8 +190,14 @@ class Ros2Jaus:
             fault = Fault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)
             return TextDocument(SyntaxTree(), [fault], path, metamodels)
         faults = [
-            Fault("JML701", each.message, each.hint, each.span.line, each.span.column)
-            for each in parsed.faults
+            Fault(
+                "JML701",
+                syntax_fault.message,
+                syntax_fault.hint,
+                syntax_fault.span.line,
+                syntax_fault.span.column,
+            )
+            for syntax_fault in parsed.faults
         ]
         bridge = self._bridge if self._bridge is not None and self._bridge.path == path else None
         return TextDocument(parsed.document, faults, path, metamodels, bridge)

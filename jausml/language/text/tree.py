@@ -257,7 +257,7 @@ def lists_of(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
     if isinstance(item, Vector):
         return [(item.given, None), (item.expected, item.closing)]
     if isinstance(item, Feature):
-        return [(each.items, each.closing) for each in item.values if isinstance(each, Element)]
+        return [(value.items, value.closing) for value in item.values if isinstance(value, Element)]
     if isinstance(item, Member):
         return [(item.type if isinstance(item.type, list) else [], None), (item.features, None)]
     if isinstance(item, End):
@@ -267,14 +267,14 @@ def lists_of(item: Item) -> list[tuple[Sequence[Item], list[str] | None]]:
 
 def is_bare(element: Element) -> bool:
     """Tells whether an element is written without a block: `topic /odom`."""
-    names = [each for each in (element.keyword, element.name) if each is not None]
+    names = [name for name in (element.keyword, element.name) if name is not None]
     end = (element.span.end_line, element.span.end_column)
     return not element.items and end == (names[-1].span.end_line, names[-1].span.end_column)
 
 
 def is_map(items: Iterable[Item]) -> bool:
     """Tells whether a block is that of an attribute map by what stands in it."""
-    return any(isinstance(each, End | Direction) for each in items)
+    return any(isinstance(item, End | Direction) for item in items)
 
 
 LONGEST = 4 * 1024 * 1024
@@ -299,7 +299,7 @@ def is_documentation(comment: str) -> bool:
 def ordinary_comments(text: str) -> list[str]:
     """Returns the comments of a text that document nothing, in order."""
     found = (match.group() for match in comments_in(text))
-    return [each for each in found if not is_documentation(each)]
+    return [comment for comment in found if not is_documentation(comment)]
 
 
 def comments_in(text: str) -> Iterator[re.Match[str]]:
@@ -313,7 +313,7 @@ def documentation_text(comment: str) -> str:
     A line break stands for a blank; empty lines stand between paragraphs.
     """
     first, *further = comment[3:-2].split("\n")
-    lines = [each.strip(" \t\r") for each in (first, *map(_without_star, further))]
+    lines = [line.strip(" \t\r") for line in (first, *map(_without_star, further))]
     text = "\n".join(lines).strip("\n")
     return _ESCAPED_END.sub(r"*\1/", _LINE_BREAK.sub(" ", text))
 
@@ -345,7 +345,10 @@ def classes_by_keyword(metamodels: Metamodels) -> Mapping[str, ClassTable]:
     """
     concrete = [table for table in metamodels.classes.values() if not table.abstract]
     names = [snake_case(table.name) for table in concrete]
-    found = {f"{each.package.name}.{snake_case(each.name)}": each for each in concrete}
+    found = {
+        f"{class_table.package.name}.{snake_case(class_table.name)}": class_table
+        for class_table in concrete
+    }
     short = zip(names, concrete, strict=True)
     return found | {name: table for name, table in short if names.count(name) == 1}
 

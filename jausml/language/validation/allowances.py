@@ -64,22 +64,22 @@ def settled(
     today: date | None = None,
 ) -> tuple[list[Diagnostic], list[SetAside]]:
     """Returns the findings that count, those about allowances among them, and the others."""
-    documents = [each for each in model.documents if _may_allow(each)]
+    documents = [document for document in model.documents if _may_allow(document)]
     if not documents:
         return list(diagnostics), []
     day = date.today() if today is None else today
     allowances, found = _read(documents, model)
-    holding = [each for each in allowances if each.until >= day]
+    holding = [allowance for allowance in allowances if allowance.until >= day]
     standing, aside = _divided(diagnostics, holding)
-    found += [_expired(each) for each in allowances if each.until < day]
+    found += [_expired(allowance) for allowance in allowances if allowance.until < day]
     # Where not all could be read, what is not found says nothing.
-    is_whole = not any(each.severity is Severity.ERROR for each in diagnostics)
+    is_whole = not any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
     looked_at = {*rules, *READER_RULES, *TEXT_RULES}
-    given = {each.display for each in documents if each.given}
-    for each in holding:
-        is_idle = is_whole and each.rule in looked_at and each.location.path in given
-        if not each.used and (each.refused or is_idle):
-            found.append(_unused(each))
+    given = {document.display for document in documents if document.given}
+    for allowance in holding:
+        is_idle = is_whole and allowance.rule in looked_at and allowance.location.path in given
+        if not allowance.used and (allowance.refused or is_idle):
+            found.append(_unused(allowance))
     return sorted([*standing, *found]), aside
 
 
@@ -90,10 +90,12 @@ def _may_allow(document: Document) -> bool:
 
 def _read(documents: Iterable[Document], model: Model) -> tuple[list[_Allowance], list[Diagnostic]]:
     """Returns the allowances of documents, and what is wrong with how they are written."""
-    known = {*(each.id for each in all_rules()), *READER_RULES, *TEXT_RULES, *PRODUCT_RULES}
+    known = {*(rule.id for rule in all_rules()), *READER_RULES, *TEXT_RULES, *PRODUCT_RULES}
     allowances: list[_Allowance] = []
     faults: list[Diagnostic] = []
-    for element in (each for document in documents for each in model.elements_of(document)):
+    for element in (
+        model_element for document in documents for model_element in model.elements_of(document)
+    ):
         text = getattr(element, "documentation", None)
         for tag in _TAG.finditer(text) if isinstance(text, str) else ():
             path, fragment = model.element_path(element), model.fragment(element)
@@ -134,31 +136,37 @@ def _divided(
     """Returns the findings that no allowance is about, and the others."""
     standing: list[Diagnostic] = []
     aside: list[SetAside] = []
-    for each in diagnostics:
-        about = next((one for one in allowances if one.is_about(each)), None)
+    for diagnostic in diagnostics:
+        about = next((one for one in allowances if one.is_about(diagnostic)), None)
         if about is None:
-            standing.append(each)
-        elif each.severity is Severity.ERROR:
+            standing.append(diagnostic)
+        elif diagnostic.severity is Severity.ERROR:
             about.refused += 1
-            standing.append(each)
+            standing.append(diagnostic)
         else:
             about.used += 1
-            aside.append(SetAside(each, Ground.ALLOWED, about.reason, about.location))
+            aside.append(SetAside(diagnostic, Ground.ALLOWED, about.reason, about.location))
     return standing, aside
 
 
-def _expired(each: _Allowance) -> Diagnostic:
-    message = f"the allowance of {each.rule} ended on {each.until}: {show(each.reason)}"
+def _expired(allowance: _Allowance) -> Diagnostic:
+    message = (
+        f"the allowance of {allowance.rule} ended on {allowance.until}: {show(allowance.reason)}"
+    )
     hint = "fix the cause, or write a later day"
-    return _finding("JML802", each.location, message, hint, (each.element, each.fragment))
+    return _finding(
+        "JML802", allowance.location, message, hint, (allowance.element, allowance.fragment)
+    )
 
 
-def _unused(each: _Allowance) -> Diagnostic:
-    message = f"no finding of {each.rule} is here that could be allowed"
+def _unused(allowance: _Allowance) -> Diagnostic:
+    message = f"no finding of {allowance.rule} is here that could be allowed"
     hint = "remove the allowance"
-    if each.refused:
-        message, hint = f"{each.rule} is an error here, which cannot be allowed", "fix it"
-    return _finding("JML803", each.location, message, hint, (each.element, each.fragment))
+    if allowance.refused:
+        message, hint = f"{allowance.rule} is an error here, which cannot be allowed", "fix it"
+    return _finding(
+        "JML803", allowance.location, message, hint, (allowance.element, allowance.fragment)
+    )
 
 
 def _finding(

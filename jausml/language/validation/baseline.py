@@ -53,8 +53,8 @@ def read(path: Path) -> Counter[Identity]:
     if not isinstance(entries, list):
         raise BaselineError("'findings' is no list")
     known: Counter[Identity] = Counter()
-    for each in entries:
-        identity, count = _entry(each)
+    for entry in entries:
+        identity, count = _entry(entry)
         known[identity] += count
     return known
 
@@ -76,11 +76,11 @@ def written(report: Report, former: Counter[Identity], path: Path) -> str:
         former: What the baseline listed before; of files that the report is not about it stays.
         path: Where it will stand; the files that it names are relative to its folder.
     """
-    counted = Counter(_identity(each, path) for each in report.diagnostics)
+    counted = Counter(_identity(diagnostic, path) for diagnostic in report.diagnostics)
     counted += _elsewhere(former, report, path)
     entries = [
         dict(zip(_PARTS, identity, strict=True)) | ({"count": count} if count > 1 else {})
-        for identity, count in sorted(counted.items(), key=lambda each: _by_file(each[0]))
+        for identity, count in sorted(counted.items(), key=lambda item: _by_file(item[0]))
     ]
     content = {"schema": SCHEMA, "findings": entries}
     return json.dumps(content, indent=2, ensure_ascii=True) + "\n"
@@ -95,14 +95,14 @@ def without_known(report: Report, known: Counter[Identity], path: Path) -> tuple
     standing = []
     aside = list(report.set_aside)
     reason = f"listed in {path.name}"
-    for each in report.diagnostics:
-        identity = _identity(each, path)
+    for diagnostic in report.diagnostics:
+        identity = _identity(diagnostic, path)
         if left[identity] > 0:
             left[identity] -= 1
-            aside.append(SetAside(each, Ground.KNOWN, reason))
+            aside.append(SetAside(diagnostic, Ground.KNOWN, reason))
         else:
-            standing.append(each)
-    aside.sort(key=lambda each: each.diagnostic.sort_key)
+            standing.append(diagnostic)
+    aside.sort(key=lambda suppression: suppression.diagnostic.sort_key)
     gone = left - _elsewhere(known, report, path)
     return replace(report, diagnostics=tuple(standing), set_aside=tuple(aside)), gone.total()
 
@@ -120,9 +120,9 @@ def _elsewhere(known: Counter[Identity], report: Report, path: Path) -> Counter[
     )
 
 
-def _identity(each: Diagnostic, path: Path) -> Identity:
-    file = _relative(each.location.path, path)
-    return each.rule, file, _POSITION.sub("[]", each.element), each.message
+def _identity(diagnostic: Diagnostic, path: Path) -> Identity:
+    file = _relative(diagnostic.location.path, path)
+    return diagnostic.rule, file, _POSITION.sub("[]", diagnostic.element), diagnostic.message
 
 
 def _relative(file: str | Path, path: Path) -> str:

@@ -59,7 +59,7 @@ def check(
     rules = all_rules() if rules is None else rules
     with without_collector(), remembering():
         subject = Subject(result.model, result.diagnostics)
-        found = [each for rule in rules for each in _found_in_whole(subject, rule)]
+        found = [finding for rule in rules for finding in _found_in_whole(subject, rule)]
         judging = _Judging(rules, result.model.metamodels)
         for element in subject.elements():
             if not is_wanted():
@@ -77,11 +77,11 @@ class _Judging:
             for part in rule.parts:
                 classes = {
                     table.eclass
-                    for kind in part.each
+                    for kind in part.kinds
                     for table in metamodels.class_of(kind).subtypes
                 }
-                for each in classes:
-                    self._parts[each].append((rule, part))
+                for metaclass in classes:
+                    self._parts[metaclass].append((rule, part))
 
     def of(self, element: EObject) -> Sequence[tuple[Rule, Part]]:
         """Returns the rules that judge an element, and by which part."""
@@ -92,7 +92,10 @@ def _found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
     """Returns what the parts of a rule find that look at the model as a whole."""
     try:
         return [
-            (rule, each) for part in rule.parts if not part.each for each in part.check(subject)
+            (rule, finding)
+            for part in rule.parts
+            if not part.kinds
+            for finding in part.check(subject)
         ]
     except Exception as error:
         raise RuleError(rule, error) from error
@@ -106,7 +109,7 @@ def _found_at(
     for rule, part in parts:
         try:
             if subject.is_read(element, part.needs):
-                found += [(rule, each) for each in part.findings(subject, element)]
+                found += [(rule, finding) for finding in part.findings(subject, element)]
         except Exception as error:
             raise RuleError(rule, error) from error
     return found
@@ -120,7 +123,7 @@ def _read_well(
     What was found in the members of an assignment of a whole stands at what is written.
     """
     for rule, made in found:
-        notes = tuple(replace(each, element=written(each.element)) for each in made.related)
+        notes = tuple(replace(note, element=written(note.element)) for note in made.related)
         finding = replace(made, element=written(made.element), related=notes)
         at = None if finding.feature is None else (finding.feature,)
         if subject.is_read(finding.element, at):
@@ -134,7 +137,7 @@ def _reported(
     findings = list(result.diagnostics)
     findings += (_diagnostic(rule, finding, result.model) for rule, finding in found)
     sorted_findings = sorted(set(findings), key=attrgetter("sort_key"))
-    standing, aside = settled(result.model, sorted_findings, {each.id for each in rules})
+    standing, aside = settled(result.model, sorted_findings, {rule.id for rule in rules})
     files = tuple(document.display for document in result.model.documents if document.given)
     return Report(result.model, files, tuple(standing), tuple(aside))
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def provider_name(provider: Provider) -> str:
     """Returns how messages name who provides services: a component, or what a search finds."""
     if isinstance(provider, jaus.PeerSearch):
-        services = " and ".join(str(each.name) for each in provider.services)
+        services = " and ".join(str(service.name) for service in provider.services)
         return f"what the search for {services} finds"
     return f"'{provider.name}'"
 

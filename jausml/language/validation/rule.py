@@ -61,14 +61,14 @@ class Part:
     """A function of a rule.
 
     Attributes:
-        each: The classes of which it judges each element by itself; empty where it looks at the
+        kinds: The classes of which it judges each element by itself; empty where it looks at the
             model as a whole.
         needs: The features that it cannot do without (see `Subject.instances`).
         given: Which elements it judges, of those that were read; all by default.
     """
 
     check: RuleFunction
-    each: tuple[type[EObject], ...] = ()
+    kinds: tuple[type[EObject], ...] = ()
     needs: frozenset[str] | None = None
     given: Callable[[Subject, Any], bool] | None = None
 
@@ -103,19 +103,19 @@ class Rule:
     def findings(self, subject: Subject) -> Iterator[Finding]:
         """Yields what is wrong with a model."""
         for part in self.parts:
-            if not part.each:
+            if not part.kinds:
                 yield from part.check(subject)
-            for kind in part.each:
+            for kind in part.kinds:
                 for element in subject.instances(kind, part.needs):
                     yield from part.findings(subject, element)
 
     def also(
-        self, each: Kinds, needs: Iterable[str] | None = None
+        self, kinds: Kinds, needs: Iterable[str] | None = None
     ) -> Callable[[RuleFunction], RuleFunction]:
         """Makes a function one more of the rule, for elements of other classes."""
 
         def add(check: RuleFunction) -> RuleFunction:
-            self.parts.append(_part(check, each, needs))
+            self.parts.append(_part(check, kinds, needs))
             return check
 
         return add
@@ -127,18 +127,18 @@ def rule(
     *,
     severity: Severity = Severity.ERROR,
     is_decision: bool = False,
-    each: Kinds = (),
+    kinds: Kinds = (),
     needs: Iterable[str] | None = None,
     given: Callable[[Subject, Any], bool] | None = None,
 ) -> Callable[[RuleFunction], Rule]:
     """Makes a rule of a function, whose docstring is the documentation page of the rule.
 
-    With `each` the function takes the subject and one element of these classes, and judges it by
+    With `kinds` the function takes the subject and one element of these classes, and judges it by
     itself. Without, it takes the subject, and judges the model as a whole.
     """
 
     def make(check: RuleFunction) -> Rule:
-        part = _part(check, each, needs, given)
+        part = _part(check, kinds, needs, given)
         return Rule(rule_id, severity, title, [part], is_decision)
 
     return make
@@ -146,12 +146,12 @@ def rule(
 
 def _part(
     check: RuleFunction,
-    each: Kinds,
+    kinds: Kinds,
     needs: Iterable[str] | None,
     given: Callable[[Subject, Any], bool] | None = None,
 ) -> Part:
-    kinds = each if isinstance(each, tuple) else (each,)
-    return Part(check, kinds, None if needs is None else frozenset(needs), given)
+    classes = kinds if isinstance(kinds, tuple) else (kinds,)
+    return Part(check, classes, None if needs is None else frozenset(needs), given)
 
 
 class Ground(Enum):
@@ -193,7 +193,7 @@ class Report:
 
     def count(self, severity: Severity) -> int:
         """Returns how many findings are of a severity."""
-        return sum(each.severity is severity for each in self.diagnostics)
+        return sum(diagnostic.severity is severity for diagnostic in self.diagnostics)
 
     @property
     def has_errors(self) -> bool:

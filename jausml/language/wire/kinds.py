@@ -66,14 +66,16 @@ class BitField:
     @property
     def is_time_stamp(self) -> bool:
         """Whether it is a TimeStamp (AS5710): milliseconds up to the day of the month."""
-        places = sorted((each.low, each.high) for each in self.groups)
+        places = sorted((group.low, group.high) for group in self.groups)
         expected = [(low, high) for _, low, high, *_ in TIME_STAMP]
         return self.type.name == "uint32" and places == expected
 
     @property
     def is_published_time_stamp(self) -> bool:
         """Whether it is a TimeStamp to the letter (AS5710): names, order and limits too."""
-        groups = tuple((each.name, each.low, each.high, *_limits(each)) for each in self.groups)
+        groups = tuple(
+            (group.name, group.low, group.high, *_limits(group)) for group in self.groups
+        )
         return self.type.name == "uint32" and groups == TIME_STAMP
 
     @property
@@ -164,7 +166,7 @@ class FormattedOctets:
     @property
     def names(self) -> dict[int, str]:
         """The names of the formats by index."""
-        return {each.index: each.name for each in self.formats}
+        return {data_format.index: data_format.name for data_format in self.formats}
 
     def holds_message(self, index: int) -> bool:
         """Tells whether bytes of a format are a message."""
@@ -195,12 +197,12 @@ class VariableNumber:
     @property
     def by_index(self) -> dict[int, Number]:
         """The numbers by index."""
-        return {each.index: each.number for each in self.alternatives}
+        return {alternative.index: alternative.number for alternative in self.alternatives}
 
     @property
     def minimum_size(self) -> int:
         """Fewest bytes on the wire."""
-        return 1 + min(each.number.minimum_size for each in self.alternatives)
+        return 1 + min(alternative.number.minimum_size for alternative in self.alternatives)
 
 
 @dataclass(frozen=True)
@@ -241,7 +243,7 @@ class Record:
     @property
     def minimum_size(self) -> int:
         """Fewest bytes on the wire."""
-        always = (each.kind.minimum_size for each in self.members if not each.is_optional)
+        always = (member.kind.minimum_size for member in self.members if not member.is_optional)
         return sum(always) + (self.presence.size if self.presence else 0)
 
 
@@ -305,7 +307,7 @@ class Variant:
     @property
     def minimum_size(self) -> int:
         """Fewest bytes on the wire."""
-        return self.tag.size + min((each.kind.minimum_size for each in self.options), default=0)
+        return self.tag.size + min((option.kind.minimum_size for option in self.options), default=0)
 
 
 Scalar: TypeAlias = Number | BitField | FixedText
@@ -356,7 +358,7 @@ def comparable(layout: object, leaving_out: Collection[str]) -> object:
         leaving_out: Attributes of layouts that do not matter, e.g. `documentation`.
     """
     if isinstance(layout, tuple):
-        return tuple(comparable(each, leaving_out) for each in layout)
+        return tuple(comparable(part, leaving_out) for part in layout)
     names = getattr(layout, "__dataclass_fields__", ())  # many: `fields` takes five times as long
     if not names:
         return layout

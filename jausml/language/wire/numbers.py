@@ -70,8 +70,14 @@ def legal_integers(value_set: jaus.ValueSet | None, lower: int, upper: int) -> L
     listed, intervals = listed_in(value_set), intervals_of(value_set)
     offset = offset_of(value_set)
     lower, upper = lower + offset, upper + offset
-    pairs: list[tuple[float, float]] = [(each.value, each.value) for each in listed]
-    pairs += [(each.first, each.last) for each in intervals if each.lower <= each.upper]
+    pairs: list[tuple[float, float]] = [
+        (listed_value.value, listed_value.value) for listed_value in listed
+    ]
+    pairs += [
+        (interval.first, interval.last)
+        for interval in intervals
+        if interval.lower <= interval.upper
+    ]
     ranges = merged((int(max(first, lower)), int(min(last, upper))) for first, last in pairs)
     return LegalIntegers(ranges or ((lower, upper),), listed, intervals, offset)
 
@@ -84,8 +90,8 @@ def offset_of(value_set: jaus.ValueSet | None) -> int:
     """
     if value_set is None or not value_set.offsetToLowerLimit:
         return 0
-    limits = [each.value for each in listed_in(value_set)]
-    lowest = min([*limits, *(each.lower for each in intervals_of(value_set))], default=0)
+    limits = [listed_value.value for listed_value in listed_in(value_set)]
+    lowest = min([*limits, *(interval.lower for interval in intervals_of(value_set))], default=0)
     if not float(lowest).is_integer():
         raise LayoutError(f"values cannot count from the lower limit {lowest}")
     return int(lowest)
@@ -124,8 +130,12 @@ def legal_reals(value_set: jaus.ValueSet | None, kind: RealType) -> LegalReals:
     intervals = intervals_of(value_set)
     if value_set is None or not intervals or len(intervals) < len(value_set.values):
         return LegalReals(-kind.largest, kind.largest)
-    lower = min(_end(kind, each.lower, legal=each.has_lower, up=True) for each in intervals)
-    upper = max(_end(kind, each.upper, legal=each.has_upper, up=False) for each in intervals)
+    lower = min(
+        _end(kind, interval.lower, legal=interval.has_lower, up=True) for interval in intervals
+    )
+    upper = max(
+        _end(kind, interval.upper, legal=interval.has_upper, up=False) for interval in intervals
+    )
     return LegalReals(max(lower, -kind.largest), min(upper, kind.largest), intervals)
 
 
@@ -209,7 +219,9 @@ INTEGERS = {
 }
 """The integer types by their names."""
 
-UNSIGNED = {name: each for name, each in INTEGERS.items() if each.is_unsigned}
+UNSIGNED = {
+    name: integer_type for name, integer_type in INTEGERS.items() if integer_type.is_unsigned
+}
 """The types of counts, tags, presence vectors, bit fields and scaled numbers."""
 
 REALS = {
@@ -284,7 +296,7 @@ class LegalIntegers:
     @property
     def names(self) -> dict[int, str]:
         """Meanings by integer; of several meanings of one integer the first."""
-        return {each.value: each.name for each in reversed(self.listed)}
+        return {listed_value.value: listed_value.name for listed_value in reversed(self.listed)}
 
 
 @dataclass(frozen=True)

@@ -176,11 +176,11 @@ class _Resolver:
         """Returns the members of a group, and the type of its presence vector."""
         width = group.presenceVector.name
         if width == "none":
-            return tuple(self.field(each) for each in group.fields), None
+            return tuple(self.field(field) for field in group.fields), None
         members, bit = [], 1
-        for each in group.fields:
-            members.append(self.field(each, bit if each.optional else 0))
-            bit <<= bool(each.optional)
+        for field in group.fields:
+            members.append(self.field(field, bit if field.optional else 0))
+            bit <<= bool(field.optional)
         return tuple(members), _unsigned(width)
 
     def _list(self, field: jaus.List) -> List:
@@ -212,11 +212,11 @@ def _values(kind: Kind) -> int:
     """Returns how many values a field of a kind has when lists and texts are as short as stated."""
     match kind:
         case Record():
-            return max(1, sum(_values(each.kind) for each in kind.members))
+            return max(1, sum(_values(member.kind) for member in kind.members))
         case Array():
             return kind.length * _values(kind.element.kind)
         case Variant():
-            return max((_values(each.kind) for each in kind.options), default=1)
+            return max((_values(option.kind) for option in kind.options), default=1)
         case List():
             return max(1, kind.stated * _values(kind.element.kind))
         case Text() | Octets() | FormattedOctets():
@@ -279,17 +279,24 @@ def _fixed_text(field: jaus.FixedLengthString) -> FixedText:
 
 
 def _formatted(field: jaus.VariableFormatField) -> FormattedOctets:
-    formats = tuple(Format(int(each.index), str(each.name)) for each in field.formats)
-    _check_indices("formats", (each.index for each in formats))
+    formats = tuple(
+        Format(int(data_format.index), str(data_format.name)) for data_format in field.formats
+    )
+    _check_indices("formats", (data_format.index for data_format in formats))
     return FormattedOctets(formats, _length(field))
 
 
 def _variable(field: jaus.VariableField) -> VariableNumber:
     alternatives = tuple(
-        Alternative(int(each.index), str(each.name), str(each.documentation or ""), _number(each))
-        for each in field.alternatives
+        Alternative(
+            int(alternative.index),
+            str(alternative.name),
+            str(alternative.documentation or ""),
+            _number(alternative),
+        )
+        for alternative in field.alternatives
     )
-    _check_indices("alternatives", (each.index for each in alternatives))
+    _check_indices("alternatives", (alternative.index for alternative in alternatives))
     return VariableNumber(alternatives)
 
 

@@ -79,7 +79,7 @@ class Component:
         """
         if not timeout > 0:
             raise ValueError(f"timeout is {timeout}; it must be above 0 s")
-        book = dict(_peer(each, place) for each, place in (peers or {}).items())
+        book = dict(_peer(peer_address, place) for peer_address, place in (peers or {}).items())
         settings = TransportSettings(
             interface=interface, port=port, multicast_group=multicast_group, address_book=book
         )
@@ -198,7 +198,7 @@ class Component:
         found = self._waiting.survey.take(duration)
         return {
             str(component.address): tuple(
-                f"{each.urn}/{each.major}.{each.minor}" for each in component.services
+                f"{service.urn}/{service.major}.{service.minor}" for service in component.services
             )
             for subsystem in found
             for component in subsystem.components.values()

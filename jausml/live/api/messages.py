@@ -50,7 +50,7 @@ def catalogue(models: Models = ()) -> Catalogue:
         MessageError: A model cannot be read; the text has all errors with their places.
     """
     each_model = (models,) if isinstance(models, (str, os.PathLike)) else models
-    names = tuple(os.fspath(each) for each in each_model)
+    names = tuple(os.fspath(model_path) for model_path in each_model)
     return _catalogue(names, None if names else made_project(Path.cwd()))
 
 
@@ -240,9 +240,9 @@ def _check_callable(function: object, purpose: str) -> None:
 
 def _identities(known: Catalogue, names: Sequence[str]) -> tuple[ServiceIdentity, ...]:
     """Returns services with all that they inherit, and the core services that each tool has."""
-    found = {each.urn: each for each in Identity().services}
+    found = {service.urn: service for service in Identity().services}
     for name in names:
-        for each in known.find_services(name)[0].lineage:
-            major, _, minor = each.version.partition(".")
-            found.setdefault(each.urn, ServiceIdentity(each.urn, int(major), int(minor or 0)))
+        for service in known.find_services(name)[0].lineage:
+            major, _, minor = service.version.partition(".")
+            found.setdefault(service.urn, ServiceIdentity(service.urn, int(major), int(minor or 0)))
     return tuple(found.values())

@@ -77,7 +77,9 @@ def _library_catalogue() -> Catalogue:
 
 
 def _catalogue_of(result: ReadResult) -> Catalogue:
-    errors = [each for each in result.diagnostics if each.severity is Severity.ERROR]
+    errors = [
+        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
+    ]
     if errors:
         raise CatalogueError("\n".join(f"{e.location}: {e.rule} {e.message}" for e in errors))
     return Catalogue(result.model)
@@ -163,7 +165,7 @@ class Catalogue:
         if named:
             versions = [f"{name}/{s.version}" for s in named]
             raise UnknownServiceError(f"service {name} has no version {version}", versions)
-        known = {each for s in every for each in (s.urn, s.name)}
+        known = {identifier for s in every for identifier in (s.urn, s.name)}
         raise UnknownServiceError(f"no service '{shown(name)[1:-1]}'", similar(name, known))
 
     def find(self, code: int, service: str | None = None) -> tuple[MessageEntry, ...]:
@@ -178,8 +180,8 @@ class Catalogue:
     ) -> tuple[MessageEntry, ...]:
         """Returns the entries that a service defines, else those that it inherits."""
         found: list[MessageEntry] = []
-        for each in self.find_services(service):
-            for ancestor in each.lineage:
+        for candidate in self.find_services(service):
+            for ancestor in candidate.lineage:
                 own = [entry for entry in entries if ancestor in entry.services]
                 found.extend(own)
                 if own:
@@ -274,8 +276,8 @@ class Catalogue:
     def _service_of(self, entry: MessageEntry, service: str | None) -> ServiceEntry:
         """Returns the service to name for a message: the meant one if it defines it."""
         meant = self.find_services(service) if service is not None else ()
-        for each in meant:
-            for ancestor in each.lineage:
+        for candidate in meant:
+            for ancestor in candidate.lineage:
                 if ancestor in entry.services:
                     return ancestor
         return entry.services[0]

@@ -102,10 +102,10 @@ class _Record:
     """Reads and writes a record or sequence: an object of its members, with `_pv` for a vector."""
 
     def __init__(self, kind: wire.Record, encode_message: EncodeMessage) -> None:
-        check_distinct((each.name for each in kind.members), PRESENCE)
+        check_distinct((member.name for member in kind.members), PRESENCE)
         self._kind = kind
-        self._parts = {each.name: _inner(each, encode_message) for each in kind.members}
-        self._needed = [each.name for each in kind.members if not each.is_optional]
+        self._parts = {member.name: _inner(member, encode_message) for member in kind.members}
+        self._needed = [member.name for member in kind.members if not member.is_optional]
         self._presence = _presence(kind, kind.presence) if kind.presence is not None else None
         vector = [] if kind.presence is None else [PRESENCE]
         self._known = dict.fromkeys([*self._parts, *vector])
@@ -147,14 +147,16 @@ class _Record:
                 yield error
 
     def _legal(self, name: str) -> str:
-        return next(in_words(each.kind) for each in self._kind.members if each.name == name)
+        return next(in_words(member.kind) for member in self._kind.members if member.name == name)
 
     def _segments_of(self, vector: int) -> list[Run | Named]:
         """Returns the members that a presence vector names, by what is read together."""
         segments = self._segments.get(vector)
         if segments is None:
-            there = (each for each in self._kind.members if not each.bit or vector & each.bit)
-            segments = _segments([(each.name, self._parts[each.name]) for each in there])
+            there = (
+                member for member in self._kind.members if not member.bit or vector & member.bit
+            )
+            segments = _segments([(field.name, self._parts[field.name]) for field in there])
             if len(self._segments) < _MOST_SEGMENTATIONS:
                 self._segments[vector] = segments
         return segments
@@ -175,8 +177,8 @@ def _presence(kind: wire.Record, vector_type: wire.IntegerType) -> Named:
 
 def _vector_of(fields: Mapping[str, Any], kind: wire.Record) -> int:
     """Returns the presence vector of the members that are there; one that is given must agree."""
-    there = [each for each in kind.members if each.name in fields]
-    vector = sum(each.bit for each in there)
+    there = [member for member in kind.members if member.name in fields]
+    vector = sum(field.bit for field in there)
     given = fields.get(PRESENCE, vector)
     if type(given) is not int or given != vector:
         reason = f"{shown(given)} given, but the members that are there make {vector}"
@@ -184,7 +186,7 @@ def _vector_of(fields: Mapping[str, Any], kind: wire.Record) -> int:
     # A definition may have more optional members than its vector has bits.
     bits = kind.presence.bits if kind.presence is not None else 0
     if vector >> bits:
-        name = next(each.name for each in there if each.bit >> bits)
+        name = next(field.name for field in there if field.bit >> bits)
         reason = f"no bit stands for {name}, the vector has {bits}: leave it out"
         raise EncodeError(reason, PRESENCE)
     return vector
@@ -310,9 +312,11 @@ class _Variant:
     """Reads and writes a tag and the option that it chooses, as `{"_tag": ..., OPTION: ...}`."""
 
     def __init__(self, kind: wire.Variant, encode_message: EncodeMessage) -> None:
-        check_distinct((each.name for each in kind.options), TAG)
+        check_distinct((option.name for option in kind.options), TAG)
         self._options = kind.options
-        self._codecs = [Named(each.name, _alone(each, encode_message)) for each in kind.options]
+        self._codecs = [
+            Named(option.name, _alone(option, encode_message)) for option in kind.options
+        ]
         self._tag = Named(TAG, single(unsigned(kind.tag)))
         self._choices = options_in_words(kind)
 
@@ -340,7 +344,7 @@ class _Variant:
     def _tag_of(self, fields: Mapping[str, Any]) -> int:
         """Returns the tag, which a single known option tells when it is absent."""
         if TAG not in fields:
-            named = [tag for tag, each in enumerate(self._options) if each.name in fields]
+            named = [tag for tag, field in enumerate(self._options) if field.name in fields]
             if len(named) != 1:
                 raise EncodeError(f"this field is absent, {self._choices}", TAG)
             return named[0]

@@ -140,7 +140,7 @@ def _by_message(fields: dict[str, Any]) -> dict[str, Any]:
     if len(others) != 1 or not isinstance(fields[others[0]], dict):
         return fields
     message = {MESSAGE: others[0], "fields": fields[others[0]]}
-    return {name: each for name, each in fields.items() if name != others[0]} | {MESSAGE: message}
+    return {name: value for name, value in fields.items() if name != others[0]} | {MESSAGE: message}
 
 
 def _bytes_of(fields: Mapping[str, Any], encode_inner: EncodeMessage | None, *more: str) -> bytes:
@@ -173,7 +173,7 @@ def variable_of(kind: wire.VariableNumber) -> Codec:
     It also takes `{UNIT: value}` and `"value UNIT"`, where the unit tells the index.
     """
     found = kind.by_index.items()
-    numbers = {index: Named("value", single(item_of(each))) for index, each in found}
+    numbers = {index: Named("value", single(item_of(number_kind))) for index, number_kind in found}
     known = f"known are {', '.join(map(str, numbers))}"
 
     def read(buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:
@@ -185,7 +185,9 @@ def variable_of(kind: wire.VariableNumber) -> Codec:
         fields: dict[str, Any] = {"index": index}
         return fields, numbers[index].read(fields, buffer, offset + 1)
 
-    by_unit = {unit: each.index for each in kind.alternatives for unit in _units(each)}
+    by_unit = {
+        unit: alternative.index for alternative in kind.alternatives for unit in _units(alternative)
+    }
 
     def write(value: Any, out: bytearray) -> None:
         fields = as_object(_indexed(value, by_unit))

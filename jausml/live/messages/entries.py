@@ -197,7 +197,7 @@ class MessageEntry:
                 shown: `NodeList[0].NodeID`, or their ends, where one path alone has them.
         """
         members = self.record.members
-        is_whole = len(members) != 1 or any(_first(each) == members[0].name for each in fields)
+        is_whole = len(members) != 1 or any(_first(field) == members[0].name for field in fields)
         kind = self.record if is_whole else members[0].kind
         fields = by_name(_from_ends(kind, fields))
         return fields if is_whole else {members[0].name: fields}
@@ -303,9 +303,9 @@ def shortened(value: Any) -> Any:
         case EmbeddedMessage(decoded=DecodedMessage() as decoded):
             return {**value, "fields": decoded.entry.shortened(decoded.fields)}
         case dict():
-            return {name: shortened(each) for name, each in value.items()}
+            return {name: shortened(member) for name, member in value.items()}
         case list():
-            return [shortened(each) for each in value]
+            return [shortened(item) for item in value]
         case _:
             return value
 
@@ -324,7 +324,7 @@ def _from_ends(kind: wire.Kind, fields: dict[str, Any]) -> dict[str, Any]:
     places: dict[str, list[str]] = {}
     for name, path in _named_inside(kind, ""):
         places.setdefault(name, []).append(path)
-    direct = {each.name for each in kind.members} if isinstance(kind, wire.Record) else set()
+    direct = {member.name for member in kind.members} if isinstance(kind, wire.Record) else set()
     made = {}
     for path, value in fields.items():
         first = _first(str(path))
@@ -336,11 +336,11 @@ def _from_ends(kind: wire.Kind, fields: dict[str, Any]) -> dict[str, Any]:
 def _named_inside(kind: wire.Kind, before: str) -> Iterator[tuple[str, str]]:
     """Yields the names of what records and bit fields hold, with the paths before them."""
     if isinstance(kind, wire.BitField):
-        yield from ((each.name, before) for each in kind.groups)
+        yield from ((group.name, before) for group in kind.groups)
     if isinstance(kind, wire.Record):
-        for each in kind.members:
-            yield each.name, before
-            yield from _named_inside(each.kind, f"{before}{each.name}.")
+        for member in kind.members:
+            yield member.name, before
+            yield from _named_inside(member.kind, f"{before}{member.name}.")
 
 
 def by_name(fields: dict[str, Any]) -> dict[str, Any]:
@@ -394,10 +394,10 @@ def parse_fields(text: str) -> dict[str, Any]:
 
 
 def _assigned(text: str, found: list[re.Match[str]]) -> dict[str, Any]:
-    ends = [*(each.start() for each in found[1:]), len(text)]
+    ends = [*(match.start() for match in found[1:]), len(text)]
     return {
-        each[1]: _value(text[each.end() : end].strip())
-        for each, end in zip(found, ends, strict=True)
+        match[1]: _value(text[match.end() : end].strip())
+        for match, end in zip(found, ends, strict=True)
     }
 
 

@@ -39,8 +39,8 @@ class CodecError(MessageError):
         """Puts a step before the path and returns the error, on its way out of a container."""
         joint = "" if not self.path or self.path.startswith("[") else "."
         self.path = f"{step}{joint}{self.path}"
-        for each in self.others:
-            each.inside(step)
+        for other in self.others:
+            other.inside(step)
         return self
 
     def beside(self: ErrorT, others: Iterable[CodecError]) -> ErrorT:
@@ -98,9 +98,9 @@ def did_you_mean(suggestions: Sequence[str]) -> str:
 
 def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
     """Returns the known names that resemble one or begin with it, without regard to case."""
-    by_folded = {each.casefold(): each for each in sorted(known)}
+    by_folded = {candidate.casefold(): candidate for candidate in sorted(known)}
     folded = name.casefold()[:200]
     found = get_close_matches(folded, by_folded, n=limit, cutoff=0.8)
     if not found and len(folded) >= _LEAST_BEGINNING:
-        found = [each for each in by_folded if each.startswith(folded)][:limit]
-    return [by_folded[each] for each in found]
+        found = [key for key in by_folded if key.startswith(folded)][:limit]
+    return [by_folded[key] for key in found]

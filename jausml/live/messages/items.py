@@ -114,17 +114,17 @@ def _scaled(kind: wire.Scaled) -> Item:
 
 
 def _bit_field(kind: wire.BitField) -> Item:
-    check_distinct(each.name for each in kind.groups)
-    groups = {each.name: each for each in kind.groups}
-    named = {each.name: named_values(each.legal.names) for each in kind.groups}
+    check_distinct(group.name for group in kind.groups)
+    groups = {group.name: group for group in kind.groups}
+    named = {group.name: named_values(group.legal.names) for group in kind.groups}
 
     def in_words(name: str) -> str:
         return integers_in_words(groups[name].legal.ranges, groups[name].legal.names)
 
     def from_wire(item: int) -> dict[str, int | NamedValue]:
         found: dict[str, int | NamedValue] = {}
-        for name, each in groups.items():
-            number = (item >> each.low & each.mask) + each.legal.offset
+        for name, group in groups.items():
+            number = (item >> group.low & group.mask) + group.legal.offset
             found[name] = named[name].get(number, number)
         return found
 
@@ -132,12 +132,12 @@ def _bit_field(kind: wire.BitField) -> Item:
         fields = as_object(value)
         check_names(fields, groups, groups, in_words)
         whole = 0
-        for name, each in groups.items():
+        for name, group in groups.items():
             try:
-                number = legal_integer(fields[name], each.legal.ranges, each.legal.names)
+                number = legal_integer(fields[name], group.legal.ranges, group.legal.names)
             except EncodeError as error:
                 raise error.inside(name) from None
-            whole |= number - each.legal.offset << each.low
+            whole |= number - group.legal.offset << group.low
         return whole
 
     return Item(kind.type.format, kind.type.size, from_wire, to_wire)

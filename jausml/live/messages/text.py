@@ -89,7 +89,7 @@ def simple(kind: wire.Scalar | wire.Text | wire.VariableNumber, value: Any) -> s
             return in_units(repr(value), kind.units)
         case wire.BitField():
             return ", ".join(
-                f"{each.name} {named(each.legal, value[each.name])}" for each in kind.groups
+                f"{group.name} {named(group.legal, value[group.name])}" for group in kind.groups
             )
         case wire.VariableNumber():
             return simple(kind.by_index[value["index"]], value["value"])
@@ -172,8 +172,8 @@ def paths_of(entry: MessageEntry) -> list[str]:
     found = rows(entry)
     body = f"{found[0].path}." if found and found[0].type.startswith("record") else ""
     # The number of a variable field needs no path of its own: its unit tells the index.
-    whole = [each for each in found if not each.presence.startswith("index ")]
-    paths = [each.path.removeprefix(body).replace("[]", "[0]") for each in whole]
+    whole = [row for row in found if not row.presence.startswith("index ")]
+    paths = [row.path.removeprefix(body).replace("[]", "[0]") for row in whole]
     outer = {path.rpartition(".")[0].removesuffix("[0]") for path in paths}
     return [path for path in paths if path not in outer and f"{path}." != body]
 
@@ -231,9 +231,9 @@ def _rows(field: wire.Field, before: str, depth: int, presence: str = "") -> Ite
             for bits in kind.groups:
                 yield _bits(bits, path, depth + 1)
         case wire.VariableNumber():
-            for each in kind.alternatives:
-                part = Row(f"{path}.value", depth + 1, "", presence=f"index {each.index}")
-                yield _typed(part, each.number)
+            for alternative in kind.alternatives:
+                part = Row(f"{path}.value", depth + 1, "", presence=f"index {alternative.index}")
+                yield _typed(part, alternative.number)
         case _:
             pass  # a leaf
 
@@ -264,7 +264,7 @@ def _typed(row: Row, kind: wire.Kind) -> Row:
             legal = f"{kind.lower!r} .. {kind.upper!r}, step {kind.step:.3g}"
             known |= {"units": kind.units, "legal": legal}
         case wire.FormattedOctets():
-            known["names"] = {each.index: each.name for each in kind.formats}
+            known["names"] = {data_format.index: data_format.name for data_format in kind.formats}
         case _:
             pass  # its type says all
     if known.get("units") == "one":
@@ -355,7 +355,9 @@ class _Sampler:
     def _record(self, kind: wire.Record) -> dict[str, Any]:
         # A definition may have more optional members than its vector has bits.
         most = kind.presence.upper if kind.presence is not None and self.is_full else 0
-        return {each.name: self.value(each.kind) for each in kind.members if each.bit <= most}
+        return {
+            member.name: self.value(member.kind) for member in kind.members if member.bit <= most
+        }
 
     def _leaf(self, kind: wire.Leaf) -> Any:
         match kind:
@@ -366,13 +368,13 @@ class _Sampler:
             case wire.Real():
                 return min(max(0.0, kind.legal.lower), kind.legal.upper)
             case wire.BitField():
-                return {each.name: self._integer(each.legal) for each in kind.groups}
+                return {group.name: self._integer(group.legal) for group in kind.groups}
             case wire.Octets():
                 return {"hex": bytes(kind.count.lower).hex()}
             case wire.FormattedOctets():
                 return {"format": min(kind.names), "hex": bytes(kind.count.lower).hex()}
             case wire.VariableNumber():
-                index, number = min(kind.by_index.items(), key=lambda each: each[0])
+                index, number = min(kind.by_index.items(), key=lambda item: item[0])
                 return {"index": index, "value": self.value(number)}
             case wire.Text():
                 return " " * kind.count.lower

@@ -116,9 +116,9 @@ def as_numbers(value: Any) -> Any:
         case NamedValue():
             return int(value)
         case dict():
-            return {name: as_numbers(each) for name, each in value.items()}
+            return {name: as_numbers(member) for name, member in value.items()}
         case list():
-            return [as_numbers(each) for each in value]
+            return [as_numbers(item) for item in value]
         case _:
             return value
 
@@ -194,12 +194,12 @@ def legal_integer(
 
 
 def _named(name: str, ranges: wire.Ranges, names: Mapping[int, str]) -> int:
-    found = [value for value, each in names.items() if each == name]
+    found = [value for value, meaning in names.items() if meaning == name]
     if len(found) > 1:
         raise EncodeError(f"{shown(name)} is the name of {', '.join(map(str, found))}: give one")
     if found:
         return found[0]
-    hint = did_you_mean([repr(each) for each in similar(name, names.values())])
+    hint = did_you_mean([repr(suggestion) for suggestion in similar(name, names.values())])
     hint = hint or f"; they are {integers_in_words(ranges, names)}"
     raise EncodeError(f"{shown(name)} is no name of a legal value{hint}")
 
@@ -236,7 +236,7 @@ def _unknown(
     name: str, fields: Mapping[str, Any], known: Collection[str]
 ) -> tuple[EncodeError, list[str]]:
     """Returns the error of an unknown name, and the absent names that may be meant."""
-    absent = [each for each in known if each not in fields]
+    absent = [field for field in known if field not in fields]
     suggested = similar(name, absent)
     hint = did_you_mean(suggested or similar(name, known))
     if not hint and absent:
@@ -282,7 +282,7 @@ def integers_in_words(
 
 def formats_in_words(kind: wire.FormattedOctets) -> str:
     """Returns the formats of bytes with their names."""
-    ranges = tuple((each, each) for each in sorted(kind.names))
+    ranges = tuple((name, name) for name in sorted(kind.names))
     return integers_in_words(ranges, kind.names)
 
 
@@ -302,7 +302,7 @@ def in_words(kind: wire.Kind) -> str:  # noqa: C901 - a branch for each kind
         case wire.Scaled():
             return in_units(f"{kind.lower!r} .. {kind.upper!r}", kind.units)
         case wire.BitField():
-            return f"an object of {listed([each.name for each in kind.groups])}"
+            return f"an object of {listed([group.name for group in kind.groups])}"
         case wire.FixedText():
             return f"text of at most {kind.length} characters"
         case wire.Text():
@@ -314,10 +314,12 @@ def in_words(kind: wire.Kind) -> str:  # noqa: C901 - a branch for each kind
         case wire.FormattedOctets():
             return f"an object of format and hex; format is {formats_in_words(kind)}"
         case wire.VariableNumber():
-            types = (f"{index} ({in_words(each)})" for index, each in kind.by_index.items())
+            types = (
+                f"{index} ({in_words(number_kind)})" for index, number_kind in kind.by_index.items()
+            )
             return f"an object of index and value; index is {', '.join(types)}"
         case wire.Record():
-            names = [each.name for each in kind.members]
+            names = [member.name for member in kind.members]
             return f"an object of {listed(names)}" if names else "an empty object"
         case wire.List():
             return f"a list of {kind.count.lower} .. {kind.count.upper} elements"

@@ -43,7 +43,7 @@ def _next(
     provides; nothing is asked for that.
     """
     command, *rest = words
-    ids = {str(each): each for each in operator.senders()}
+    ids = {str(sender): sender for sender in operator.senders()}
     if rest and rest[0] in ids:
         target, rest = ids[rest[0]], rest[1:]
     elif not rest and command in commands and commands[command].takes_id:
@@ -60,34 +60,34 @@ def _message_names(operator: Operator, target: JausAddress | None, command: str)
     """
     if command in _REPORTING:
         return [
-            each.name.removeprefix("Query")
-            for each in _inputs(operator, target)
-            if each.name.startswith("Query")
+            message.name.removeprefix("Query")
+            for message in _inputs(operator, target)
+            if message.name.startswith("Query")
         ]
-    return [each.name for each in _inputs(operator, target)] if command in _SENDING else []
+    return [message.name for message in _inputs(operator, target)] if command in _SENDING else []
 
 
 def _inputs(operator: Operator, target: JausAddress | None) -> Iterator[MessageEntry]:
     """Yields the messages that a component takes; all there are where it has not said it."""
     provided = () if target is None else operator.survey.services(target)
-    labels = {f"{each.urn}/{each.major}.{each.minor}" for each in provided}
+    labels = {f"{identity.urn}/{identity.major}.{identity.minor}" for identity in provided}
     for service in operator.catalogue.services.values():
         if not labels or service.label in labels:
-            for each in service.lineage:
-                yield from each.inputs
+            for owner in service.lineage:
+                yield from owner.inputs
 
 
 def _fields(operator: Operator, target: JausAddress | None, words: list[str]) -> list[str]:
     """Returns the paths of the fields that are not given yet, each with its `=`."""
     name, *given = words
-    entry = next((each for each in _inputs(operator, target) if each.name == name), None)
+    entry = next((message for message in _inputs(operator, target) if message.name == name), None)
     if entry is None:
         return []
     try:
-        paths = [f"{each}=" for each in paths_of(entry)]
+        paths = [f"{path}=" for path in paths_of(entry)]
     except MessageError:
         return []
-    return [path for path in paths if not any(each.startswith(path) for each in given)]
+    return [path for path in paths if not any(word.startswith(path) for word in given)]
 
 
 DEFAULT_AUTHORITY = 205
@@ -194,11 +194,13 @@ class Console:
     def completions(self, line: str) -> list[str]:
         """Returns the words that may end a line, of which the last one was begun."""
         *before, begun = line.split(" ")
-        words = [each for each in before if each]
+        words = [word for word in before if word]
         found: Iterable[str] = self.commands
         if words:
             found = _next(self._operator, self.commands, self._target, words)
-        return sorted(each for each in set(found) if each.lower().startswith(begun.lower()))
+        return sorted(
+            candidate for candidate in set(found) if candidate.lower().startswith(begun.lower())
+        )
 
     def execute(self, word: str, rest: str) -> None:
         """Carries out one command; what goes wrong is told and counted."""
@@ -313,7 +315,10 @@ class Console:
 
     def _sum_up(self, target: JausAddress) -> None:
         """Tells of messages that may have had no effect; all went well where there are none."""
-        hold = next((each for each in self._operator.holds if each.target == target), None)
+        hold = next(
+            (active_hold for active_hold in self._operator.holds if active_hold.target == target),
+            None,
+        )
         if hold is not None and hold.doubtful:
             self.has_doubts = True
             self._emit(f"note: {outcome('messages', hold)}")

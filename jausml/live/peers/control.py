@@ -150,15 +150,16 @@ class Handoffs:
     @property
     def waiting(self) -> tuple[HandoffRequest, ...]:
         """Who asks for control of components that we control, or did when we lost it."""
-        return tuple(each for asked in list(self._waiting.values()) for each in asked)
+        return tuple(request for asked in list(self._waiting.values()) for request in asked)
 
     def asked(self, target: JausAddress, requests: tuple[HandoffRequest, ...]) -> None:
         """Takes who asks for control of a component that we control; on the loop's thread."""
         self._waiting[target] = requests
-        for each in requests:
+        for request in requests:
             self.on_news(
-                f"{each.client} asks for control of {target} with authority {each.authority}: "
-                f"{each.explanation!a}; 'grant {target} {each.number}', 'deny' or 'defer'"
+                f"{request.client} asks for control of {target} with authority "
+                f"{request.authority}: {request.explanation!a}; "
+                f"'grant {target} {request.number}', 'deny' or 'defer'"
             )
         if not requests:
             self.on_news(f"nobody asks for control of {target} any more")
@@ -170,13 +171,13 @@ class Handoffs:
             JausError: The request has ended.
             Refused: There is none with the number.
         """
-        for each in self._waiting.get(target, ()):
-            if each.number == number:
-                self._component.decide_handoff(each, decision)
+        for request in self._waiting.get(target, ()):
+            if request.number == number:
+                self._component.decide_handoff(request, decision)
                 if decision is not HandoffDecision.WAIT:
-                    left = (other for other in self._waiting[target] if other is not each)
+                    left = (other for other in self._waiting[target] if other is not request)
                     self._waiting[target] = tuple(left)
-                return each
+                return request
         raise Refused(f"nobody asks for control of {target} under number {number}")
 
     def request(

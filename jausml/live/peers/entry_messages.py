@@ -143,7 +143,7 @@ def presence_holder(fields: Any) -> dict[str, Any] | None:
     if isinstance(fields.get(PRESENCE_VECTOR), int):
         return fields
     found = (presence_holder(value) for value in fields.values())
-    return next((each for each in found if each is not None), None)
+    return next((holder for holder in found if holder is not None), None)
 
 
 def optional_bits(reports: Sequence[MessageEntry]) -> int:

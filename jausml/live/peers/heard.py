@@ -97,7 +97,7 @@ class Heard:
         if fault:
             return f"{target} answers {message} with a {report} that cannot be read: {fault}"
         names = self.names(target)
-        answers = [each for each in names if each != report and self._may_answer(each)]
+        answers = [name for name in names if name != report and self._may_answer(name)]
         if not answers:
             sent = listed(names) or "nothing that can be read"
             return f"{target} sends {sent}, but does not answer {message} yet: it may be starting"
@@ -113,7 +113,7 @@ class Heard:
         return f"nothing at all was heard; {self._network.hints()}"
 
     def _why_silent(self, target: JausAddress) -> str:
-        others = [str(each) for each in sorted(self._last) if each != target]
+        others = [str(address) for address in sorted(self._last) if address != target]
         if others:
             return f"nothing came from it, but from {listed(others)}: check the id and that it runs"
         return self.nothing()
@@ -132,7 +132,7 @@ class Heard:
         """Returns that none of some services takes a message, empty when one does."""
         if not services or self._providing(message, services):
             return ""
-        own = listed([printable(each.urn.rpartition(":")[2]) for each in services])
+        own = listed([printable(service.urn.rpartition(":")[2]) for service in services])
         names = self._names_of_takers(message) or "a service with this message"
         return f"it provides {own}, and not {names}"
 
@@ -148,26 +148,26 @@ class Heard:
     def _providing(self, message: str, services: Sequence[ServiceIdentity]) -> list[ServiceEntry]:
         """Returns those of some services that take a message."""
         takers = list(self._takers(message))
-        labels = {f"{each.urn}/{each.major}.{each.minor}" for each in services}
+        labels = {f"{service.urn}/{service.major}.{service.minor}" for service in services}
         return [
             service
             for service in self._catalogue.services.values()
-            if service.label in labels and any(each in takers for each in service.lineage)
+            if service.label in labels and any(ancestor in takers for ancestor in service.lineage)
         ]
 
     def _names_of_takers(self, message: str) -> str:
-        return listed(list(dict.fromkeys(each.name for each in self._takers(message))))
+        return listed(list(dict.fromkeys(taker.name for taker in self._takers(message))))
 
     def _takers(self, message: str) -> Iterator[ServiceEntry]:
         """Yields the services that define a message as their input."""
         for service in self._catalogue.services.values():
-            if any(each.name == message for each in service.inputs):
+            if any(entry.name == message for entry in service.inputs):
                 yield service
 
     def _may_answer(self, name: str) -> bool:
         """Whether a message may be an answer: what services only take asks or commands itself."""
         services = self._catalogue.services.values()
-        is_sent = any(each.name == name for service in services for each in service.outputs)
+        is_sent = any(output.name == name for service in services for output in service.outputs)
         return is_sent or next(self._takers(name), None) is None
 
     def _name(self, code: int) -> str:

@@ -121,10 +121,10 @@ class ReportTimes:
     @property
     def jitter(self) -> Spread | None:
         """How far the times between reports are from their median, in seconds."""
-        times = [each[0] for each in self.arrivals]
+        times = [arrival[0] for arrival in self.arrivals]
         gaps = [later - earlier for earlier, later in pairwise(times)]
         middle = statistics.median(gaps) if gaps else 0.0
-        return spread_of(abs(each - middle) for each in gaps)
+        return spread_of(abs(gap - middle) for gap in gaps)
 
     @property
     def ages(self) -> Spread | None:
@@ -133,7 +133,7 @@ class ReportTimes:
         Below 0 the clock of the component is ahead of ours. A TimeStamp has whole milliseconds.
         """
         found = (self._age(arrived, payload) for _, arrived, payload in self.arrivals)
-        return spread_of(each for each in found if each is not None)
+        return spread_of(age for age in found if age is not None)
 
     def _age(self, arrived: float, payload: bytes) -> float | None:
         try:
@@ -144,7 +144,7 @@ class ReportTimes:
             return None
         now = Time(*divmod(round(arrived * 1e9), 10**9))
         try:
-            sent = timestamp_to_time(TimeStamp(*(int(parts[each]) for each in _STAMP)), near=now)
+            sent = timestamp_to_time(TimeStamp(*(int(parts[name]) for name in _STAMP)), near=now)
         except ConversionError:
             return None
         return (now.sec - sent.sec) + (now.nanosec - sent.nanosec) / 1e9
@@ -152,17 +152,17 @@ class ReportTimes:
     @property
     def answers(self) -> Spread | None:
         """How the round trips of the query were spread; None without an answer."""
-        return spread_of(each for each in self.round_trips if each is not None)
+        return spread_of(round_trip for round_trip in self.round_trips if round_trip is not None)
 
 
 def _stamp_in(fields: Any) -> dict[str, Any] | None:
     """Returns the parts of the first TimeStamp in the records of a report."""
     if not isinstance(fields, dict):
         return None
-    if all(each in fields for each in _STAMP):
+    if all(name in fields for name in _STAMP):
         return fields
     found = (_stamp_in(value) for value in fields.values())
-    return next((each for each in found if each is not None), None)
+    return next((stamp for stamp in found if stamp is not None), None)
 
 
 def offered_reports(operator: Operator, target: JausAddress) -> list[str]:
@@ -171,9 +171,9 @@ def offered_reports(operator: Operator, target: JausAddress) -> list[str]:
     if not services:
         raise operator.unanswered(target, "QueryServices", "ReportServices")
     names: dict[str, None] = {}
-    for each in services:
-        entry = operator.catalogue.services.get((each.urn, f"{each.major}.{each.minor}"))
-        if entry is None or ":core:" in each.urn:
+    for service in services:
+        entry = operator.catalogue.services.get((service.urn, f"{service.major}.{service.minor}"))
+        if entry is None or ":core:" in service.urn:
             continue
         reports = {report.name.removeprefix("Report") for report in entry.outputs}
         names |= {
@@ -244,7 +244,7 @@ class Pings:
     @property
     def answered(self) -> int:
         """How many answers came."""
-        return sum(each is not None for each in self.round_trips)
+        return sum(round_trip is not None for round_trip in self.round_trips)
 
     @property
     def loss(self) -> float:
@@ -254,7 +254,7 @@ class Pings:
     @property
     def spread(self) -> Spread | None:
         """How the round trips were spread; None without an answer."""
-        return spread_of(each for each in self.round_trips if each is not None)
+        return spread_of(round_trip for round_trip in self.round_trips if round_trip is not None)
 
 
 def answered_question(client: QueryClient, target: JausAddress) -> str | None:

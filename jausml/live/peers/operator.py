@@ -178,7 +178,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
 
     def clear(self, target: JausAddress) -> Status | None:
         """Ends an emergency that we have set (`Refused`: it lasts: somebody else has set it)."""
-        after = [each for each in Status if each is not Status.EMERGENCY]
+        after = [status for status in Status if status is not Status.EMERGENCY]
         return self.change(target, core_messages.ClearEmergency(emergency_code=_STOP), *after)
 
     def send(self, target: JausAddress, message: Message, *, acknowledge: bool = False) -> None:
@@ -216,7 +216,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             Refused: It obeys us no more, or never gave us control.
         """
         hold = self._holds.get(target)
-        is_core = any(each.urn.startswith(CORE) for each in entry.services)
+        is_core = any(service.urn.startswith(CORE) for service in entry.services)
         if hold is not None and not (hold.is_held if is_core else hold.is_obeyed):
             raise Refused(self._why_lost(hold))
         if self.is_on_its_thread:
@@ -250,10 +250,11 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
 
     def _needs_control(self, target: JausAddress, entry: MessageEntry) -> bool:
         if not any(
-            obeys_controller_alone(entry.definition, each.definition) for each in entry.services
+            obeys_controller_alone(entry.definition, service.definition)
+            for service in entry.services
         ):
             return False
-        provided = [each.urn for each in self.services(target)]
+        provided = [service.urn for service in self.services(target)]
         return not provided or _ACCESS_CONTROL in provided
 
     def why_ignored(self, target: JausAddress) -> str:
@@ -393,6 +394,6 @@ def check_peers(network: Network, catalogue: Catalogue) -> list[tuple[str, str, 
                 continue
             count = f"{len(services)} services" if services else "no services that it tells of"
             found.append((str(peer), "ok", f"answers; {count}"))
-            learnt = [each for each in operator.quirks() if each[0] == peer]
-            found += [(str(peer), "note", str(each)) for _, each in learnt]
+            learnt = [quirk for quirk in operator.quirks() if quirk[0] == peer]
+            found += [(str(peer), "note", str(quirk)) for _, quirk in learnt]
     return found

@@ -79,7 +79,7 @@ class QueryClient:
         """Returns how often each peer began its numbers anew: as often it was another process."""
         component = self._component
         found = component.transport.traffic(component.address)
-        return {each.peer: each.restarts for each in found}
+        return {peer.peer: peer.restarts for peer in found}
 
     @property
     def own(self) -> JausAddress:
@@ -100,7 +100,9 @@ class QueryClient:
         """Returns what was learnt of those that were heard, in the order of their ids."""
         known = self._component.transport.quirks
         with self._component.loop.lock:
-            return tuple((peer, each) for peer in sorted(self.senders()) for each in known.of(peer))
+            return tuple(
+                (peer, quirk) for peer in sorted(self.senders()) for quirk in known.of(peer)
+            )
 
     def meet(self, target: JausAddress) -> tuple[ServiceIdentity, ...]:
         """Asks a component for its services and its state as bridges do, to learn what it is like.
@@ -176,12 +178,12 @@ class QueryClient:
 
         After one answer those of the questions before it are waited for only briefly.
         """
-        asked = [self._begin(target, *each) for each in questions]
-        awaited(lambda: any(each.is_over for each in asked))
-        found = (i for i, each in enumerate(asked) if each.within(_SHORT_GRACE) is not None)
+        asked = [self._begin(target, *question) for question in questions]
+        awaited(lambda: any(question.is_over for question in asked))
+        found = (i for i, question in enumerate(asked) if question.within(_SHORT_GRACE) is not None)
         first = next(found, None)
-        for each in asked:
-            each.cancel()
+        for question in asked:
+            question.cancel()
         return first
 
     def round_trip(

@@ -125,12 +125,12 @@ def subsystems_json(subsystems: Iterable[KnownSubsystem]) -> str:
     """Returns one JSON object with all subsystems."""
     content = [
         {
-            "subsystem": each.number,
-            "identification": printable(each.identification),
-            "type": each.type,
-            "components": [_component(component) for component in each.components.values()],
+            "subsystem": subsystem.number,
+            "identification": printable(subsystem.identification),
+            "type": subsystem.type,
+            "components": [_component(component) for component in subsystem.components.values()],
         }
-        for each in subsystems
+        for subsystem in subsystems
     ]
     return json.dumps({"subsystems": content}, indent=2)
 
@@ -227,5 +227,6 @@ def _component(component: KnownComponent) -> dict[str, Any]:
 
 def _services(services: Sequence[ServiceIdentity]) -> list[dict[str, str]]:
     return [
-        {"urn": printable(each.urn), "version": f"{each.major}.{each.minor}"} for each in services
+        {"urn": printable(service.urn), "version": f"{service.major}.{service.minor}"}
+        for service in services
     ]

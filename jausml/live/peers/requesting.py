@@ -135,11 +135,11 @@ def request(
         return operator.query(target, name, fields, timeout)
     answers = _answers(operator.catalogue, entry)
     given = entry.completed(fields or {})
-    if any(_has_request_id(each) for each in answers):
+    if any(_has_request_id(answer) for answer in answers):
         given = _numbered(entry.record, given, operator.next_request_id())
     operator.check_obeyed(target, entry)
     end = time.monotonic() + (operator.timeout if timeout is None else timeout)
-    if all(is_rejection(each.definition) for each in answers):
+    if all(is_rejection(answer.definition) for answer in answers):
         return _report(operator, target, entry, given, answers, end)
     return _answer(operator, target, entry, given, answers, end)
 
@@ -177,7 +177,7 @@ def _answer(
     end: float,
 ) -> Outcome:
     """Sends a command and returns the answer that belongs to it."""
-    by_code = {each.code: each for each in answers}
+    by_code = {answer_entry.code: answer_entry for answer_entry in answers}
     message = operator.message(entry, fields)
     wanted = _request_id(entry.decode(message.encode()))
     with operator.awaiting(target, by_code) as found:
@@ -235,8 +235,8 @@ def _request_id(fields: Any) -> Any:
         return None
     if "RequestID" in fields:
         return fields["RequestID"]
-    found = (_request_id(each) for each in fields.values())
-    return next((each for each in found if each is not None), None)
+    found = (_request_id(field) for field in fields.values())
+    return next((request_id for request_id in found if request_id is not None), None)
 
 
 def _numbered(kind: wire.Record, fields: dict[str, Any], number: int) -> dict[str, Any]:
@@ -270,7 +270,7 @@ def _report(
     sent = entry.decode(message.encode())
     question = operator.message(query, _question(query, report, entry.shortened(sent)))
     wanted = _wanted(entry, report, sent)
-    by_code = {each.code: each for each in rejections}
+    by_code = {rejection.code: rejection for rejection in rejections}
     with operator.awaiting(target, by_code) as rejected:
         operator.send(target, message, acknowledge=True)
         while True:
@@ -311,7 +311,7 @@ def _asked(
 def _question(query: MessageEntry, report: MessageEntry, sent: dict[str, Any]) -> dict[str, Any]:
     """Returns the fields of a query for what was set, as QueryVelocityCommand names the type."""
     fields = full_query(query, report)
-    same = {each.name: sent[each.name] for each in _members(query) if each.name in sent}
+    same = {member.name: sent[member.name] for member in _members(query) if member.name in sent}
     for body in query.record.members if same else ():
         fields[body.name] |= same
     return fields
@@ -331,6 +331,6 @@ def _wanted(
         is_obeyed_in_ready = entry.is_command and entry.name not in _STATES
         states = ("READY",) if is_obeyed_in_ready else _STATES.get(entry.name)
         return {} if states is None else {"Status": states}
-    kinds = {each.name: each.kind for each in _members(report)}
-    alike = {each.name for each in _members(entry) if kinds.get(each.name) == each.kind}
+    kinds = {member.name: member.kind for member in _members(report)}
+    alike = {member.name for member in _members(entry) if kinds.get(member.name) == member.kind}
     return {name: (value,) for name, value in entry.shortened(sent).items() if name in alike}

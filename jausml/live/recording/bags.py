@@ -93,9 +93,9 @@ class Bag:
         self.others.clear()
         self.fault, self.reached = "", None
         try:
-            for encoding, each in self._span.of(self._all(), lambda each: each[1].time):
+            for encoding, message in self._span.of(self._all(), lambda record: record[1].time):
                 if encoding == CDR:
-                    yield each
+                    yield message
                 else:
                     self.others[encoding] += 1
         except ImportError as error:
@@ -110,9 +110,9 @@ class Bag:
         bag, count = _files_of(self._path), 0
         for path in bag.paths:
             try:
-                for each in self._read(path, bag.compression):
+                for record in self._read(path, bag.compression):
                     count += 1
-                    yield each
+                    yield record
             except RecordingError as error:
                 if self.reached is None and path == bag.paths[-1]:
                     raise
@@ -129,9 +129,9 @@ class Bag:
             if compression == "file":
                 path = _unpacked(path, Path(stack.enter_context(tempfile.TemporaryDirectory())))
             read = self._rows if path.suffix == SQLITE else self._records
-            for encoding, each in read(path):
-                self.reached = max(self.reached or each.time, each.time)
-                whole = _unpacked_message(each, path) if compression == "message" else each
+            for encoding, message in read(path):
+                self.reached = max(self.reached or message.time, message.time)
+                whole = _unpacked_message(message, path) if compression == "message" else message
                 yield encoding, whole
 
     def _records(self, path: Path) -> Iterator[_Encoded]:
@@ -222,7 +222,7 @@ def _files_of(path: str) -> _Files:
     for ending in (MCAP, SQLITE):
         found = list(folder.glob("*" + ending))
         if found:
-            return _Files(sorted(found, key=lambda each: [*map(int, _NUMBERS.findall(each.name))]))
+            return _Files(sorted(found, key=lambda file: [*map(int, _NUMBERS.findall(file.name))]))
     raise RecordingError(f"{path} cannot be read: it has no {_METADATA}, {MCAP} or {SQLITE} file")
 
 
@@ -235,7 +235,9 @@ def _stated_files(folder: Path) -> _Files:
 
     try:
         stated = yaml.safe_load(read_text(folder / _METADATA))["rosbag2_bagfile_information"]
-        paths = [folder / PurePath(each).name for each in stated["relative_file_paths"]]
+        paths = [
+            folder / PurePath(relative_path).name for relative_path in stated["relative_file_paths"]
+        ]
         compression = str(stated.get("compression_mode") or "none").lower()
         found = _Files(paths, compression, int(stated["message_count"]))
     except (AttributeError, LookupError, TypeError, ValueError, yaml.YAMLError) as error:

@@ -50,7 +50,7 @@ class TrafficFilter:
 
 
 def _fits(name: str, patterns: tuple[str, ...]) -> bool:
-    return any(fnmatchcase(name, each) for each in patterns)
+    return any(fnmatchcase(name, pattern) for pattern in patterns)
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ class TimeSpan:
             time_of: The time of each in nanoseconds, None where nobody told: these are in it.
         """
         begin: int | None = None
-        for each in found:
-            time = time_of(each)
+        for message in found:
+            time = time_of(message)
             if time is not None:
                 begin = time if begin is None else begin
                 since = (time - begin) / NANO - self.start
@@ -81,7 +81,7 @@ class TimeSpan:
                     return
                 if since < 0:
                     continue
-            yield each
+            yield message
 
     def of_length(self, length: float) -> float:
         """Returns how many seconds of it there are in a recording of so many."""

@@ -125,10 +125,10 @@ class McapRecording:
         with self._opened() as stream:
             contents = _Contents(stream)
             try:
-                for each in contents.messages():
-                    time = each[2].log_time
+                for message in contents.messages():
+                    time = message[2].log_time
                     self.reached = time if self.reached is None else max(self.reached, time)
-                    yield each
+                    yield message
             except OSError as error:
                 raise RecordingError(f"{self._path}: {error.strerror or error}") from error
             finally:
@@ -166,12 +166,12 @@ class _Contents:
     def is_indexed(self) -> bool:
         """Whether all chunks are found by their times, and all that describes their messages."""
         statistics = self.statistics
-        named = {channel for each in self._chunks for channel in each.message_index_offsets}
+        named = {channel for chunk in self._chunks for channel in chunk.message_index_offsets}
         if statistics is not None:
             named |= statistics.channel_message_counts.keys()
             if statistics.chunk_count != len(self._chunks):
                 return False
-        schemas = {each.schema_id for each in self._channels.values()} - {0}
+        schemas = {channel.schema_id for channel in self._channels.values()} - {0}
         is_described = named <= self._channels.keys() and schemas <= self._schemas.keys()
         return bool(self._chunks and self._channels) and is_described
 
@@ -190,16 +190,16 @@ class _Contents:
 
     def messages(self) -> Iterator[Found]:
         """Yields all messages, by the index if there is one, else in the order of the file."""
-        for each in self._by_index() if self.is_indexed else self._in_order():
+        for message in self._by_index() if self.is_indexed else self._in_order():
             self._count += 1
-            yield each
+            yield message
         self._is_over = True
 
     def _by_index(self) -> Iterator[Found]:
         """Yields messages in the order of their times; no more chunks are unpacked than needed."""
         begun: _Begun = []
-        chunks = {each.chunk_start_offset: each.message_start_time for each in self._chunks}
-        for at, start in sorted(chunks.items(), key=lambda each: each[1]):
+        chunks = {chunk.chunk_start_offset: chunk.message_start_time for chunk in self._chunks}
+        for at, start in sorted(chunks.items(), key=lambda item: item[1]):
             while begun and (begun[0][0] < start or self._held > MOST_UNPACKED):
                 yield _earliest(begun)
             _push(begun, at, self._guarded(self._indexed_chunk(at)))

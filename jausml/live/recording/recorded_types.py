@@ -72,12 +72,12 @@ def _differing(
 ) -> str:
     """Returns how two types differ in what their bytes are; empty where they do not."""
     fields = defined_fields(own, recorded), defined_fields(other, modelled)
-    forms = [[(each.name, *_form(each.type)) for each in some] for some in fields]
+    forms = [[(field.name, *_form(field.type)) for field in some] for some in fields]
     if forms[0] != forms[1]:
         return f"has {own} recorded as {_shown(fields[0])}, and the model has {_shown(fields[1])}"
     for one, two in zip(*fields, strict=True):
         if not one.type.is_primitive:
-            names = (_name(each.type, of) for each, of in ((one, own), (two, other)))
+            names = (_name(field.type, of) for field, of in ((one, own), (two, other)))
             found = _differing(recorded, modelled, *names)
             if found:
                 return found
@@ -97,5 +97,5 @@ def _name(kind: FieldType, owner: str) -> str:
 
 
 def _shown(fields: list[FieldDefinition]) -> str:
-    text = ", ".join(f"{each.type} {each.name}" for each in fields) or "nothing"
+    text = ", ".join(f"{field.type} {field.name}" for field in fields) or "nothing"
     return f"'{text if len(text) <= _MOST_SHOWN else text[: _MOST_SHOWN - 1] + '…'}'"

@@ -64,7 +64,7 @@ class FilePair:
         self._paths = (path, path.with_suffix(CAPTURE))
         with ExitStack() as stack:
             self._streams = [
-                cast("BinaryIO", stack.enter_context(each.open(mode))) for each in self._paths
+                cast("BinaryIO", stack.enter_context(file.open(mode))) for file in self._paths
             ]
             self.file = McapFile(self._streams[0], has_jaus=True, compression=compression)
             self.capture = PcapWriter(self._streams[1])
@@ -80,19 +80,19 @@ class FilePair:
         """Gives the system what was written, in whole records."""
         self.file.flush()
         self._streams[1].flush()
-        self._whole = [each.tell() for each in self._streams]
+        self._whole = [stream.tell() for stream in self._streams]
 
     def sync(self) -> None:
         """Waits until the disk has what the system has."""
-        for each in self._streams:
-            os.fsync(each.fileno())
+        for stream in self._streams:
+            os.fsync(stream.fileno())
 
     def close(self) -> None:
         """Ends both files, and waits until the disk has them."""
         with self._written:
             self.file.close()
-            for each in self._streams:
-                each.flush()
+            for stream in self._streams:
+                stream.flush()
             self.sync()
 
     def give_up(self) -> None:
@@ -164,16 +164,16 @@ class RecordingFiles:
         if self._limits.files is None:
             return
         for _, path in sorted(_row(self._path))[: -self._limits.files]:
-            for each in (path, path.with_suffix(CAPTURE)):
-                each.unlink(missing_ok=True)
-            self.paths = [each for each in self.paths if each != path]
+            for file in (path, path.with_suffix(CAPTURE)):
+                file.unlink(missing_ok=True)
+            self.paths = [file for file in self.paths if file != path]
 
 
 def _row(path: Path) -> list[tuple[int, Path]]:
     """Returns the files of a row that are there, with their numbers."""
     form = re.compile(rf"{re.escape(path.stem)}_(\d{{1,9}}){re.escape(path.suffix)}")
-    found = ((form.fullmatch(each.name), each) for each in path.parent.iterdir())
-    return [(int(match[1]), each) for match, each in found if match]
+    found = ((form.fullmatch(file.name), file) for file in path.parent.iterdir())
+    return [(int(match[1]), file) for match, file in found if match]
 
 
 CALLS = "/_service_event"
@@ -211,7 +211,7 @@ def topics_of(model: Model) -> dict[str, ros.MessageType | None]:
         for end in endpoints([*whole.bridges, *whole.nodes]):
             found[end.topic] = end.type
         for owner in whole.bridges:
-            found.update((each, None) for each in (DIAGNOSTICS, *_seen_calls(owner)))
+            found.update((topic, None) for topic in (DIAGNOSTICS, *_seen_calls(owner)))
     return found
 
 
@@ -222,7 +222,9 @@ def _seen_calls(owner: bridge.Bridge) -> Iterator[str]:
             yield _full(owner, call.service) + CALLS
     for action in owner.actionConnections:
         if action.action is not None:
-            yield from (_full(owner, action.action) + each for each in ACTION_TOPICS)
+            yield from (
+                _full(owner, action.action) + action_topic for action_topic in ACTION_TOPICS
+            )
 
 
 def _full(owner: bridge.Bridge, name: str) -> str:

@@ -55,8 +55,12 @@ _DURATIONS = ("deadline", "lifespan", "liveliness_lease_duration")
 
 def _offer(publishers: Sequence[Any]) -> dict[str, str]:
     """Returns what rosbag2 notes of the publishers of a topic beside its channel."""
-    profiles = [each.qos_profile for each in publishers]
-    hashes = {str(each.topic_type_hash) for each in publishers if each.topic_type_hash.version > 0}
+    profiles = [publisher.qos_profile for publisher in publishers]
+    hashes = {
+        str(publisher.topic_type_hash)
+        for publisher in publishers
+        if publisher.topic_type_hash.version > 0
+    }
     return {
         "offered_qos_profiles": "".join(map(_profile_text, profiles)).rstrip("\n"),
         "topic_type_hash": hashes.pop() if len(hashes) == 1 else "",
@@ -64,12 +68,14 @@ def _offer(publishers: Sequence[Any]) -> dict[str, str]:
 
 
 def _profile_text(profile: Any) -> str:
-    durations = {each: divmod(getattr(profile, each).nanoseconds, NANO) for each in _DURATIONS}
+    durations = {
+        duration: divmod(getattr(profile, duration).nanoseconds, NANO) for duration in _DURATIONS
+    }
     avoids = "true" if profile.avoid_ros_namespace_conventions else "false"
     return _PROFILE.format(
         depth=profile.depth,
         avoid_ros_namespace_conventions=avoids,
-        **{each: getattr(profile, each).name.lower() for each in _POLICIES},
+        **{policy: getattr(profile, policy).name.lower() for policy in _POLICIES},
         **durations,
     )
 
@@ -165,7 +171,7 @@ class RosTopics:
         from jausml.runtime.bridge.ros.parameters import qos_of  # noqa: PLC0415
 
         publishers = self._quiet.node.get_publishers_info_by_topic(topic)
-        offered = [qos_of(each.qos_profile) for each in publishers]
+        offered = [qos_of(publisher.qos_profile) for publisher in publishers]
         if not offered:
             return  # somebody waits for it, as we do
         cls = message_class(kind)

@@ -156,7 +156,7 @@ def _record(name: str, parts: Mapping[str, str], known: dict[str, Read], depth: 
         raise RecordingError(f"its definition of {name} holds itself")
     fields = defined_fields(name, parts)
     package = name.partition("/")[0]
-    members = [(each.name, _field(each.type, package, parts, known, depth)) for each in fields]
+    members = [(field.name, _field(field.type, package, parts, known, depth)) for field in fields]
     if [name for name, _ in members] in ([], [_NO_MEMBER]):
         return _nothing
 

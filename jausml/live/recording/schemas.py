@@ -61,11 +61,11 @@ def _typed(kind: wire.Kind) -> Schema:
         case wire.Real() | wire.Scaled():
             return _number("number", kind.units)
         case wire.BitField():
-            return _object({each.name: {"type": "integer"} for each in kind.groups})
+            return _object({group.name: {"type": "integer"} for group in kind.groups})
         case wire.FixedText() | wire.Text():
             return {"type": "string"}
         case wire.Record():
-            return _object({each.name: _described(each) for each in kind.members})
+            return _object({member.name: _described(member) for member in kind.members})
         case wire.List() | wire.Array():
             return _listed(kind)
         case _:
@@ -139,9 +139,9 @@ def modelled_definition(kind: ros.MessageType) -> str:
 
     def part(name: str) -> Part:
         found = known[name]
-        inner = [each.messageType for each in found.fields if isinstance(each, ros.MessageField)]
-        known.update((_short(each), each) for each in inner)
-        return "\n".join(section_of(found).lines), [_short(each) for each in inner]
+        inner = [field.messageType for field in found.fields if isinstance(field, ros.MessageField)]
+        known.update((_short(message_type), message_type) for message_type in inner)
+        return "\n".join(section_of(found).lines), [_short(message_type) for message_type in inner]
 
     return _joined(_short(kind), part)
 
@@ -195,11 +195,11 @@ def _text(installation: Installation, package: str, kind: str, own: str) -> str:
 
 def _part(text: str, package: str, without_fields: str = "") -> Part:
     """Returns a definition and what is in it; and where it has no fields, another text."""
-    fields = [each for part in parse_definition(text, "msg").sections for each in part.fields]
+    fields = [field for part in parse_definition(text, "msg").sections for field in part.fields]
     inner = [
-        f"{each.type.package or package}/{each.type.name}"
-        for each in fields
-        if not each.type.is_primitive
+        f"{field.type.package or package}/{field.type.name}"
+        for field in fields
+        if not field.type.is_primitive
     ]
     return text if fields or not without_fields else without_fields, inner
 
@@ -208,18 +208,18 @@ def _joined(name: str, part: Callable[[str], Part]) -> str:
     text, inner = part(name)
     texts, waiting, seen = [text], list(inner), {name}
     while waiting:
-        each = waiting.pop(0)
-        if each in seen:
+        type_name = waiting.pop(0)
+        if type_name in seen:
             continue
-        seen.add(each)
-        text, inner = part(each)
-        texts.append(f"{_LINE}\nMSG: {each}\n{text}")
+        seen.add(type_name)
+        text, inner = part(type_name)
+        texts.append(f"{_LINE}\nMSG: {type_name}\n{text}")
         waiting += inner
     return _ended(texts)
 
 
 def _ended(texts: Iterable[str]) -> str:
-    return "\n".join(each.rstrip("\n") for each in texts) + "\n"
+    return "\n".join(text.rstrip("\n") for text in texts) + "\n"
 
 
 def _short(kind: ros.MessageType) -> str:

@@ -59,16 +59,16 @@ class ReplayPace:
     def messages(self, found: Iterable[RosMessage]) -> Iterator[RosMessage]:
         """Yields messages when their time has come; the first at once."""
         first, begin, free = None, 0.0, 0.0
-        for each in found:
+        for message in found:
             if first is None:
-                first, begin = each.time, self._now()
-            since = (each.time - first) / _NANO
+                first, begin = message.time, self._now()
+            since = (message.time - first) / _NANO
             due = max(begin + since / self._speed, free)
             if not self._waited(due):
                 return
             free = max(due, self._now()) + self._interval
             self.position = since
-            yield each
+            yield message
 
     def _now(self) -> float:
         """Returns the time of a clock that stands during pauses."""
@@ -115,10 +115,10 @@ def speakers_of(model: Model, *, allow_commands: bool) -> Speakers:
         if not owner.bridgeConnections:
             editable.bridges.remove(owner)
     views = bridge_views(model)
-    ends = endpoints([each.bridge for each in views])
+    ends = endpoints([view.bridge for view in views])
     return Speakers(
         model,
-        tuple((each.package, each.class_name, _node(each.bridge)) for each in views),
+        tuple((view.package, view.class_name, _node(view.bridge)) for view in views),
         {end.topic: end.type for end in ends},
         tuple(commands),
     )
@@ -130,13 +130,15 @@ def _quieted(owner: bridge.Bridge, *, allow_commands: bool) -> list[str]:
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
     commands = []
-    for each in list(owner.bridgeConnections):
-        is_spoken = each.direction.name == TO_JAUS
-        is_command = is_spoken and each.exchange.name == MESSAGE
+    for bridge_connection in list(owner.bridgeConnections):
+        is_spoken = bridge_connection.direction.name == TO_JAUS
+        is_command = is_spoken and bridge_connection.exchange.name == MESSAGE
         if is_command:
-            commands.append(f"{owner.name}.{each.name} ({each.map.message.name})")
+            commands.append(
+                f"{owner.name}.{bridge_connection.name} ({bridge_connection.map.message.name})"
+            )
         if not is_spoken or (is_command and not allow_commands):
-            editable.bridgeConnections.remove(each)
+            editable.bridgeConnections.remove(bridge_connection)
     return commands
 
 
@@ -195,21 +197,21 @@ class WireReplay:
 
     def run(self, messages: Iterable[RosMessage]) -> None:
         """Gives the bridges messages as they come."""
-        for each in messages:
-            if each.topic not in self._topics:
-                self.others[each.topic] += 1
+        for message in messages:
+            if message.topic not in self._topics:
+                self.others[message.topic] += 1
                 continue
-            difference = self._types.difference(each.topic, each.type, each.definition)
+            difference = self._types.difference(message.topic, message.type, message.definition)
             if difference:
-                self.refused[f"{each.topic} {difference}"] += 1
+                self.refused[f"{message.topic} {difference}"] += 1
                 continue
-            if not each.definition.text:
-                self.undefined[each.topic] += 1
-            fault = self._ask({"message": (each.topic, each.type, each.data.hex())})
+            if not message.definition.text:
+                self.undefined[message.topic] += 1
+            fault = self._ask({"message": (message.topic, message.type, message.data.hex())})
             if fault:
                 self.refused[fault] += 1
             else:
-                self.published[each.topic] += 1
+                self.published[message.topic] += 1
 
     def _ask(self, request: Any) -> Any:
         try:

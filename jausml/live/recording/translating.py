@@ -84,7 +84,7 @@ class Translator:
         self.untranslated = Untranslated()
         self._takers: dict[tuple[int, str], list[tuple[int, str]]] = {}
         self._worker = Worker(bridge_code(routed), TRANSLATION_WORKER)
-        self._ask({"routes": [_plan(each) for each in self.routes]})
+        self._ask({"routes": [_plan(route) for route in self.routes]})
 
     def __enter__(self) -> Self:
         return self
@@ -103,7 +103,7 @@ class Translator:
             takers = self._takers_of(message)
             if not takers:
                 self.unmapped[message.code] += 1
-            waiting += [(message, *each) for each in takers]
+            waiting += [(message, *taker) for taker in takers]
             if len(waiting) >= _AT_ONCE:
                 yield from self._done(waiting)
                 waiting = []
@@ -120,10 +120,10 @@ class Translator:
         key = (message.code, message.source)
         if key not in self._takers:
             found = [
-                (index, str(each.translated.join.name))
+                (index, str(join.translated.join.name))
                 for index, route in enumerate(self.routes)
-                for each in route.joins
-                if each.code == key[0] and _wants(each.senders or route.senders, key[1])
+                for join in route.joins
+                if join.code == key[0] and _wants(join.senders or route.senders, key[1])
             ]
             found += [
                 (index, "")
@@ -141,8 +141,14 @@ class Translator:
         answers = self._ask(
             {
                 "messages": [
-                    (index, join, each.subsystem, each.time, each.payload.hex())
-                    for each, index, join in waiting
+                    (
+                        index,
+                        join,
+                        jaus_message.subsystem,
+                        jaus_message.time,
+                        jaus_message.payload.hex(),
+                    )
+                    for jaus_message, index, join in waiting
                 ]
             }
         )
@@ -168,7 +174,7 @@ def _wants(senders: frozenset[str], source: str) -> bool:
 def _plan(route: Route) -> dict[str, Any]:
     names = ("package", "base", "bridge", "connection")
     joins = [
-        {**_plan_of_join(each.translated), "senders": bool(each.senders)} for each in route.joins
+        {**_plan_of_join(join.translated), "senders": bool(join.senders)} for join in route.joins
     ]
     return {**{name: getattr(route, name) for name in names}, "joins": joins}
 
@@ -239,17 +245,19 @@ def routes_of(model: Model) -> tuple[Model, list[Route]]:
     sent: dict[bridge.Connection, Addresses] = {}
     for owner in own_bridges(system_of(model)):
         sent.update(_turn(model, owner))
-    return model, [each for view in bridge_views(model) for each in _routes(view, sent)]
+    return model, [route for view in bridge_views(model) for route in _routes(view, sent)]
 
 
 def _of_maps(model: Model) -> Model:
     """Makes a model with a bridge that has a connection for each map to ROS."""
-    libraries = [each for each in model.documents[0].roots if isinstance(each, bridge.MapLibrary)]
+    libraries = [root for root in model.documents[0].roots if isinstance(root, bridge.MapLibrary)]
     maps = {
-        str(each.name): (each, True)
+        str(attribute_map.name): (attribute_map, True)
         for library in libraries
-        for each in library.maps
-        if each.toRos and each.message is not None and each.type is not None
+        for attribute_map in library.maps
+        if attribute_map.toRos
+        and attribute_map.message is not None
+        and attribute_map.type is not None
     }
     return bridge_of_maps(model.metamodels, "maps", maps)
 
@@ -264,17 +272,25 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
     make = Maker(model.metamodels)
-    kept = [each for each in owner.bridgeConnections if _is_to_ros(each)]
-    others = [each for each in owner.bridgeConnections if not _is_to_ros(each)]
-    used = {each.map for each in kept}
+    kept = [
+        bridge_connection
+        for bridge_connection in owner.bridgeConnections
+        if _is_to_ros(bridge_connection)
+    ]
+    others = [
+        bridge_connection
+        for bridge_connection in owner.bridgeConnections
+        if not _is_to_ros(bridge_connection)
+    ]
+    used = {connection.map for connection in kept}
     made = {}
-    for each in others:
-        editable.bridgeConnections.remove(each)
-        if each.map not in used and each.map.toRos:
-            used.add(each.map)
-            topics = [str(topic.name) for topic in each.topics if topic.join is None]
-            turned = make("bridge.Connection", name=str(each.name), direction=TO_ROS)
-            make.link(turned, "map", each.map)
+    for other in others:
+        editable.bridgeConnections.remove(other)
+        if other.map not in used and other.map.toRos:
+            used.add(other.map)
+            topics = [str(topic.name) for topic in other.topics if topic.join is None]
+            turned = make("bridge.Connection", name=str(other.name), direction=TO_ROS)
+            make.link(turned, "map", other.map)
             for topic in topics:
                 make.link(turned, "topics", make("bridge.Topic", name=topic))
             make.link(owner, "bridgeConnections", turned)
@@ -308,14 +324,16 @@ def _routes(view: BridgeView, sent: dict[bridge.Connection, Addresses]) -> Itera
 def _joins(
     connection: bridge.Connection, translated: Sequence[TranslatedJoin]
 ) -> Iterator[RouteJoin]:
-    parameters = {each.join: each for each in translated}
-    for each in joined_reports(connection):
-        named = each.source.peers if each.source is not None else ()
-        yield RouteJoin(parameters[each.join], code(each.join.message), _addresses(named))
+    parameters = {join.join: join for join in translated}
+    for joined_report in joined_reports(connection):
+        named = joined_report.source.peers if joined_report.source is not None else ()
+        yield RouteJoin(
+            parameters[joined_report.join], code(joined_report.join.message), _addresses(named)
+        )
 
 
 def _addresses(peers: Iterable[jaus.Component]) -> Addresses:
-    return frozenset(str(each.address) for each in peers)
+    return frozenset(str(peer.address) for peer in peers)
 
 
 class CaptureReplay:

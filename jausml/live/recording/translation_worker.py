@@ -71,7 +71,7 @@ class ConnectionTranslation:
         translate = getattr(bridge, f"translate_{name}")
         self.connection = getattr(bridge, name)
         self.joins = {
-            each["name"]: LatestReports(each, kinds[each["parameter"]]) for each in plan["joins"]
+            join["name"]: LatestReports(join, kinds[join["parameter"]]) for join in plan["joins"]
         }
         decode = _decoder(kinds["source"])
         self._run = transcoder(translate, decode, _encode, _ignore, time.monotonic)
@@ -81,7 +81,7 @@ class ConnectionTranslation:
         """Returns what becomes of a message."""
         self._clock.nanoseconds = at
         try:
-            joins = {each.parameter: each.fresh(subsystem, at) for each in self.joins.values()}
+            joins = {join.parameter: join.fresh(subsystem, at) for join in self.joins.values()}
             target = self._run(data, **joins)
         except Exception as error:
             return [type(error).__name__, str(error)]
@@ -94,7 +94,7 @@ def _hints(method: typing.Any, module: typing.Any) -> dict[str, typing.Any]:
 
 def _class_of(hint: typing.Any) -> typing.Any:
     """Returns the class of a parameter, which may be one of `X | None`."""
-    inner = [each for each in typing.get_args(hint) if each is not type(None)]
+    inner = [argument for argument in typing.get_args(hint) if argument is not type(None)]
     return inner[0] if inner else hint
 
 
@@ -121,11 +121,13 @@ class Work:
         """Answers one line."""
         if "routes" in request:
             clock = RecordingClock()
-            self._translations = [ConnectionTranslation(each, clock) for each in request["routes"]]
+            self._translations = [
+                ConnectionTranslation(route, clock) for route in request["routes"]
+            ]
             return len(self._translations)
         if "messages" in request:
-            return [self._one(*each) for each in request["messages"]]
-        return [_counts(each.connection) for each in self._translations]
+            return [self._one(*message) for message in request["messages"]]
+        return [_counts(translation.connection) for translation in self._translations]
 
     def _one(self, route: int, join: str, subsystem: int, at: int, payload: str) -> Answer:
         translation, data = self._translations[route], bytes.fromhex(payload)

@@ -69,9 +69,9 @@ class OpenBridges:
         """Closes all; returns what became of messages, by connection."""
         self._stack.close()
         return {
-            f"{bridge.settings.name}.{each.name}": _counts(each.statistics)
+            f"{bridge.settings.name}.{connection.name}": _counts(connection.statistics)
             for bridge in self._bridges
-            for each in bridge.connections
+            for connection in bridge.connections
         }
 
 

@@ -92,12 +92,19 @@ def _graph(node: Any) -> RunningGraph:
         if name not in _OF_ROS and "/_" not in name
     )
     services, actions = _calls(node)
-    nodes = (_full(*each) for each in node.get_node_names_and_namespaces())
+    nodes = (
+        _full(*node_names_and_namespace)
+        for node_names_and_namespace in node.get_node_names_and_namespaces()
+    )
     return RunningGraph(
-        tuple(sorted(each for each in topics if each.publishers or each.subscriptions)),
+        tuple(sorted(topic for topic in topics if topic.publishers or topic.subscriptions)),
         services,
         actions,
-        tuple(sorted(each for each in nodes if not each.endswith(f"/{node.get_name()}"))),
+        tuple(
+            sorted(
+                node_name for node_name in nodes if not node_name.endswith(f"/{node.get_name()}")
+            )
+        ),
     )
 
 
@@ -144,7 +151,8 @@ def _with_ends(
             tuple(sorted(ends.get((name, False), ()))),
         )
         for name in sorted(types)
-        if "/_" not in name and not all(each.startswith(_SERVED_BY_RCL) for each in types[name])
+        if "/_" not in name
+        and not all(type_name.startswith(_SERVED_BY_RCL) for type_name in types[name])
     )
 
 
@@ -152,10 +160,10 @@ def _ends(infos: Iterable[Any], own: Any) -> tuple[RosEndpoint, ...]:
     from jausml.runtime.bridge.ros.parameters import qos_of  # noqa: PLC0415
 
     found = []
-    for each in infos:
-        qos = qos_of(each.qos_profile)
-        full = _full(each.node_name, each.node_namespace)
-        if each.node_name != own.get_name():
+    for info in infos:
+        qos = qos_of(info.qos_profile)
+        full = _full(info.node_name, info.node_namespace)
+        if info.node_name != own.get_name():
             found.append(RosEndpoint(full, qos.reliability, qos.durability))
     return tuple(sorted(found))
 
@@ -178,11 +186,11 @@ class ParameterReader:
         self._get = GetParameters.Request
         self._list = ListParameters.Request
         self._waiting = {
-            each: (
-                node.create_client(ListParameters, f"{each}/list_parameters"),
-                node.create_client(GetParameters, f"{each}/get_parameters"),
+            node_name: (
+                node.create_client(ListParameters, f"{node_name}/list_parameters"),
+                node.create_client(GetParameters, f"{node_name}/get_parameters"),
             )
-            for each in nodes
+            for node_name in nodes
         }
         self._asked: set[str] = set()
 
@@ -200,7 +208,9 @@ class ParameterReader:
                 listed.add_done_callback(lambda done, of=name: self._listed(of, done.result()))
 
     def _listed(self, name: str, answer: Any) -> None:
-        wanted = [each for each in answer.result.names if self._is_wanted(each)][:_MOST]
+        wanted = [parameter for parameter in answer.result.names if self._is_wanted(parameter)][
+            :_MOST
+        ]
         if not wanted:
             self._note(name, {})
             return
@@ -238,11 +248,15 @@ class Hearing:
         self.frames: dict[str, tuple[str, str]] = {}
         self._come = come
         self._waiting: set[str] = set()
-        for each in topics:
-            cls = message_class(each.types[0]) if each.publishers and len(each.types) == 1 else None
+        for topic in topics:
+            cls = (
+                message_class(topic.types[0])
+                if topic.publishers and len(topic.types) == 1
+                else None
+            )
             if cls is not None and "header" in cls.get_fields_and_field_types():
-                self._waiting.add(each.name)
-                self._subscribe(node, each, cls)
+                self._waiting.add(topic.name)
+                self._subscribe(node, topic, cls)
 
     @property
     def silent(self) -> tuple[str, ...]:
@@ -334,8 +348,8 @@ def offered_profile(offered: Sequence[Qos | RosEndpoint], depth: int) -> Any:
     from jausml.runtime.bridge.ends.topics import Qos  # noqa: PLC0415
     from jausml.runtime.bridge.ros.parameters import profile_of  # noqa: PLC0415
 
-    is_reliable = all(each.reliability == "reliable" for each in offered)
-    is_latched = all(each.durability == "transient_local" for each in offered)
+    is_reliable = all(offer.reliability == "reliable" for offer in offered)
+    is_latched = all(offer.durability == "transient_local" for offer in offered)
     reliability = "reliable" if is_reliable else "best_effort"
     durability = "transient_local" if is_latched else "volatile"
     return profile_of(Qos(reliability, durability, depth=depth))

@@ -86,12 +86,12 @@ def explained(
         key: Bridge and name of the connection.
     """
     drops = [
-        each
-        for each in system.marks
-        if each.subject == key and each.kind == "drop" and each.time <= at
+        mark
+        for mark in system.marks
+        if mark.subject == key and mark.kind == "drop" and mark.time <= at
     ]
     # All that was counted in one status has one time.
-    risen = [each for each in drops if each.time == drops[-1].time]
+    risen = [drop for drop in drops if drop.time == drops[-1].time]
     moment = risen[0].time if risen else at
     state = system.state(moment, model)
     connection = state.connections.get(key)
@@ -124,15 +124,17 @@ def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iter
     if not risen:
         yield f"Up to {at:.1f} s, no counter of {name} rose while it was recorded."
         if connection.drops:
-            counts = ", ".join(f"{each} {count}" for each, count in connection.drops.items())
+            counts = ", ".join(
+                f"{drop_counter} {count}" for drop_counter, count in connection.drops.items()
+            )
             yield f"What it had dropped before then, the recording cannot explain: {counts}."
         return
-    for each in risen:
+    for mark in risen:
         yield (
-            f"Between {_span(each)}, {name} did not pass on {_times_of(each.count, 'message')}: "
-            f"its counter \u201c{each.counter}\u201d rose from {each.before} to {each.after}."
+            f"Between {_span(mark)}, {name} did not pass on {_times_of(mark.count, 'message')}: "
+            f"its counter \u201c{mark.counter}\u201d rose from {mark.before} to {mark.after}."
         )
-        why = meaning(each.counter)
+        why = meaning(mark.counter)
         if not why and connection.concerns_bridge:
             yield "A message is counted there by the bridge, before it comes to a connection."
             continue

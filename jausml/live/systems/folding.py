@@ -203,7 +203,7 @@ def expected(
     declared = tuple(declarations)
     state = SystemState(
         now,
-        {each.key: _unheard(each) for each in declared},
+        {connection.key: _unheard(connection) for connection in declared},
         {
             address: ComponentState(address, name, is_declared=True)
             for address, name in components.items()
@@ -221,17 +221,24 @@ def fold_model(
 ) -> SystemState:
     """Returns the state after its model changed; what was heard stays."""
     fresh = expected(declarations, components, now)
-    heard = [each for each in state.connections.values() if each.told is not None]
-    declared = {each.key: _declaration(fresh, each) for each in heard}
-    spoken_for = {each.key for each in declared.values() if each is not None}
+    heard = [connection for connection in state.connections.values() if connection.told is not None]
+    declared = {connection.key: _declaration(fresh, connection) for connection in heard}
+    spoken_for = {connection.key for connection in declared.values() if connection is not None}
     connections = {
-        **{key: each for key, each in fresh.connections.items() if key not in spoken_for},
-        **{each.key: replace(each, declaration=declared[each.key]) for each in heard},
+        **{
+            key: connection
+            for key, connection in fresh.connections.items()
+            if key not in spoken_for
+        },
+        **{
+            connection.key: replace(connection, declaration=declared[connection.key])
+            for connection in heard
+        },
     }
     former = {
-        address: replace(each, is_declared=address in components)
-        for address, each in state.components.items()
-        if address in components or each.told is not None
+        address: replace(component, is_declared=address in components)
+        for address, component in state.components.items()
+        if address in components or component.told is not None
     }
     state = replace(
         fresh,
@@ -297,14 +304,14 @@ def fold_time(state: SystemState, now: float) -> SystemState:
     """Returns the state at a time: who says nothing for long is not heard any more."""
     now = max(now, state.now)
     connections = {}
-    for key, each in state.connections.items():
-        is_gone = each.told is not None and now - each.told > _patience(each)
-        if not (is_gone and each.concerns_bridge):
-            connections[key] = _judged(state, each, is_gone=is_gone)
+    for key, connection in state.connections.items():
+        is_gone = connection.told is not None and now - connection.told > _patience(connection)
+        if not (is_gone and connection.concerns_bridge):
+            connections[key] = _judged(state, connection, is_gone=is_gone)
     components = {
-        address: _judged_component(state, each)
-        for address, each in state.components.items()
-        if each.is_declared or each.told is None or now - each.told < FORGOTTEN
+        address: _judged_component(state, component)
+        for address, component in state.components.items()
+        if component.is_declared or component.told is None or now - component.told < FORGOTTEN
     }
     return replace(state, now=now, connections=connections, components=components)
 
@@ -322,9 +329,9 @@ def _unheard(declaration: DeclaredConnection) -> ConnectionState:
 def _declaration(state: SystemState, latest: ConnectionState) -> DeclaredConnection | None:
     """Returns what the model says of a connection, whose bridge may have another name or id."""
     node = latest.bridge.rpartition("/")[2]
-    found = [each for each in state.declarations if each.name == latest.name]
-    same_id = (each for each in found if each.jaus_id == latest.jaus_id)
-    same_node = (each for each in found if each.bridge.rpartition("/")[2] == node)
+    found = [declaration for declaration in state.declarations if declaration.name == latest.name]
+    same_id = (connection for connection in found if connection.jaus_id == latest.jaus_id)
+    same_node = (connection for connection in found if connection.bridge.rpartition("/")[2] == node)
     return next(same_id, None) or next(same_node, None)
 
 

@@ -40,29 +40,29 @@ class MachineState:
     def later(self, seconds: float) -> MachineState:
         """Returns it after it has stayed where it is for so long."""
         times = (
-            replace(each, seconds=each.seconds + seconds) if each.state == self.state else each
-            for each in self.times
+            replace(time, seconds=time.seconds + seconds) if time.state == self.state else time
+            for time in self.times
         )
         return replace(self, seconds=self.seconds + seconds, times=tuple(times))
 
     @property
     def total(self) -> float:
         """Seconds in all states that were told."""
-        return sum(each.seconds for each in self.times)
+        return sum(time.seconds for time in self.times)
 
 
 def machines_as_json(machines: Sequence[MachineState]) -> list[dict[str, Any]]:
     """Returns machines as objects, lists, texts and numbers."""
     return [
         {
-            "service": each.service,
-            "machine": each.machine,
-            "state": each.state or None,
-            "seconds": each.seconds,
+            "service": machine.service,
+            "machine": machine.machine,
+            "state": machine.state or None,
+            "seconds": machine.seconds,
             "times": [
                 {"state": time.state, "entries": time.entries, "seconds": time.seconds}
-                for time in each.times
+                for time in machine.times
             ],
         }
-        for each in machines
+        for machine in machines
     ]

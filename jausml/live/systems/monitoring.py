@@ -99,8 +99,8 @@ class JausObserver:
         """Asks no more."""
         self._end.set()
         self._thread.join()
-        for each in list(self._followed):
-            self._unfollow(each)
+        for address in list(self._followed):
+            self._unfollow(address)
 
     def _run(self) -> None:
         number = 0
@@ -136,7 +136,7 @@ class JausObserver:
         """
         found = self._told.get(address)
         services = found.services if found is not None else None
-        if not any(each.startswith(f"{MACHINE_STATES}/") for each in services or ()):
+        if not any(service.startswith(f"{MACHINE_STATES}/") for service in services or ()):
             self._unfollow(address)
             return
         if address not in self._followed:
@@ -160,11 +160,11 @@ class JausObserver:
 
     def _next(self, number: int) -> list[JausAddress]:
         own = self._operator.own
-        self._known |= dict.fromkeys(each for each in self._operator.senders() if each != own)
+        self._known |= dict.fromkeys(sender for sender in self._operator.senders() if sender != own)
         due = [
-            each
-            for index, each in enumerate(self._known)
-            if self._failures.get(each, 0) < _UNANSWERED or (number + index) % _SELDOM == 0
+            address
+            for index, address in enumerate(self._known)
+            if self._failures.get(address, 0) < _UNANSWERED or (number + index) % _SELDOM == 0
         ]
         begin = self._turn % len(due) if due else 0
         self._turn = begin + MOST_ASKED
@@ -241,7 +241,9 @@ def _found(component: KnownComponent) -> ComponentAnswer:
         str(component.address),
         name=component.identification or None,
         type=type_name(component.type) or None,
-        services=tuple(f"{each.urn}/{each.major}.{each.minor}" for each in component.services),
+        services=tuple(
+            f"{service.urn}/{service.major}.{service.minor}" for service in component.services
+        ),
         source=AnswerSource.DISCOVERY,
     )
 
@@ -314,8 +316,8 @@ def polling(monitor: Monitor, operator: Operator) -> Iterator[None]:
 
 
 def _declared(state: SystemState) -> Iterator[JausAddress]:
-    for each in state.components.values():
+    for component in state.components.values():
         try:
-            yield component_address(each.address)
+            yield component_address(component.address)
         except ValueError:
             continue  # what is no address is a finding of `jausml validate`

@@ -100,10 +100,10 @@ class RecordedSystem:
     def state(self, at: float, model: Model | None = None) -> SystemState:
         """Returns the state at a time, in seconds since the beginning, with what a model says."""
         at = max(0.0, at)
-        index = bisect_right(self._blocks, at, key=lambda each: each.time) - 1
+        index = bisect_right(self._blocks, at, key=lambda block: block.time) - 1
         state = SystemState()
-        for each in self._after(index, at):
-            state = each if isinstance(each, SystemState) else fold_fact(state, each)
+        for fact in self._after(index, at):
+            state = fact if isinstance(fact, SystemState) else fold_fact(state, fact)
         if model is not None:
             state = fold_model(state, declarations_of(model), components_of(model), at)
         for source, fault in self.sources.items():
@@ -119,8 +119,8 @@ class RecordedSystem:
                 yield before
                 break
             first -= 1
-        for each in range(max(first, 0), index + 1):
-            yield from (fact for fact in self._facts(each) if fact.time <= at)
+        for number in range(max(first, 0), index + 1):
+            yield from (fact for fact in self._facts(number) if fact.time <= at)
 
     def _facts(self, index: int) -> list[Fact]:
         known, facts = self._last
@@ -138,16 +138,16 @@ class RecordedSystem:
         """Keeps what was told next, and the state before it."""
         packed = zlib.compress(pickle.dumps(facts), 1)
         self._blocks.append(_Block(facts[0].time, packed, before))
-        kept = [each for each in self._blocks if each.before is not None]
+        kept = [block for block in self._blocks if block.before is not None]
         if len(kept) > MOST_STATES:
-            for each in kept[1::2]:
-                each.before = None
+            for block in kept[1::2]:
+                block.before = None
 
     def note(self, found: Iterable[Mark]) -> None:
         """Lists changes."""
-        for each in found:
+        for mark in found:
             if len(self.marks) < MOST_MARKS:
-                self.marks.append(each)
+                self.marks.append(mark)
             else:
                 self.unlisted += 1
 
@@ -219,10 +219,14 @@ def changes(former: SystemState, latest: SystemState, fact: Fact) -> Iterator[Ma
         address = fact.answer.address
         yield from _of_component(former.components.get(address), latest.components.get(address))
         return
-    for key, each in latest.connections.items():
+    for key, connection in latest.connections.items():
         before = former.connections.get(key)
-        if before is not None and before is not each and not each.name.startswith(OF_PEERS):
-            yield from _of_connection(before, each)
+        if (
+            before is not None
+            and before is not connection
+            and not connection.name.startswith(OF_PEERS)
+        ):
+            yield from _of_connection(before, connection)
 
 
 def _of_connection(former: ConnectionState, latest: ConnectionState) -> Iterator[Mark]:

@@ -95,16 +95,16 @@ def machines_of(report: ReportMachineStates) -> tuple[MachineState, ...]:
     """Returns the machines of a report."""
     return tuple(
         MachineState(
-            each.machine_rec.service,
-            each.machine_rec.machine,
-            each.machine_rec.state,
-            each.machine_rec.milliseconds / 1000,
+            machine.machine_rec.service,
+            machine.machine_rec.machine,
+            machine.machine_rec.state,
+            machine.machine_rec.milliseconds / 1000,
             tuple(
                 StateTime(time.state, time.entries, time.milliseconds / 1000)
-                for time in each.time_list
+                for time in machine.time_list
             ),
         )
-        for each in report.machine_list[:MOST_MACHINES]
+        for machine in report.machine_list[:MOST_MACHINES]
     )
 
 
@@ -150,9 +150,9 @@ class Listener:
                 self.hears_ros = True
                 statuses = statuses_of(self._recording.value_of(found))
                 yield Fact(time, statuses)
-                for each in statuses:
-                    if each.name.endswith(f": {BRIDGE}"):
-                        yield Fact(time, answer=_of_itself(each))
+                for status in statuses:
+                    if status.name.endswith(f": {BRIDGE}"):
+                        yield Fact(time, answer=_of_itself(status))
             elif topic.startswith(JAUS_TOPICS):
                 self.hears_jaus = True
                 yield from self._said(time, topic, found)
@@ -198,11 +198,11 @@ def statuses_of(value: dict[str, Any]) -> tuple[DiagnosticStatus, ...]:
     """Returns the statuses of a `diagnostic_msgs/msg/DiagnosticArray`."""
     return tuple(
         DiagnosticStatus(
-            each["level"],
-            each["name"],
-            each["message"],
-            each["hardware_id"],
-            tuple((pair["key"], pair["value"]) for pair in each["values"]),
+            status["level"],
+            status["name"],
+            status["message"],
+            status["hardware_id"],
+            tuple((pair["key"], pair["value"]) for pair in status["values"]),
         )
-        for each in value["status"]
+        for status in value["status"]
     )

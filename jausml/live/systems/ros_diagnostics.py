@@ -57,10 +57,10 @@ class RosDiagnostics:
             return f"{topic.type} is not installed here"
         node = self._quiet.node
         publishers = node.get_publishers_info_by_topic(topic.name)
-        offered = [qos_of(each.qos_profile) for each in publishers]
+        offered = [qos_of(publisher.qos_profile) for publisher in publishers]
         # Who asks for little gets what any publisher offers; but what a latched one published
         # before gets only who asks for it.
-        is_latched = offered and all(each.durability == "transient_local" for each in offered)
+        is_latched = offered and all(profile.durability == "transient_local" for profile in offered)
         qos = (
             Qos("reliable", "transient_local", depth=1)
             if is_latched
@@ -94,13 +94,13 @@ class RosDiagnostics:
         self._take(
             [
                 DiagnosticStatus(
-                    each.level[0],
-                    each.name,
-                    each.message,
-                    each.hardware_id,
-                    tuple((pair.key, pair.value) for pair in each.values),
+                    status.level[0],
+                    status.name,
+                    status.message,
+                    status.hardware_id,
+                    tuple((pair.key, pair.value) for pair in status.values),
                 )
-                for each in message.status
+                for status in message.status
             ]
         )
 
@@ -124,9 +124,9 @@ def _array_lines(name: str, values: Any, indent: str) -> Iterator[str]:
     if not first or not _is_message(first[0]):
         yield f"{indent}{name}: [{', '.join(map(_shown, first))}{more}]"
         return
-    for index, each in enumerate(first):
+    for index, element in enumerate(first):
         yield f"{indent}{name}[{index}]:"
-        yield from message_lines(each, indent + "  ")
+        yield from message_lines(element, indent + "  ")
     if more:
         yield f"{indent}{name}: {more.removeprefix(', ')}"
 

@@ -169,7 +169,7 @@ class ComponentState:
     def present_machines(self) -> tuple[MachineState, ...]:
         """Its machines as they were when it was heard last: what it tells are changes alone."""
         since = max(0.0, (self.told or 0.0) - self.machines_told)
-        return tuple(each.later(since) for each in self.machines)
+        return tuple(machine.later(since) for machine in self.machines)
 
     @property
     def is_gone(self) -> bool:
@@ -204,7 +204,7 @@ class SystemState:
     @property
     def is_heard(self) -> bool:
         """Whether anybody has said anything."""
-        return any(each.told is not None for each in self._parts())
+        return any(part.told is not None for part in self._parts())
 
     @property
     def weight(self) -> int:
@@ -212,7 +212,7 @@ class SystemState:
 
         It is 2 as well when nobody was heard.
         """
-        return max(each.level.weight for each in self._parts()) if self.is_heard else 2
+        return max(part.level.weight for part in self._parts()) if self.is_heard else 2
 
     def _parts(self) -> Iterator[ConnectionState | ComponentState]:
         yield from self.connections.values()
@@ -225,8 +225,10 @@ def state_as_json(state: SystemState) -> dict[str, Any]:
         "health": HEALTH[state.weight],
         "heard": state.is_heard,
         "sources": {name: fault or "heard" for name, fault in state.sources.items()},
-        "connections": [_connection(each, state) for each in state.connections.values()],
-        "components": [_component(each, state.now) for each in state.components.values()],
+        "connections": [
+            _connection(connection, state) for connection in state.connections.values()
+        ],
+        "components": [_component(component, state.now) for component in state.components.values()],
         "ignored": state.ignored,
     }
 
@@ -253,7 +255,7 @@ def _connection(connection: ConnectionState, state: SystemState) -> dict[str, An
         and {
             "direction": declaration.direction,
             "message": declaration.message,
-            "topics": {each.name: each.type for each in declaration.topics},
+            "topics": {topic.name: topic.type for topic in declaration.topics},
         },
     }
 
@@ -307,7 +309,9 @@ def declarations_of(model: Model) -> Iterator[DeclaredConnection]:
 def components_of(model: Model) -> dict[str, str]:
     """Returns the names of the components of a model, bridges included, by JAUS id."""
     components = model.instances(jaus.Component, library=False)
-    return {str(each.address): str(each.name) for each in components if each.address}
+    return {
+        str(component.address): str(component.name) for component in components if component.address
+    }
 
 
 def _declared(
@@ -325,7 +329,7 @@ def _declared(
         topics=(),
         message=message,
         is_report=False,
-        peers=tuple(str(each.address) for each in connection.peers),
+        peers=tuple(str(peer.address) for peer in connection.peers),
     )
 
 

@@ -52,7 +52,7 @@ def sparkline(history: Sequence[float], declared: float | None, width: int = 12)
     top = max([*latest, declared or 0.0], default=0.0)
     if top <= 0:
         return _BARS[0] * len(latest)
-    return "".join(_BARS[min(7, max(0, int(each / top * 7.999)))] for each in latest)
+    return "".join(_BARS[min(7, max(0, int(rate / top * 7.999)))] for rate in latest)
 
 
 def cell(text: str, most: int = LONGEST_CELL) -> str:
@@ -66,14 +66,14 @@ def _figure(value: float | None, digits: int = 1) -> str:
 
 
 def _latency(connection: ConnectionState) -> str:
-    parts = [connection.latency.get(f"in the bridge {each}") for each in ("p50", "p99")]
-    return "" if None in parts else "/".join(f"{each / 1e3:.2f}" for each in parts if each)
+    parts = [connection.latency.get(f"in the bridge {percentile}") for percentile in ("p50", "p99")]
+    return "" if None in parts else "/".join(f"{part / 1e3:.2f}" for part in parts if part)
 
 
 def _drops(connection: ConnectionState) -> str:
     if not connection.drops:
         return "" if connection.told is None else "0"
-    reason, count = max(connection.drops.items(), key=lambda each: each[1])
+    reason, count = max(connection.drops.items(), key=lambda item: item[1])
     more = "" if count == connection.dropped else "…"
     return f"{connection.dropped} {reason}{more}"
 
@@ -85,35 +85,42 @@ def _peers(connection: ConnectionState) -> str:
 
 
 COLUMNS = (
-    Column("state", state_text, lambda each: -each.level.weight),
+    Column("state", state_text, lambda connection: -connection.level.weight),
     Column("connection", shown_name, shown_name),
-    Column("Hz", lambda each: _figure(each.rate), lambda each: each.rate, is_number=True),
+    Column(
+        "Hz",
+        lambda connection: _figure(connection.rate),
+        lambda connection: connection.rate,
+        is_number=True,
+    ),
     Column(
         "declared",
-        lambda each: _figure(each.declared_rate),
-        lambda each: each.declared_rate,
+        lambda connection: _figure(connection.declared_rate),
+        lambda connection: connection.declared_rate,
         is_number=True,
     ),
     Column(
         "age s",
-        lambda each: _figure(each.age),
-        lambda each: each.age,
+        lambda connection: _figure(connection.age),
+        lambda connection: connection.age,
         is_number=True,
     ),
     Column(
         "p50/p99 ms",
         _latency,
-        lambda each: each.latency.get("in the bridge p99"),
+        lambda connection: connection.latency.get("in the bridge p99"),
         is_number=True,
     ),
     Column(
         "lost",
         _drops,
-        lambda each: each.dropped if each.told is not None else None,
+        lambda connection: connection.dropped if connection.told is not None else None,
         is_number=True,
     ),
-    Column("peers", _peers, lambda each: _peers(each) or None),
-    Column("reason", lambda each: each.reason, lambda each: each.reason or None),
+    Column("peers", _peers, lambda connection: _peers(connection) or None),
+    Column(
+        "reason", lambda connection: connection.reason, lambda connection: connection.reason or None
+    ),
 )
 """The columns of the table of connections."""
 
@@ -135,15 +142,15 @@ def arranged(
     words = wanted.casefold().split()
     found = sorted(
         (
-            replace(each, age=state.age_of(each))
-            for each in state.connections.values()
-            if all(word in shown_name(each).casefold() for word in words)
+            replace(connection, age=state.age_of(connection))
+            for connection in state.connections.values()
+            if all(word in shown_name(connection).casefold() for word in words)
         ),
         key=shown_name,
     )
     order = COLUMNS[column].order
-    present = [each for each in found if order(each) is not None]
-    absent = [each for each in found if order(each) is None]
+    present = [connection for connection in found if order(connection) is not None]
+    absent = [connection for connection in found if order(connection) is None]
     present.sort(key=order, reverse=COLUMNS[column].is_number is not is_reversed)
     return present + absent
 
@@ -157,7 +164,7 @@ def by_address(state: SystemState) -> list[ComponentState]:
     """Returns the components in the order of their JAUS ids."""
     return sorted(
         state.components.values(),
-        key=lambda each: [int(part) for part in each.address.split(".")],
+        key=lambda component: [int(part) for part in component.address.split(".")],
     )
 
 
@@ -185,9 +192,9 @@ def machine_rows(state: SystemState) -> list[list[str]]:
 
 
 def _machine(machine: MachineState) -> list[str]:
-    present = next((each for each in machine.times if each.state == machine.state), None)
+    present = next((time for time in machine.times if time.state == machine.state), None)
     longest = machine.times[:_MOST_SHARES]
-    names = _told_apart([each.state for each in longest])
+    names = _told_apart([state_time.state for state_time in longest])
     return [
         cell(machine.service.rpartition(":")[2]),
         cell(machine.machine),
@@ -195,8 +202,8 @@ def _machine(machine: MachineState) -> list[str]:
         _figure(machine.seconds),
         "" if present is None else str(present.entries),
         ", ".join(
-            f"{cell(name)} {share_text(each.seconds, machine.total)}"
-            for name, each in zip(names, longest, strict=True)
+            f"{cell(name)} {share_text(state_time.seconds, machine.total)}"
+            for name, state_time in zip(names, longest, strict=True)
         ),
     ]
 
@@ -204,9 +211,9 @@ def _machine(machine: MachineState) -> list[str]:
 def _told_apart(paths: Sequence[str]) -> list[str]:
     """Returns paths of states without the states around all of them."""
     names = [path.split(".") for path in paths]
-    columns = zip(*(each[:-1] for each in names), strict=False)
+    columns = zip(*(name[:-1] for name in names), strict=False)
     around = len(list(takewhile(lambda column: len(set(column)) == 1, columns)))
-    return [".".join(each[around:]) for each in names]
+    return [".".join(name[around:]) for name in names]
 
 
 def share_text(seconds: float, total: float) -> str:

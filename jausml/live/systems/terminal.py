@@ -62,7 +62,7 @@ def told_of(connection: ConnectionState) -> Text:
     text = titled(shown_name(connection), [f"{state_text(connection)}: {connection.reason}"])
     declaration = connection.declaration
     if declaration is not None:
-        topics = ", ".join(each.name for each in declaration.topics)
+        topics = ", ".join(topic.name for topic in declaration.topics)
         carried = f"{declaration.message} {declaration.direction}"
         text.append(f"{cell(f'{carried}: {topics}' if topics else carried, _WIDEST)}\n")
     bars = sparkline(connection.history, connection.declared_rate, _BARS)
@@ -189,8 +189,8 @@ class SystemView(App[None]):
         table = self.query_one(Connections)
         wanted = self.query_one("#filter", Input).value
         found = arranged(self._state, self._column, wanted, is_reversed=self._is_reversed)
-        keys = [each.key for each in found]
-        rows = [_cells(each) for each in found]
+        keys = [connection.key for connection in found]
+        rows = [_cells(connection) for connection in found]
         if keys == self._shown:
             for index, cells in enumerate(rows):
                 self._update_row(table, index, cells)
@@ -214,17 +214,17 @@ class SystemView(App[None]):
     def _show_components(self) -> None:
         table = self.query_one("#components", DataTable)
         table.clear()
-        for each in by_address(self._state):
-            first, *others = component_row(each)
-            table.add_row(Text(first, style=_STYLES[each.level]), *map(Text, others))
+        for component in by_address(self._state):
+            first, *others = component_row(component)
+            table.add_row(Text(first, style=_STYLES[component.level]), *map(Text, others))
 
     def _show_machines(self) -> None:
         table = self.query_one("#machines", DataTable)
         table.clear()
         rows = machine_rows(self._state)
         table.display = bool(rows)
-        for each in rows:
-            table.add_row(*map(Text, each))
+        for machine_row in rows:
+            table.add_row(*map(Text, machine_row))
 
     def _show_details(self) -> None:
         connection = self._chosen()

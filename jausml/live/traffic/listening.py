@@ -104,7 +104,7 @@ class InterfaceCapture:
 
 def _attach_filter(sock: socket.socket) -> None:
     """Has the system pass on what may be JUDP alone: ROS too speaks over UDP, and much."""
-    code = b"".join(struct.pack("HBBI", *each) for each in _FILTER)
+    code = b"".join(struct.pack("HBBI", *instruction) for instruction in _FILTER)
     kept = ctypes.create_string_buffer(code, len(code))
     program = struct.pack("HL", len(_FILTER), ctypes.addressof(kept))
     sock.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, program)

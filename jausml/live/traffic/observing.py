@@ -157,7 +157,10 @@ class Observer:
         for packet in parse_datagram(datagram.data, reasons):
             # Sizes of messages that cannot be read stand between those of the others.
             least = EMPTY_MESSAGE_SIZE + len(packet.payload)
-            size = next((each for each in sizes if each - least in _HEADER_COMPRESSION), least)
+            size = next(
+                (candidate for candidate in sizes if candidate - least in _HEADER_COMPRESSION),
+                least,
+            )
             yield self._observed(Observation(datagram, packet, size), packet, now)
         for name in reasons.names:
             yield Observation(datagram, error=_reason(name, datagram.data))
@@ -186,7 +189,7 @@ class Observer:
 def ends_of(datagram: Datagram) -> set[str]:
     """Returns the JAUS ids of who sends, and who is sent, the messages that can be read."""
     packets = parse_datagram(datagram.data, _Reasons())
-    return {str(end) for each in packets for end in (each.source, each.destination)}
+    return {str(end) for packet in packets for end in (packet.source, packet.destination)}
 
 
 def _data_sizes(data: bytes) -> Iterator[int]:

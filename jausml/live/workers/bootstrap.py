@@ -28,7 +28,7 @@ def main() -> None:
     """Runs the script."""
     runtime, workspace, script = map(Path, sys.argv[1:4])
     load_runtime(runtime)
-    sys.path[:0] = [str(each) for each in sorted(workspace.iterdir()) if each.is_dir()]
+    sys.path[:0] = [str(path) for path in sorted(workspace.iterdir()) if path.is_dir()]
     sys.argv[:] = [str(script), *sys.argv[4:]]
     runpy.run_path(str(script), run_name="__main__")
 

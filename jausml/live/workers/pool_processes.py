@@ -102,5 +102,5 @@ class PoolProcesses:
         """Ends them."""
         with self._lock:
             self._is_closed = True
-            for each in self._all:
-                each.close()
+            for pool_process in self._all:
+                pool_process.close()

@@ -50,9 +50,11 @@ def bridge_code(model: Model) -> BridgeCode:
     if problems:
         raise GenerationError(next(iter(problems.values())))
     files = {
-        each.path: each.text
-        for each in made
-        if each.path.endswith(".py") and each.path.count("/") == 2 and "/test/" not in each.path
+        artifact.path: artifact.text
+        for artifact in made
+        if artifact.path.endswith(".py")
+        and artifact.path.count("/") == 2
+        and "/test/" not in artifact.path
     }
     digest = text_digest("\n".join(f"{path}\n{text}" for path, text in sorted(files.items())))
     return BridgeCode(files, digest)
@@ -100,11 +102,11 @@ def bridge_of_maps(
         made.append(_connection(make, used, connection, to_ros=to_ros))
         make.link(owner, "bridgeConnections", made[-1])
     quantities: dict[str, bridge.Quantity] = {}
-    for each in reversed([*like]):
+    for example in reversed([*like]):
         for own in made:
-            if own.direction is each.direction:
-                own.outOfRange = each.outOfRange
-        quantities |= {str(known.name): known for known in _quantities(each)}
+            if own.direction is example.direction:
+                own.outOfRange = example.outOfRange
+        quantities |= {str(known.name): known for known in _quantities(example)}
     for known in quantities.values():
         copied = make("bridge.Quantity", name=str(known.name), units=str(known.units or ""))
         copied.value = known.value

@@ -48,8 +48,8 @@ def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
     Args:
         held: All that hold a slot, in the order in which they got it.
     """
-    left = [each for each in held if not each.is_kept]
-    unproved = [each for each in left if not each.is_proved]
+    left = [holder for holder in held if not holder.is_kept]
+    unproved = [holder for holder in left if not holder.is_proved]
     if unproved:
         left = unproved
     elif not asker.is_proved:
@@ -58,7 +58,7 @@ def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
         groups = _grouped(left, level)
         if not groups:
             return None
-        largest = max(groups, key=lambda each: len(groups[each]))
+        largest = max(groups, key=lambda group: len(groups[group]))
         if largest != asker.place[level]:
             own = len(groups.get(asker.place[level], ()))
             is_fair = not unproved and not asker.is_kept and len(groups[largest]) <= own + 1
@@ -74,13 +74,13 @@ def fair_rates(held: Sequence[Held[T]], capacity: float, level: int = 0) -> list
         capacity: What there is a second.
         level: Level of the tree that it is shared by first.
     """
-    if sum(each.wanted for each in held) <= capacity:
-        return [(each.item, each.wanted) for each in held]
+    if sum(holder.wanted for holder in held) <= capacity:
+        return [(holder.item, holder.wanted) for holder in held]
     if level == LEVELS:
-        shares = _filled({index: each.wanted for index, each in enumerate(held)}, capacity)
-        return [(each.item, shares[index]) for index, each in enumerate(held)]
+        shares = _filled({index: holder.wanted for index, holder in enumerate(held)}, capacity)
+        return [(holder.item, shares[index]) for index, holder in enumerate(held)]
     groups = _grouped(held, level)
-    wanted = {who: sum(each.wanted for each in group) for who, group in groups.items()}
+    wanted = {who: sum(holder.wanted for holder in group) for who, group in groups.items()}
     shared = _filled(wanted, capacity)
     return [
         rate for who, group in groups.items() for rate in fair_rates(group, shared[who], level + 1)
@@ -90,7 +90,7 @@ def fair_rates(held: Sequence[Held[T]], capacity: float, level: int = 0) -> list
 def _filled(wanted: Mapping[K, float], capacity: float) -> dict[K, float]:
     """Fill shares like water, the smallest first; what is left goes to the others."""
     shares: dict[K, float] = {}
-    ordered = sorted(wanted.items(), key=lambda each: each[1])
+    ordered = sorted(wanted.items(), key=lambda item: item[1])
     for index, (who, amount) in enumerate(ordered):
         shares[who] = min(amount, capacity / (len(ordered) - index))
         capacity -= shares[who]
@@ -99,6 +99,6 @@ def _filled(wanted: Mapping[K, float], capacity: float) -> dict[K, float]:
 
 def _grouped(held: Sequence[Held[T]], level: int) -> dict[Hashable, list[Held[T]]]:
     groups: dict[Hashable, list[Held[T]]] = defaultdict(list)
-    for each in held:
-        groups[each.place[level]].append(each)
+    for holder in held:
+        groups[holder.place[level]].append(holder)
     return groups

@@ -338,7 +338,7 @@ class Loop:
             self._cancelled += 1
             if self._cancelled > _COMPACT_FROM and self._cancelled * 2 > len(self._timers):
                 # In place: a turn may be looking at the list.
-                self._timers[:] = [each for each in self._timers if each[2].callback is not None]
+                self._timers[:] = [timer for timer in self._timers if timer[2].callback is not None]
                 heapq.heapify(self._timers)
                 self._cancelled = 0
 

@@ -102,4 +102,4 @@ class Quirks:
     def of(self, peer: JausAddress) -> tuple[Learnt, ...]:
         """Return what was learnt of a peer, in the order of `Quirk`."""
         known = self._known.get(peer, {})
-        return tuple(Learnt(each, known[each]) for each in Quirk if each in known)
+        return tuple(Learnt(quirk, known[quirk]) for quirk in Quirk if quirk in known)

@@ -156,11 +156,11 @@ class TransportSettings:
             if not address.is_concrete:
                 raise ValueError(f"address book entry {address} does not name one component")
             _check(f"port of {address}", port, 1, 65535)
-        for each in self.allowed_hosts:
+        for allowed_host in self.allowed_hosts:
             try:
-                ipaddress.IPv4Network(each)
+                ipaddress.IPv4Network(allowed_host)
             except ValueError as error:
-                raise ValueError(f"allowed host {each!r}: {error}") from error
+                raise ValueError(f"allowed host {allowed_host!r}: {error}") from error
 
 
 def _peer(text: str) -> tuple[JausAddress, Endpoint]:
@@ -240,7 +240,10 @@ def add_arguments(
         "peer": [],
         "allowed_hosts": ",".join(known.allowed_hosts),
     }
-    reads = {each.name: {"int": int, "float": float}.get(str(each.type)) for each in fields(known)}
+    reads = {
+        setting.name: {"int": int, "float": float}.get(str(setting.type))
+        for setting in fields(known)
+    }
     for title, options in _OPTIONS.items():
         group = parser.add_argument_group(title)
         for name, option in options.items():
@@ -265,12 +268,12 @@ def from_arguments(
     """
     known = TransportSettings() if defaults is None else defaults
     given = {
-        name: getattr(arguments, f"jaus_{name}") for each in _OPTIONS.values() for name in each
+        name: getattr(arguments, f"jaus_{name}") for option in _OPTIONS.values() for name in option
     }
     given["address_book"] = {**known.address_book, **dict(given.pop("peer"))}
     given["transport"] = TransportKind(given["transport"])
     given["allowed_hosts"] = tuple(
-        each.strip() for each in given["allowed_hosts"].split(",") if each
+        word.strip() for word in given["allowed_hosts"].split(",") if word
     )
     return replace(known, **given)
 

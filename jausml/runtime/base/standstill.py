@@ -147,7 +147,7 @@ class Standstill:
         if self._beat is not None:
             self._beat.cancel()
             self._beat = None
-        limits = [max(each.limit, _SHORTEST) for each in self._watches if each.limit > 0]
+        limits = [max(watch.limit, _SHORTEST) for watch in self._watches if watch.limit > 0]
         is_real = self._loop.now is steady
         self._limit = min(limits, default=math.inf) if is_real else math.inf
         self._note_turn()
@@ -162,13 +162,13 @@ class Standstill:
         now = self._loop.now()
         still = now - self._turned
         self._turned, self.due = now, now + self._limit
-        told = [each for each in self._watches if 0 < each.limit < still]
+        told = [watch for watch in self._watches if 0 < watch.limit < still]
         if told and not self._behind:
             self._loop.call_later(_RELAYED, self._catch_up)
-        self._behind += [each for each in told if each not in self._behind]
+        self._behind += [watch for watch in told if watch not in self._behind]
         self._relayed, self._turns = now + _RELAYED, 0
-        for each in told:
-            each.began(still)
+        for watch in told:
+            watch.began(still)
 
     def _beat_once(self) -> None:
         self.look()
@@ -191,5 +191,5 @@ class Standstill:
             self._loop.call_soon(self._catch_up)
             return
         behind, self._behind = self._behind, []
-        for each in behind:
-            each.caught_up()
+        for watch in behind:
+            watch.caught_up()

@@ -122,8 +122,8 @@ class Bridge:
         period = 1 / ros.parameter(frequency)
         usual = ros.parameter(parameters.FREQUENCY.of(self.settings.frequency))
         self.settings = replace(self.settings, frequency=usual)
-        for each in self.parameters:
-            self._read(each)
+        for parameter in self.parameters:
+            self._read(parameter)
         with self.loop.lock:
             self._side.begin_control(active)
             self._open_connections()
@@ -155,7 +155,9 @@ class Bridge:
         self._stop_watched(StopReason.STOOD_STILL)
 
     def _stop_watched(self, reason: StopReason) -> None:
-        self._log_stops([each for each in self.connections if each.lose(reason)], reason)
+        self._log_stops(
+            [connection for connection in self.connections if connection.lose(reason)], reason
+        )
 
     def _load_core(self, wanted: bool) -> None:  # noqa: FBT001
         """Loads what was compiled of the translations, if it is there."""
@@ -185,7 +187,11 @@ class Bridge:
 
     def _log_forms(self) -> None:
         """Names the translations that make objects of ROS, which takes longer."""
-        found = [each.name for each in self.connections if each.form is Form.ROS_CLASSES]
+        found = [
+            connection.name
+            for connection in self.connections
+            if connection.form is Form.ROS_CLASSES
+        ]
         if found:
             LOGGER.info("translations on %s: %s", Form.ROS_CLASSES.value, ", ".join(found))
 
@@ -196,7 +202,7 @@ class Bridge:
         with self.loop.lock:
             if self._diagnosing is not None:
                 self._diagnosing.stop()
-            ended = [each for each in self.connections if each.end()]
+            ended = [connection for connection in self.connections if connection.end()]
             self._log_stops(ended, StopReason.END)
             if self._fast is not None:
                 self._fast.close()
@@ -204,9 +210,9 @@ class Bridge:
             self.component.stop()
             if self.ward is not None:
                 self.ward.release()
-            for each in self.connections:
-                told = "; ".join(f"{name} {n}" for name, n in each.close_account() if n)
-                LOGGER.info("account of %s: %s", each.name, told or "nothing")
+            for connection in self.connections:
+                told = "; ".join(f"{name} {n}" for name, n in connection.close_account() if n)
+                LOGGER.info("account of %s: %s", connection.name, told or "nothing")
             self._is_open = False
 
     def set_active(self, wanted: bool) -> None:  # noqa: FBT001
@@ -238,7 +244,9 @@ class Bridge:
             return
         former, self.standing = self.standing, self._present_standing()
         lost = self.standing.lost_since(former)
-        stopped = [each for each in self.connections if each.follow(self.standing, lost)]
+        stopped = [
+            connection for connection in self.connections if connection.follow(self.standing, lost)
+        ]
         reason = lost or self.standing.halt
         if reason is not None:
             self._log_stops(stopped, reason)
@@ -249,9 +257,9 @@ class Bridge:
         return Standing(component.status, component.controller, self.is_active, lapsed)
 
     def _log_stops(self, connections: Sequence[Carried], reason: StopReason) -> None:
-        commands = [each for each in connections if each.is_command]
+        commands = [connection for connection in connections if connection.is_command]
         if commands:
-            told = "; ".join(f"{each.name}: {each.when_lost}" for each in commands)
+            told = "; ".join(f"{command.name}: {command.when_lost}" for command in commands)
             LOGGER.warning("%s: %s", reason.value, told)
 
     # ------------------------------------------------------------------ for translations
@@ -327,10 +335,14 @@ class Bridge:
                 self._list_drivers[messages] = ListDriver(self.component, messages)
         return self._list_drivers[messages]
 
-    def _read(self, each: AttributeParameter) -> None:
+    def _read(self, attribute_parameter: AttributeParameter) -> None:
         """Gives an attribute the value of its parameter, now and whenever that changes."""
-        assign = partial(setattr, self, each.attribute)
-        assign(self.ros.parameter(each.of(getattr(self, each.attribute)), assign))
+        assign = partial(setattr, self, attribute_parameter.attribute)
+        assign(
+            self.ros.parameter(
+                attribute_parameter.of(getattr(self, attribute_parameter.attribute)), assign
+            )
+        )
 
     def _check_lift(self, clients: str) -> None:
         """Raise ValueError where an emergency cannot be lifted."""
@@ -371,11 +383,11 @@ class _BridgeComponent(JausComponent):
         drivers = self._bridge.list_drivers
         if not drivers:
             return super().supports_element(element)
-        return any(each.supports(element) for each in drivers)
+        return any(driver.supports(element) for driver in drivers)
 
     def on_list_changed(self) -> None:
-        for each in self._bridge.list_drivers:
-            each.list_changed()
+        for driver in self._bridge.list_drivers:
+            driver.list_changed()
 
     def on_not_ready(self) -> None:
         self._bridge.follow()

@@ -75,9 +75,9 @@ class DiagnosticArray:
         data = self._data
         data.append(_LEVELS[status.level])
         data += _PADDING[len(data) & 3]
-        for each in written:
+        for chunk in written:
             data += _PADDING[len(data) & 3]
-            data += each
+            data += chunk
         self._count += 1
 
     def serialized(self, stamp: Time) -> bytes:
@@ -117,16 +117,16 @@ class Accounting:
         """Returns a status for each peer that something came from, or was sent to."""
         own = str(self._component.address)
         accounts = accounts_of(self._component)
-        peers = [each.traffic.peer for each in accounts]
-        self._told = {each: self._told.get(each, deque()) for each in peers}
+        peers = [account.traffic.peer for account in accounts]
+        self._told = {peer: self._told.get(peer, deque()) for peer in peers}
         return [
             ConnectionStatus(
-                f"account of {each.traffic.peer}",
-                *self._lately(each.traffic, now),
+                f"account of {account.traffic.peer}",
+                *self._lately(account.traffic, now),
                 own,
-                tuple(each.told()),
+                tuple(account.told()),
             )
-            for each in accounts
+            for account in accounts
         ]
 
     def _lately(self, traffic: PeerTraffic, now: float) -> tuple[str, str]:
@@ -204,8 +204,8 @@ class Diagnosing:
 
     def _go_on(self) -> None:
         present, self._waiting = self._waiting[:SLICE], self._waiting[SLICE:]
-        for each in present:
-            self._array.add(each.status())
+        for connection in present:
+            self._array.add(connection.status())
         if self._waiting:
             self._loop.call_soon(self._go_on)
             return

@@ -71,13 +71,13 @@ def differing_forms(
     vars(bridge)["now"] = lambda: moment
     try:
         _outcome(bridge, connection, lambda: run(data))
-        found = [line for each in made for line in _differing_from_rclpy(each)]
-        for each in _variants(source, data):
-            expected = _outcome(bridge, connection, partial(run, each))
-            outcome = _outcome(bridge, connection, partial(compiled, each))
+        found = [line for ros_message in made for line in _differing_from_rclpy(ros_message)]
+        for variant in _variants(source, data):
+            expected = _outcome(bridge, connection, partial(run, variant))
+            outcome = _outcome(bridge, connection, partial(compiled, variant))
             if outcome not in (expected, (None, {})):
                 told = f"by Python: {_shown(expected)}, compiled: {_shown(outcome)}"
-                return [*found, f"of {each.hex()}: {told}"]
+                return [*found, f"of {variant.hex()}: {told}"]
     finally:
         del vars(bridge)["now"]
     return found
@@ -95,7 +95,7 @@ def _compiled(
     except NoCoreError:
         return _gives_way
     function = found.of(bridge, library, connection.drop_field.unknown)
-    given = [None if joins[each] is None else _encoded(joins[each]) for each in found.joins]
+    given = [None if joins[join] is None else _encoded(joins[join]) for join in found.joins]
     return lambda data: function(data, *given)
 
 

@@ -108,9 +108,9 @@ class LightMessage:
         cls: type[MessageT], found: Sequence[MessageT], append: cdr.Append, offset: int
     ) -> int:
         """Appends messages, which begin at an offset; returns the offset behind them."""
-        for each in found:
+        for message in found:
             # An override may have put an object of ROS into the list.
-            offset = cls._write(each, append, offset)
+            offset = cls._write(message, append, offset)
         return offset
 
     def __eq__(self, other: object) -> bool:

@@ -283,7 +283,7 @@ def _configure(
         *parameters.network(model),
         parameters.digital_resources(model.component.digital_resources),
     )
-    parser.set_defaults(**{each.name: node.parameter(each) for each in known})
+    parser.set_defaults(**{parameter.name: node.parameter(parameter) for parameter in known})
     options = parser.parse_args(line)
     component = component_settings(options, model.component)
     bridge.settings = replace(
@@ -347,5 +347,7 @@ def _serve(
         finally:
             node.shut_down()
             managed.cleanup()
-            passed = {each.name: each.statistics.passed for each in bridge.connections}
+            passed = {
+                connection.name: connection.statistics.passed for connection in bridge.connections
+            }
             log_counts("messages", passed)

@@ -182,7 +182,11 @@ class CommandClient:
         self.component.transport.answered(self.component.address, pending.target, start)
 
     def _ended(self, message: CommandEvent, sender: JausAddress) -> None:
-        waiting = [each for each in self._pending.values() if each.target == sender]
+        waiting = [
+            pending_command
+            for pending_command in self._pending.values()
+            if pending_command.target == sender
+        ]
         for pending in waiting:
             if pending.event_id == message.event_id:
                 pending.done(

@@ -295,11 +295,15 @@ class HandoffClient:
         if decision is HandoffDecision.GRANTED:
             decided = dict.fromkeys(waiting, HandoffDecision.DENIED) | decided
         record = ConfirmReleaseControl.ReleaseControlRec
-        records = [record(each.number, code) for each, code in decided.items()]
+        records = [
+            record(pending_request.number, code) for pending_request, code in decided.items()
+        ]
         message = ConfirmReleaseControl(release_control_list=records)
         self._tell(request.target, message, DECISION_TRIES)
         if decision is not HandoffDecision.WAIT:
-            self._open[request.target] = tuple(each for each in waiting if each not in decided)
+            self._open[request.target] = tuple(
+                pending_request for pending_request in waiting if pending_request not in decided
+            )
         if decision is HandoffDecision.GRANTED:
             self._control.hand_over(request.target)
 
@@ -316,8 +320,8 @@ class HandoffClient:
 
     def stop(self) -> None:
         """Ask for nothing any more."""
-        for each in self._pending.values():
-            each.end()
+        for pending_handoff in self._pending.values():
+            pending_handoff.end()
         self._pending.clear()
         self._open.clear()
 
@@ -339,12 +343,12 @@ class HandoffClient:
         self._open[sender] = waiting = tuple(
             HandoffRequest(
                 sender,
-                each.id_,
-                JausAddress(each.src_subsystem_id, each.src_node_id, each.src_component_id),
-                each.authority_code,
-                each.explanation,
+                record.id_,
+                JausAddress(record.src_subsystem_id, record.src_node_id, record.src_component_id),
+                record.authority_code,
+                record.explanation,
             )
-            for each in message.request_release_control_list
+            for record in message.request_release_control_list
         )
         if waiting != before:
             self._host.call(self._host.on_handoff_requested, sender, waiting)

@@ -227,5 +227,5 @@ class TargetWatch:
 
     def _give_up(self) -> None:
         """Ask no longer for events that the target does not know; it may do so when restarted."""
-        if not any(each.active for each in self._subscriptions):
+        if not any(subscription.active for subscription in self._subscriptions):
             self.stop()

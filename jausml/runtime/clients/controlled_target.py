@@ -86,7 +86,7 @@ class ControlledTarget:
     @property
     def authority(self) -> int:
         """The highest authority that a session asks for."""
-        return max((each.authority for each in self._sessions), default=0)
+        return max((session.authority for session in self._sessions), default=0)
 
     @property
     def reason(self) -> str:
@@ -245,7 +245,7 @@ class ControlledTarget:
             self._watch.verify()
         if not self._change(ControlState.READY if obeys else ControlState.CONTROLLED):
             return
-        if status is Status.STANDBY and any(each.resume for each in self._sessions):
+        if status is Status.STANDBY and any(session.resume for session in self._sessions):
             self._questions.go_on(messages.QueryStatus)
             self._resume()
         else:

@@ -273,7 +273,7 @@ class Subscribers:
     @property
     def wanted_rate(self) -> float | None:
         """Every change, None, when anybody wants that; else the highest rate asked for."""
-        rates = [each.rate for each in self._classes]
+        rates = [subscription.rate for subscription in self._classes]
         periodic = [rate for rate in rates if rate is not None]
         return max(periodic) if len(periodic) == len(rates) else None
 

@@ -62,7 +62,7 @@ class Exchange:
     ) -> None:
         """Use `Exchanges.ask` instead."""
         self.payload = payload
-        self.codes = frozenset(each.CODE for each in answers)
+        self.codes = frozenset(answer.CODE for answer in answers)
         self.end = end
         self.timeout = timeout
         self.is_query = is_query
@@ -122,10 +122,10 @@ class Exchanges:
 
     def listen(self, answers: Sequence[type[Message]]) -> None:
         """Begins to listen to messages that answer."""
-        for each in answers:
-            if each not in self._heard:
-                self._heard.add(each)
-                self._component.on_payload(each, self._answered)
+        for answer in answers:
+            if answer not in self._heard:
+                self._heard.add(answer)
+                self._component.on_payload(answer, self._answered)
 
     def ask(
         self,
@@ -166,16 +166,16 @@ class Exchanges:
         """Sends what may be sent, in the order in which it was asked for."""
         now = self._component.loop.now()
         former: list[Exchange] = []
-        for each in tuple(self._known.get(target, ())):
-            if each.is_waiting and all(one.lets(each, now) for one in former):
-                each.stop_timers()
+        for exchange in tuple(self._known.get(target, ())):
+            if exchange.is_waiting and all(one.lets(exchange, now) for one in former):
+                exchange.stop_timers()
                 for one in former:
-                    if one.asks_the_same(each):
-                        each.take_over(one)
+                    if one.asks_the_same(exchange):
+                        exchange.take_over(one)
                         self._drop(target, one)
-                self._send(target, each)
-                self._end_in(each.timeout, target, each, Unanswered.SILENT)
-            former.append(each)
+                self._send(target, exchange)
+                self._end_in(exchange.timeout, target, exchange, Unanswered.SILENT)
+            former.append(exchange)
 
     def _send(self, target: JausAddress, asked: Exchange) -> None:
         component = self._component
@@ -198,17 +198,17 @@ class Exchanges:
     def _answered(self, payload: bytes, sender: JausAddress) -> None:
         """Takes an answer for the one that has waited for it the longest."""
         code = payload[0] | payload[1] << 8
-        for each in self._known.get(sender, ()):
-            if each.owed and code in each.codes:
-                each.owed -= 1
-                if not each.is_query:
+        for exchange in self._known.get(sender, ()):
+            if exchange.owed and code in exchange.codes:
+                exchange.owed -= 1
+                if not exchange.is_query:
                     self._component.transport.answered(
-                        self._component.address, sender, each.payload
+                        self._component.address, sender, exchange.payload
                     )
-                if each.is_over:
-                    self._note_late(sender, each)
+                if exchange.is_over:
+                    self._note_late(sender, exchange)
                 else:
-                    self._finish(sender, each, payload)
+                    self._finish(sender, exchange, payload)
                 return
 
     def _note_late(self, sender: JausAddress, asked: Exchange) -> None:

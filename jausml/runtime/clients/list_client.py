@@ -144,7 +144,7 @@ class ListClient:
             self._queries.ask(target, query, report, take, on_failure, timeout, retries)
 
         def take_list(report: ReportElementList, _sender: JausAddress) -> None:
-            read_next([each.element_uid for each in report.element_list])
+            read_next([element_list.element_uid for element_list in report.element_list])
 
         def read_next(uids: list[int]) -> None:
             if not uids:
@@ -172,7 +172,11 @@ class ListClient:
         request.stop_waiting()
         if request in self._pending:
             self._pending.remove(request)
-            following = [each for each in self._pending if each.target == request.target]
+            following = [
+                list_request
+                for list_request in self._pending
+                if list_request.target == request.target
+            ]
             if following:
                 self.component.loop.call_soon(lambda: self._begin(following[0]))
 
@@ -194,8 +198,8 @@ class ListClient:
         """Send requests to a target one after the other, each when the one before is confirmed."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
-        for each in requests:
-            each.encode()
+        for message in requests:
+            message.encode()
         request = ListRequest(self, target, requests, on_done, on_refused, timeout, retries)
         self._pending.append(request)
         self.component.when_started(lambda: self._begin(request))
@@ -203,7 +207,14 @@ class ListClient:
 
     def _begin(self, request: ListRequest) -> None:
         """Start a change if it is the first one to its target; they happen one at a time."""
-        first = next((each for each in self._pending if each.target == request.target), None)
+        first = next(
+            (
+                list_request
+                for list_request in self._pending
+                if list_request.target == request.target
+            ),
+            None,
+        )
         if first is request and not request.under_way:
             request.send_next()
 
@@ -240,7 +251,7 @@ def replacement(elements: list[ListElement]) -> list[SetElement | DeleteElement]
                 break
             count += 1
         piece, elements = elements[:count], elements[count:]
-        records = [_record(each) for each in piece]
+        records = [_record(element) for element in piece]
         if elements:
             records[-1].next_uid = NO_UID
         requests.append(SetElement(element_list=records))

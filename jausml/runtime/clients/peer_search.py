@@ -280,7 +280,7 @@ class PeerClient:
         self._timer.set(CHECK_INTERVAL, self._check)
         for address in self._bound():
             self._probe(self._providers[address])
-        searching = [each for each in self._finders.values() if self._is_open(each)]
+        searching = [finder for finder in self._finders.values() if self._is_open(finder)]
         if searching and loop.now() >= self._next_search:
             self._look_around(searching)
 

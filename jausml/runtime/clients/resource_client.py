@@ -42,7 +42,9 @@ class ResourceClient:
         self._own = endpoints(component.settings.digital_resources, component.address)
         self._registry: JausAddress | None = None
         self._timer = Alarm(component.loop)
-        is_registry = any(each.urn == DIGITAL_RESOURCE_DISCOVERY for each in component.services)
+        is_registry = any(
+            service.urn == DIGITAL_RESOURCE_DISCOVERY for service in component.services
+        )
         if self._own and not is_registry:
             peers.find(REGISTRY, self._found)
 
@@ -71,9 +73,9 @@ class ResourceClient:
         )
 
     def _compare(self, report: ReportDigitalResourceEndpoint, registry: JausAddress) -> None:
-        known = {each.server_url for each in report.endpoints}
-        for number, each in enumerate(self._own, 1):
-            if each.server_url not in known:
+        known = {endpoint.server_url for endpoint in report.endpoints}
+        for number, endpoint in enumerate(self._own, 1):
+            if endpoint.server_url not in known:
                 request = RequestIDRec(number)
-                message = RegisterDigitalResourceEndpoint(request, each)
+                message = RegisterDigitalResourceEndpoint(request, endpoint)
                 self._component.send(message, registry, acknowledge=True)

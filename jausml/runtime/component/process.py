@@ -290,8 +290,8 @@ def _address(text: str) -> JausAddress:
 def _digital_resources(text: str) -> tuple[str, ...]:
     urls = tuple(text.split())
     try:
-        for each in urls:
-            server_type(each)
+        for url in urls:
+            server_type(url)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
     return urls

@@ -216,8 +216,8 @@ class StateMachine:
         found = self._candidates.get(key)
         if found is None:
             listed = tuple(self._listed())
-            named = (each for each in listed if each.trigger == trigger)
-            others = (each for each in listed if each.trigger is None)
+            named = (transition for transition in listed if transition.trigger == trigger)
+            others = (transition for transition in listed if transition.trigger is None)
             found = self._candidates[key] = (*named, *others)
         return found
 

@@ -187,8 +187,8 @@ def instant_near(
     reference = near.sec * 10**9 + near.nanosec
     first, *others = _days_near(day, near.sec // _DAY)
     nearest = first * _DAY_NS + of_day
-    for each in others:
-        instant = each * _DAY_NS + of_day
+    for other in others:
+        instant = other * _DAY_NS + of_day
         if abs(instant - reference) < abs(nearest - reference):
             nearest = instant
     return Time(*divmod(nearest, 10**9))

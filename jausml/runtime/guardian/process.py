@@ -191,8 +191,8 @@ class Guardian:
             case "stops":
                 self._stops[content["number"]] = Stops(
                     content["patience"],
-                    [self._topic(each) for each in content["topics"]],
-                    [_datagram(each) for each in content["datagrams"]],
+                    [self._topic(topic) for topic in content["topics"]],
+                    [_datagram(datagram) for datagram in content["datagrams"]],
                 )
             case "goal":
                 if self._cancel is None:
@@ -231,8 +231,8 @@ class Guardian:
     def _judge(self) -> None:
         """Says what is due as the bridge does not run its loop."""
         age = self._age()
-        due = [each for each in self._armed() if age > self._stops[each].patience]
-        due = [each for each in due if each not in self._said]
+        due = [number for number in self._armed() if age > self._stops[number].patience]
+        due = [number for number in due if number not in self._said]
         goals = bool(self._goals) and age > GOAL_PATIENCE and not self._are_goals_said
         if due or goals:
             self._say(due, goals=goals, why="does not run its loop")
@@ -250,14 +250,14 @@ class Guardian:
             return
         self._said.update(numbers)
         self._are_goals_said = self._are_goals_said or goals
-        stops = [self._stops[each] for each in numbers]
-        count = sum(len(each.topics) + len(each.datagrams) for each in stops)
+        stops = [self._stops[number] for number in numbers]
+        count = sum(len(stop.topics) + len(stop.datagrams) for stop in stops)
         wanted = dict(self._goals) if goals else {}
         if not (count or wanted):
             return
         _log(f"the bridge (process {self._bridge}) {why}: {count} stops, {len(wanted)} goals")
-        datagrams = [datagram for each in stops for datagram in each.datagrams]
-        topics = [topic for each in stops for topic in each.topics]
+        datagrams = [datagram for stop in stops for datagram in stop.datagrams]
+        topics = [topic for stop in stops for topic in stop.topics]
         self._tell(datagrams, topics, wanted, is_halted=is_halted)
 
     # ------------------------------------------------------------------ speaking
@@ -275,31 +275,35 @@ class Guardian:
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outlet:
             self._send(outlet, datagrams)
             sent = 1
-            told = [self._told(each) for each in topics]
-            cancels = [_Cancel(self._canceller(each), goal) for goal, each in goals.items()]
+            told = [self._told(topic) for topic in topics]
+            cancels = [_Cancel(self._canceller(service), goal) for goal, service in goals.items()]
             while (past := time.monotonic() - begun) < SOUGHT_FOR:
                 if sent < TIMES and past >= sent * AGAIN:
                     self._send(outlet, datagrams)
                     sent += 1
-                wanting = [each for each in told if past < SAID_FOR or self._is_sought(each)]
-                for each in wanting:
-                    self._publish(each)
+                wanting = [
+                    announcement
+                    for announcement in told
+                    if past < SAID_FOR or self._is_sought(announcement)
+                ]
+                for announcement in wanting:
+                    self._publish(announcement)
                 if not (wanting or cancels or sent < TIMES):
                     break
-                cancels = [each for each in cancels if not self._is_cancelled(each)]
+                cancels = [cancel for cancel in cancels if not self._is_cancelled(cancel)]
                 if is_halted and self._age() <= POLL * 2:
                     break  # the bridge lives, and from here on its word counts
                 time.sleep(_PAUSE)
-        for each in told:
-            self._known_ros.destroy(each.publisher)
+        for announcement in told:
+            self._known_ros.destroy(announcement.publisher)
 
     def _send(self, outlet: socket.socket, datagrams: list[Datagram]) -> None:
-        for each in datagrams:
-            each.data[-2:] = struct.pack("<H", self._page.sequence(each.slot))
+        for datagram in datagrams:
+            datagram.data[-2:] = struct.pack("<H", self._page.sequence(datagram.slot))
             try:
-                outlet.sendto(each.data, each.endpoint)
+                outlet.sendto(datagram.data, datagram.endpoint)
             except OSError as error:
-                _log(f"the stop for {each.endpoint} cannot be sent: {error}")
+                _log(f"the stop for {datagram.endpoint} cannot be sent: {error}")
 
     @property
     def _known_ros(self) -> Rcl:

@@ -78,7 +78,7 @@ class Rcl:
         default.restype = _ALLOCATOR
         options, self._context, self._node = _HANDLE(), _HANDLE(), _HANDLE()
         self._call("rcl_init_options_init", ctypes.byref(options), default())
-        encoded = [each.encode() for each in arguments]
+        encoded = [argument.encode() for argument in arguments]
         words = (ctypes.c_char_p * len(arguments))(*encoded) if encoded else None
         self._call(
             "rcl_init", len(arguments), words, ctypes.byref(options), ctypes.byref(self._context)

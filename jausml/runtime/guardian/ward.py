@@ -166,8 +166,8 @@ class Ward:
         """Guards nothing any more: all stops were said."""
         with self._loop.lock:
             if self._page is not None:
-                for each in self._guarded:
-                    self._page.arm(each.number, False)  # noqa: FBT003
+                for connection in self._guarded:
+                    self._page.arm(connection.number, False)  # noqa: FBT003
             self._guarded.clear()
             self._goals.clear()
             self._sequences.clear()
@@ -221,8 +221,8 @@ class Ward:
         ros = self._ros()
         if ros:
             self.send("ros", ros)
-        for each in self._guarded:
-            each.hand(again=True)
+        for connection in self._guarded:
+            connection.hand(again=True)
         for goal in self._goals.values():
             self.send("goal", goal)
 
@@ -257,8 +257,8 @@ class Ward:
         self._number(page)
         self._beats += 1
         if self._beats % _REFRESH == 0:
-            for each in self._guarded:
-                each.hand()
+            for connection in self._guarded:
+                connection.hand()
         if self._process is not None and self._process.poll() is not None:
             self._replace(self._process.returncode)
 

@@ -91,7 +91,8 @@ def reject(component: Host, client: JausAddress, request_id: int, error: Request
 Result = CommandEvent.CommandResult
 
 NO_COMMANDS = frozenset(
-    each.CODE for each in (CreateEvent, UpdateEvent, CancelEvent, CreateCommandEvent)
+    message_class.CODE
+    for message_class in (CreateEvent, UpdateEvent, CancelEvent, CreateCommandEvent)
 )
 """Messages of Events itself: a command event must not nest."""
 

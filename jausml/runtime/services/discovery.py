@@ -111,11 +111,11 @@ class DiscoveryService:
         self, query: QueryConfiguration, _sender: JausAddress
     ) -> ReportConfiguration | None:
         own = self._component.address
-        members = [each for each in self._catalog() if each.subsystem == own.subsystem]
+        members = [address for address in self._catalog() if address.subsystem == own.subsystem]
         if query.query_type == Scope.SUBSYSTEM and self._scope <= Scope.SUBSYSTEM:
             return report_configuration(members)
         if query.query_type == Scope.NODE and self._scope <= Scope.NODE:
-            return report_configuration(each for each in members if each.node == own.node)
+            return report_configuration(member for member in members if member.node == own.node)
         return None
 
     def _subsystem_list(self, _query: Message, _sender: JausAddress) -> ReportSubsystemList | None:
@@ -181,13 +181,15 @@ class DiscoveryService:
 
     def _forget_registrations(self) -> None:
         limit = self._oldest()
-        for address in [each for each, heard in self._heard.items() if heard < limit]:
+        for address in [registrant for registrant, heard in self._heard.items() if heard < limit]:
             del self._heard[address]
             del self._registered[address]
 
     def _forget_servers(self) -> None:
         limit = self._oldest()
-        for subsystem in [each for each, (_, heard) in self._servers.items() if heard < limit]:
+        for subsystem in [
+            subsystem_id for subsystem_id, (_, heard) in self._servers.items() if heard < limit
+        ]:
             del self._servers[subsystem]
 
 
@@ -247,7 +249,14 @@ class DigitalResourceService:
         """Adds an endpoint; the same resource again, or the same address, takes its place."""
         endpoint = message.endpoint
         number = (
-            next((key for key, each in self._registered.items() if _is_same(each, endpoint)), None)
+            next(
+                (
+                    key
+                    for key, registration in self._registered.items()
+                    if _is_same(registration, endpoint)
+                ),
+                None,
+            )
             or self._free_id()
         )
         if number is None:
@@ -258,7 +267,7 @@ class DigitalResourceService:
 
     def _free_id(self) -> int | None:
         most = MOST_ENDPOINTS - len(self._own)
-        free = (each for each in range(1, most + 1) if each not in self._registered)
+        free = (number for number in range(1, most + 1) if number not in self._registered)
         return next(free, None)
 
     def _remove(self, message: RemoveDigitalResourceEndpoint, sender: JausAddress) -> None:

@@ -101,12 +101,18 @@ def reported_services(
         parts = [(subsystem, report.node_list)]
     else:
         lists = report.subsystem_list
-        parts = [(each.subsystem_rec.subsystem_id, each.node_list) for each in lists]
+        parts = [
+            (subsystem_entry.subsystem_rec.subsystem_id, subsystem_entry.node_list)
+            for subsystem_entry in lists
+        ]
     for number, nodes in parts:
         for node in nodes:
-            for each in node.component_list:
-                component = each.component_rec.component_id
-                yield JausAddress(number, node.node_rec.node_id, component), _services(each)
+            for component_entry in node.component_list:
+                component = component_entry.component_rec.component_id
+                yield (
+                    JausAddress(number, node.node_rec.node_id, component),
+                    _services(component_entry),
+                )
 
 
 def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:
@@ -186,15 +192,17 @@ def _component(address: JausAddress) -> ReportServices.ComponentRec:
 
 
 def _records(services: Iterable[ServiceIdentity]) -> list[ReportServices.ServiceRec]:
-    return [ReportServices.ServiceRec(each.urn, each.major, each.minor) for each in services]
+    return [
+        ReportServices.ServiceRec(service.urn, service.major, service.minor) for service in services
+    ]
 
 
 def _services(
     component: RegisterServices | ReportServices.ComponentSeq,
 ) -> tuple[ServiceIdentity, ...]:
     return tuple(
-        ServiceIdentity(each.uri, each.major_version_number, each.minor_version_number)
-        for each in component.service_list
+        ServiceIdentity(service.uri, service.major_version_number, service.minor_version_number)
+        for service in component.service_list
     )
 
 

@@ -193,7 +193,7 @@ class Router:
         """Make what takes the messages of a code: the handler, then the listeners."""
         route = self._routes[code]
         handler = () if route.handler is None else (self._handling(route.handler),)
-        listeners = [self._delivering(*each) for each in route.listeners.items()]
+        listeners = [self._delivering(*item) for item in route.listeners.items()]
         self.takers[code] = (*handler, *route.payload_listeners, *listeners)
         self._changed()
 

@@ -268,7 +268,7 @@ class EventsService:
 
     def _make_room(self, client: JausAddress) -> None:
         """End an event, if one has to give way to a client."""
-        held = [self._held(each) for each in self._events.values()]
+        held = [self._held(running_event) for running_event in self._events.values()]
         event = who_gives_way(held, self._claim(client, None))
         if event is not None:
             self._component.counters.count("events.gave_way", f"one of {event.client} to {client}")
@@ -292,7 +292,7 @@ class EventsService:
         self._plan_shares()
 
     def _wanted(self) -> float:
-        return sum(each.setup.rate for each in self._events.values())
+        return sum(event.setup.rate for event in self._events.values())
 
     def _first_rate(self, event: _Event) -> float:
         """Return the rate of an event until the next sharing: an equal share when that is near.
@@ -312,7 +312,11 @@ class EventsService:
 
     def _share(self) -> None:
         """Set the rate of each event; a burst of requests is shared once."""
-        held = [self._held(each) for each in self._events.values() if each.setup.periodic]
+        held = [
+            self._held(running_event)
+            for running_event in self._events.values()
+            if running_event.setup.periodic
+        ]
         rates = fair_rates(held, self._settings.event_rate_budget)
         cut = 0
         for event, rate in rates:

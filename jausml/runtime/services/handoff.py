@@ -140,7 +140,7 @@ class HandoffService:
 
     def _free_number(self) -> int:
         """Return the next number, so that a late decision meets no newer request."""
-        taken = {each.number for each in self._requests.values()}
+        taken = {request.number for request in self._requests.values()}
         number = self._last_number
         while True:
             number = (number + 1) % NO_REQUEST
@@ -154,7 +154,9 @@ class HandoffService:
         if sender != self._access.controller or not self._access.available:
             self._component.counters.add("handoff.decision_ignored")
             return
-        waiting = {each.number: each for each in self._requests.values()}
+        waiting = {
+            pending_request.number: pending_request for pending_request in self._requests.values()
+        }
         granted: _Request | None = None
         for decision in message.release_control_list:
             request = waiting.pop(decision.id_, None)
@@ -214,14 +216,14 @@ class HandoffService:
             return
         waiting = [
             RequestReleaseControl.RequestReleaseControlRec(
-                id_=each.number,
-                src_subsystem_id=each.client.subsystem,
-                src_node_id=each.client.node,
-                src_component_id=each.client.component,
-                authority_code=each.authority,
-                explanation=each.explanation,
+                id_=request.number,
+                src_subsystem_id=request.client.subsystem,
+                src_node_id=request.client.node,
+                src_component_id=request.client.component,
+                authority_code=request.authority,
+                explanation=request.explanation,
             )
-            for each in self._requests.values()
+            for request in self._requests.values()
         ]
         message = RequestReleaseControl(request_release_control_list=waiting)
         self._component.send(message, controller, acknowledge=True)
@@ -230,7 +232,9 @@ class HandoffService:
 
     def _watch(self) -> None:
         self._expiry.cancel()
-        due = min((min(self._ends_of(each)) for each in self._requests.values()), default=None)
+        due = min(
+            (min(self._ends_of(request)) for request in self._requests.values()), default=None
+        )
         if due is not None and due != float("inf"):
             self._expiry.set_at(due, self._expire)
 

@@ -148,8 +148,8 @@ class Host(Hooks):
             ValueError: The message has a handler or a provider already.
         """
         with self.loop.lock:
-            each = when is Guard.ANY if counts_each is None else counts_each
-            self._jaus_router.set_handler(message_class, handler, when, counts_each=each)
+            is_each = when is Guard.ANY if counts_each is None else counts_each
+            self._jaus_router.set_handler(message_class, handler, when, counts_each=is_each)
 
     def handle_payload(
         self,
@@ -313,16 +313,16 @@ class Host(Hooks):
         """
         return {
             f"{reason} {message}": count
-            for (each, reason, message), count in self._jaus_router.drops.items()
-            if each == sender
+            for (address, reason, message), count in self._jaus_router.drops.items()
+            if address == sender
         }
 
     def drops_before(self, message: str) -> list[tuple[JausAddress, str, int]]:
         """Return the drops of ``drops_of`` for one kind of message: sender, reason and number."""
         return [
             (sender, reason, count)
-            for (sender, reason, each), count in self._jaus_router.drops.items()
-            if each == message
+            for (sender, reason, kind), count in self._jaus_router.drops.items()
+            if kind == message
         ]
 
     # ---- user code --------------------------------------------------------------------------

@@ -115,7 +115,7 @@ class ElementList:
         closed = self.circular and len(kept) > 1
         # The gaps that replaced elements leave are closed first.
         chained = chain(((e.uid, e.data, e.data_format) for e in kept), circular=closed)
-        self._elements = _in_order(_linked({each.uid: each for each in chained}, new))
+        self._elements = _in_order(_linked({element.uid: element for element in chained}, new))
 
     def delete(self, uids: Sequence[int]) -> None:
         """Delete elements, or all; the neighbours of a deleted element become neighbours.
@@ -133,7 +133,7 @@ class ElementList:
                 raise ListError(Reason.ELEMENT_ID_NOT_FOUND, f"there is no element {uid}")
         kept = [(e.uid, e.data, e.data_format) for e in self if e.uid not in uids]
         circular = self.circular
-        self._elements = {each.uid: each for each in chain(kept, circular=circular)}
+        self._elements = {element.uid: element for element in chain(kept, circular=circular)}
 
     def _check(self, requested: Sequence[ListElement], new: dict[int, ListElement]) -> None:
         """Refuse what is wrong with single elements."""
@@ -156,11 +156,16 @@ def _linked(
     kept: dict[int, ListElement], new: dict[int, ListElement]
 ) -> dict[int, tuple[int, int, ListElement]]:
     """Return previous and next UID of all elements, with the neighbours of new ones updated."""
-    previous = {each.uid: each.previous_uid for each in (*kept.values(), *new.values())}
-    following = {each.uid: each.next_uid for each in (*kept.values(), *new.values())}
+    previous = {
+        list_element.uid: list_element.previous_uid
+        for list_element in (*kept.values(), *new.values())
+    }
+    following = {
+        list_element.uid: list_element.next_uid for list_element in (*kept.values(), *new.values())
+    }
     old_first = next(iter(kept), NO_UID)
     old_last = next(reversed(kept), NO_UID)
-    has_new_first = any(each.previous_uid == NO_UID for each in new.values())
+    has_new_first = any(list_element.previous_uid == NO_UID for list_element in new.values())
     for element in new.values():
         if element.previous_uid in kept:
             following[element.previous_uid] = element.uid
@@ -242,13 +247,13 @@ class ListManagerService:
     def _set(self, message: SetElement, sender: JausAddress) -> None:
         requested = [
             ListElement(
-                each.element_uid,
-                each.previous_uid,
-                each.next_uid,
-                bytes(each.element_data.data),
-                each.element_data.format_index,
+                element.element_uid,
+                element.previous_uid,
+                element.next_uid,
+                bytes(element.element_data.data),
+                element.element_data.format_index,
             )
-            for each in message.element_list
+            for element in message.element_list
         ]
         request_id = message.request_id_rec.request_id
         try:
@@ -271,7 +276,7 @@ class ListManagerService:
 
     def _delete(self, message: DeleteElement, sender: JausAddress) -> None:
         request_id = message.request_id_rec.request_id
-        uids = [each.element_uid for each in message.delete_element_list]
+        uids = [delete_element.element_uid for delete_element in message.delete_element_list]
         try:
             if not uids:
                 raise ListError(Reason.UNSPECIFIED_ERROR, "the request names no element")
@@ -306,7 +311,8 @@ class ListManagerService:
     def _report_list(self, _query: Message, _sender: JausAddress) -> ReportElementList:
         return ReportElementList(
             element_list=[
-                ReportElementList.ElementListRec(element_uid=each.uid) for each in self.elements
+                ReportElementList.ElementListRec(element_uid=element.uid)
+                for element in self.elements
             ]
         )
 

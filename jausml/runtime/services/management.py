@@ -238,16 +238,16 @@ class ManagementService:
         Raises:
             EmergencyStandsError: Nobody of them set one, or somebody was heard a moment ago.
         """
-        meant = [each for each in self._emergencies if clients.matches(each)]
+        meant = [emergency for emergency in self._emergencies if clients.matches(emergency)]
         if not meant:
             known = ", ".join(map(str, sorted(self._emergencies))) or "nobody"
             raise EmergencyStandsError(f"no emergency was set by {clients}; by {known}")
-        for each in meant:
-            silent = self._component.transport.silence_of(each)
+        for address in meant:
+            silent = self._component.transport.silence_of(address)
             if silent < ABSENT_S:
                 raise EmergencyStandsError(
-                    f"{each} was heard {silent:.1f} s ago: it clears its emergency itself, or must "
-                    f"be silent for {ABSENT_S:g} s"
+                    f"{address} was heard {silent:.1f} s ago: it clears its emergency itself, "
+                    f"or must be silent for {ABSENT_S:g} s"
                 )
         return meant
 
@@ -257,9 +257,9 @@ class ManagementService:
         When it was the last one, the component is in Standby without a controller, in v1.0 as
         well: nothing moves before somebody takes control and resumes it.
         """
-        for each in self.check_lift(clients):
-            self._emergencies.discard(each)
-            self._component.counters.count("management.emergency_lifted", f"that of {each}")
+        for address in self.check_lift(clients):
+            self._emergencies.discard(address)
+            self._component.counters.count("management.emergency_lifted", f"that of {address}")
         if self.status is Status.EMERGENCY and not self._emergencies:
             LOGGER.warning("%s: the last emergency was lifted", self._component.address)
             status = self._interrupted[0]
@@ -325,16 +325,16 @@ class _Times:
         seconds = dict(self._seconds)
         if self._state:
             seconds[self._state] += present
-        longest = sorted(seconds, key=lambda each: -seconds[each])[:most]
+        longest = sorted(seconds, key=lambda state: -seconds[state])[:most]
         return ReportMachineStates.MachineSeq(
             ReportMachineStates.MachineRec(
                 *self._names, _told(self._state), _milliseconds(present)
             ),
             [
                 ReportMachineStates.TimeRec(
-                    _told(each), self._entries[each], _milliseconds(seconds[each])
+                    _told(state), self._entries[state], _milliseconds(seconds[state])
                 )
-                for each in longest
+                for state in longest
             ],
         )
 
@@ -375,7 +375,7 @@ class MachineStatesService:
     def _report(self, _query: Message, _sender: JausAddress) -> ReportMachineStates:
         machines = self._machines[:MOST_MACHINES]
         most = MOST_STATES // max(1, len(machines))
-        return ReportMachineStates([each.told(most) for each in machines])
+        return ReportMachineStates([machine.told(most) for machine in machines])
 
 
 def _milliseconds(seconds: float) -> int:

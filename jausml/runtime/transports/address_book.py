@@ -240,7 +240,7 @@ class AddressBook:
         if len(self.learnt) < self._places:
             return
         own = {*self._configured, *self._kept.values()}
-        if len(self.learnt) - sum(each in self.learnt for each in own) < self._places:
+        if len(self.learnt) - sum(address in self.learnt for address in own) < self._places:
             return
         forgotten = self._claimant(own) or self._silent_longest(own)
         entry = self.learnt.pop(forgotten)
@@ -259,11 +259,11 @@ class AddressBook:
 
     def _silent_longest(self, own: set[JausAddress]) -> JausAddress:
         """Return who is silent longest of the host that has most places."""
-        others = [each for each in self.learnt if each not in own]
-        sizes = Counter(self.learnt[each].endpoint[0] for each in others)
+        others = [address for address in self.learnt if address not in own]
+        sizes = Counter(self.learnt[other].endpoint[0] for other in others)
         largest = max(sizes.values())
         return address_of(
-            next(each for each in others if sizes[self.learnt[each].endpoint[0]] == largest)
+            next(other for other in others if sizes[self.learnt[other].endpoint[0]] == largest)
         )
 
     def suspect(self, address: JausAddress, since: float) -> None:
@@ -327,8 +327,10 @@ class AllowedHosts:
     def __init__(self, settings: TransportSettings, counters: Counters) -> None:
         self._counters = counters
         named = (*settings.allowed_hosts, settings.interface) if settings.allowed_hosts else ()
-        networks = [ipaddress.IPv4Network(each) for each in named]
-        self._networks = [(int(each.netmask), int(each.network_address)) for each in networks]
+        networks = [ipaddress.IPv4Network(host) for host in named]
+        self._networks = [
+            (int(network.netmask), int(network.network_address)) for network in networks
+        ]
 
     def admits(self, endpoint: Endpoint) -> bool:
         """Return whether packets of an endpoint are taken; it is counted if they are not."""

@@ -139,7 +139,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         destination = packets[0].destination
         data = b"".join([octets_of(packet) for packet in packets])
         if destination.is_wildcard:
-            sent = [each.write(data) for each in self._everyone()]
+            sent = [open_connection.write(data) for open_connection in self._everyone()]
             report(self.loop, on_result, success=any(sent))
             if not sent:
                 self.counters.add("jtcp.nobody_connected")
@@ -238,8 +238,13 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         used |= {id(line.connection) for line in self._lines.values()}
         stated = {host for host, _ in self._book.values()}
         held = [
-            Held(each, (*_place(each.peer), each.peer), each.has_spoken, id(each) in used)
-            for each in self._connections
+            Held(
+                open_connection,
+                (*_place(open_connection.peer), open_connection.peer),
+                open_connection.has_spoken,
+                id(open_connection) in used,
+            )
+            for open_connection in self._connections
         ]
         asker: Held[object] = Held(None, (*_place(peer), peer), is_kept=peer[0] in stated)
         connection = who_gives_way(held, asker)
@@ -317,12 +322,12 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     def _forget_route(self) -> None:
         """Forget who is silent longest of the connection that most components came by."""
-        lent = [each for each in self._routes if not self.is_kept(each)]
-        sizes = Counter(id(self._routes[each]) for each in lent)
+        lent = [route for route in self._routes if not self.is_kept(route)]
+        sizes = Counter(id(self._routes[address]) for address in lent)
         if len(lent) < self._settings.max_peers:
             return
-        largest = max(sizes, key=lambda each: sizes[each])
-        forgotten = next(each for each in lent if id(self._routes[each]) == largest)
+        largest = max(sizes, key=lambda size: sizes[size])
+        forgotten = next(address for address in lent if id(self._routes[address]) == largest)
         del self._routes[forgotten]
         self.counters.count("transport.address_book_full", f"forgot {forgotten}")
 
@@ -387,11 +392,11 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         if self._listener is None or packet.destination in self._inbox.receivers:
             return False
         if packet.destination.is_wildcard:
-            ways = [each for each in self._connections if each is not origin]
+            ways = [connection for connection in self._connections if connection is not origin]
         else:
             way = self._routes.get(packet.destination)
             ways = [] if way is None or way is origin else [way]
-        ways = [each for each in ways if each.is_neighbour or origin.is_neighbour]
+        ways = [connection for connection in ways if connection.is_neighbour or origin.is_neighbour]
         # Owners that know each other by several ways must not pass a message round forever.
         if not ways or (
             packet.acknowledge < AckNak.NAK and self._relayed.is_duplicate(packet, self.loop.now())

@@ -356,7 +356,11 @@ class NodeManagerTransport(Transport):
 
     def _detach(self, address: JausAddress) -> None:
         client = self._clients.get(address)
-        self._clients = {known: each for known, each in self._clients.items() if known != address}
+        self._clients = {
+            known: node_manager_client
+            for known, node_manager_client in self._clients.items()
+            if known != address
+        }
         if client is not None:
             client.close()
 

@@ -104,7 +104,7 @@ def _processes(inodes: set[str]) -> Iterator[Holder]:
         if folder.name == own:
             continue
         try:
-            links = {str(each.readlink()) for each in (folder / "fd").iterdir()}
+            links = {str(path.readlink()) for path in (folder / "fd").iterdir()}
             if links & inodes:
                 name = (folder / "comm").read_text(encoding="utf-8", errors="replace").strip()
                 yield Holder(name, int(folder.name))
@@ -163,7 +163,11 @@ class SharedPort:
     @property
     def sockets(self) -> list[socket.socket]:
         """The sockets that are open."""
-        return [each for each in (self.multicast, self.unicast, self.former) if each is not None]
+        return [
+            open_socket
+            for open_socket in (self.multicast, self.unicast, self.former)
+            if open_socket is not None
+        ]
 
     def open(self) -> None:
         """Join the group and take the unicast port, or another one when it is taken."""

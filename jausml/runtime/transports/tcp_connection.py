@@ -187,7 +187,7 @@ class TcpConnection:
         self._idle.cancel()
         self._loop.unregister(self._socket)
         self._socket.close()
-        waiting = [each for each in self._outgoing if each[0] is not _VERSION]
+        waiting = [entry for entry in self._outgoing if entry[0] is not _VERSION]
         self._outgoing.clear()
         if waiting:
             self._loop.counters.count("jtcp.unsent", f"{len(waiting)} messages for {self}")

@@ -80,7 +80,7 @@ class Transport(ABC):
         with self.loop.lock:
             messenger = self._messenger_of(address)
             known = [] if messenger is None else messenger.traffic()
-            return [each for each in known if each.own == address]
+            return [peer for peer in known if peer.own == address]
 
     def is_unheard(self, address: JausAddress) -> bool:
         """Return whether a component would have been heard by now if messages reached it.
@@ -271,7 +271,9 @@ class PeerAccount(NamedTuple):
     def told(self) -> list[tuple[str, str]]:
         """Returns the counts, and what the peer does otherwise than others, as `/diagnostics`."""
         counts = [(name, str(count)) for name, count in self.counts().items()]
-        quirks = [(each.quirk.does, f"{each.how}: {each.quirk.instead}") for each in self.quirks]
+        quirks = [
+            (quirk.quirk.does, f"{quirk.how}: {quirk.quirk.instead}") for quirk in self.quirks
+        ]
         numbered = ("numbered", _EXACT if self.traffic.is_exact else _NOT_KNOWN)
         return [*counts, numbered, *quirks]
 
@@ -287,16 +289,16 @@ def accounts_of(component: Accountable) -> list[PeerAccount]:
     transport = component.transport
     # Those of no place are in the order in which they were heard, the latest last.
     found = sorted(
-        transport.traffic(component.address), key=lambda each: transport.is_kept(each.peer)
+        transport.traffic(component.address), key=lambda peer: transport.is_kept(peer.peer)
     )
-    told = sorted(found[-MOST_PEERS:], key=lambda each: each.peer)
+    told = sorted(found[-MOST_PEERS:], key=lambda peer: peer.peer)
     return [
-        PeerAccount(each, component.drops_of(each.peer), transport.quirks.of(each.peer))
-        for each in told
+        PeerAccount(peer, component.drops_of(peer.peer), transport.quirks.of(peer.peer))
+        for peer in told
     ]
 
 
 def log_accounts(component: Accountable) -> None:
     """Logs the accounts, as the last word of a component on what it exchanged."""
-    for each in accounts_of(component):
-        LOGGER.info("%s", each)
+    for account in accounts_of(component):
+        LOGGER.info("%s", account)

@@ -81,8 +81,8 @@ class GraphPublisher:
         message = bytes(data), self.topic.wall()
         if self.qos.durability == "transient_local":
             self.kept.append(message)
-        for each in tuple(self.reached):
-            each.send(*message)
+        for graph_subscription in tuple(self.reached):
+            graph_subscription.send(*message)
 
     @property
     def address(self) -> int:
@@ -161,14 +161,14 @@ class GraphTopic:
     def add_publisher(self, publisher: GraphPublisher) -> None:
         """Connects a publisher with the subscriptions that are there."""
         self.publishers.append(publisher)
-        for each in self.subscriptions:
-            self._connect(publisher, each)
+        for subscription in self.subscriptions:
+            self._connect(publisher, subscription)
 
     def add_subscription(self, subscription: GraphSubscription) -> None:
         """Connects a subscription with the publishers that are there."""
         self.subscriptions.append(subscription)
-        for each in self.publishers:
-            self._connect(each, subscription)
+        for publisher in self.publishers:
+            self._connect(publisher, subscription)
 
     def remove(self, end: GraphPublisher | GraphSubscription) -> None:
         """Disconnects a publisher or a subscription; no effect once it is."""
@@ -181,15 +181,15 @@ class GraphTopic:
         end.is_open = False
         if end in self.subscriptions:
             self.subscriptions.remove(end)
-        for each in self.publishers:
-            if end in each.reached:
-                each.reached.remove(end)
-                each.matched -= 1
+        for publisher in self.publishers:
+            if end in publisher.reached:
+                publisher.reached.remove(end)
+                publisher.matched -= 1
 
     def others(self, *, publishers: bool) -> list[tuple[str, Qos]]:
         """Returns node and quality of service of all publishers, or of all subscriptions."""
         ends = self.publishers if publishers else self.subscriptions
-        return [(each.node, each.qos) for each in ends]
+        return [(end.node, end.qos) for end in ends]
 
     def _connect(self, publisher: GraphPublisher, subscription: GraphSubscription) -> None:
         found = conflicts(publisher.qos, subscription.qos)

@@ -203,8 +203,8 @@ class Network:
 
     def close(self) -> None:
         """Close all transports."""
-        for each in list(self._stations.values()):
-            each.close()
+        for station in list(self._stations.values()):
+            station.close()
 
     def send(self, datagram: bytes, station: Station, to: Endpoint) -> None:
         """Let a datagram leave a process."""
@@ -216,7 +216,11 @@ class Network:
     def _cross(self, datagram: bytes, station: Station, to: Endpoint) -> None:
         origin = station.endpoint
         if to == _GROUP:
-            for receiver in [each for at, each in self._stations.items() if at != origin]:
+            for receiver in [
+                virtual_transport
+                for at, virtual_transport in self._stations.items()
+                if at != origin
+            ]:
                 self._enter(datagram, origin, receiver)
         elif to in self._stations:
             self._enter(datagram, origin, self._stations[to])

@@ -73,8 +73,8 @@ class VirtualRosNode:
 
     def close(self) -> None:
         """Gives all topics back; the bridge is closed before."""
-        for each in self._ends:
-            each.close()
+        for end in self._ends:
+            end.close()
         self._ends.clear()
         for leave in self._served:
             leave()
@@ -177,9 +177,9 @@ class VirtualRosNode:
     @link.setter
     def link(self, link: Link) -> None:
         self._link = link
-        for each in self._ends:
-            if isinstance(each, GraphSubscription):
-                each.link = link
+        for end in self._ends:
+            if isinstance(end, GraphSubscription):
+                end.link = link
 
     def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> Sequence[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does."""

@@ -211,8 +211,8 @@ class VirtualWorld:
         return self._start + round(self._now * _NANO)
 
     def _tell(self, where: str, data: bytes) -> None:
-        for each in self._watchers:
-            each(self._now, where, data)
+        for watcher in self._watchers:
+            watcher(self._now, where, data)
 
 
 class _Turns:

@@ -90,10 +90,10 @@ class _Part(NamedTuple):
 
 def _give_codec(cls: Any, name: str) -> None:
     """Gives a dataclass what writes and reads it; a message without fields has that already."""
-    found = [_field(each.name, each.type) for each in fields(cls)]
-    optional = [each for each in found if each.is_optional]
+    found = [_field(field.name, field.type) for field in fields(cls)]
+    optional = [field for field in found if field.is_optional]
     parts = _parts(found[: len(found) - len(optional)])
-    cls.LEAST_SIZE = sum(each.size for each in parts) + bool(optional)
+    cls.LEAST_SIZE = sum(part.size for part in parts) + bool(optional)
     if optional:
         cls.write_to, read_from = _with_presence(parts, optional, name)
         cls.read_from = classmethod(read_from)
@@ -115,23 +115,23 @@ def _parts(found: Sequence[_Field]) -> list[_Part]:
     """Returns the parts of some fields, in order."""
     parts: list[_Part] = []
     run: list[_Field] = []
-    for each in found:
-        if isinstance(each.kind, Scalar):
-            run.append(each)
+    for field in found:
+        if isinstance(field.kind, Scalar):
+            run.append(field)
             continue
         # A single scalar is written no faster with the count.
-        if len(run) > 1 and isinstance(each.kind, Counted):
-            parts.append(_scalars_and_counted(run, each))
+        if len(run) > 1 and isinstance(field.kind, Counted):
+            parts.append(_scalars_and_counted(run, field))
         else:
             if run:
                 parts.append(_scalars(run))
-            parts.append(_MAKERS[type(each.kind)](each))
+            parts.append(_MAKERS[type(field.kind)](field))
         run = []
     return [*parts, _scalars(run)] if run else parts
 
 
 def _all_written(parts: Sequence[_Part]) -> Write:
-    writes = [each.write for each in parts]
+    writes = [part.write for part in parts]
 
     def write_to(self: Any, out: bytearray) -> None:
         for write in writes:
@@ -143,7 +143,7 @@ def _all_written(parts: Sequence[_Part]) -> Write:
 def _all_read(parts: Sequence[_Part]) -> ReadFrom:
     if len(parts) == 1 and parts[0].read_from is not None:
         return parts[0].read_from
-    reads = [each.read for each in parts]
+    reads = [part.read for part in parts]
 
     def read_from(cls: Any, buffer: bytes, offset: int) -> tuple[Any, int]:
         values: list[Any] = []
@@ -158,8 +158,8 @@ def _with_presence(
     parts: Sequence[_Part], optional: Sequence[_Field], name: str
 ) -> tuple[Write, ReadFrom]:
     """Returns what writes and reads a class whose last fields are optional."""
-    always, reads = _all_written(parts), [each.read for each in parts]
-    maybe = [(1 << bit, each.name, *_parts([each])[0][:2]) for bit, each in enumerate(optional)]
+    always, reads = _all_written(parts), [part.read for part in parts]
+    maybe = [(1 << bit, field.name, *_parts([field])[0][:2]) for bit, field in enumerate(optional)]
     known = (1 << len(optional)) - 1
 
     def write_to(self: Any, out: bytearray) -> None:
@@ -195,7 +195,7 @@ def _scalars(run: Sequence[_Field]) -> _Part:
     """Returns scalars that are packed together."""
     packer = _packer(run)
     pack, unpack_from, size = packer.pack, packer.unpack_from, packer.size
-    puts = [(each.name, each.kind.put) for each in run]
+    puts = [(field.name, field.kind.put) for field in run]
     gets = _gets(run)
 
     def write(part: Any, out: bytearray) -> None:
@@ -211,27 +211,27 @@ def _scalars(run: Sequence[_Field]) -> _Part:
     def read_from(cls: Any, buffer: bytes, offset: int) -> tuple[Any, int]:
         return cls(*unpack_from(buffer, offset)), offset + size
 
-    if any(each.kind.limits is None for each in run):
+    if any(field.kind.limits is None for field in run):
         return _Part(write, read, size)
     return _Part(_quick(run, pack, write), read, size, read_from)
 
 
 def _packer(run: Sequence[_Field], count: str = "") -> struct.Struct:
-    return struct.Struct("<" + "".join(each.kind.format for each in run) + count)
+    return struct.Struct("<" + "".join(field.kind.format for field in run) + count)
 
 
 def _gets(run: Sequence[_Field]) -> list[tuple[int, Callable[[Any], Any]]]:
-    return [(index, each.kind.get) for index, each in enumerate(run) if each.kind.get]
+    return [(index, field.kind.get) for index, field in enumerate(run) if field.kind.get]
 
 
 def _narrow(run: Sequence[_Field]) -> list[tuple[int, int, int]]:
     """Returns the place and limits of the integers whose bytes can hold more."""
-    return [(index, *each.kind.limits) for index, each in enumerate(run) if each.kind.is_narrow]
+    return [(index, *field.kind.limits) for index, field in enumerate(run) if field.kind.is_narrow]
 
 
 def _quick(run: Sequence[_Field], pack: Callable[..., bytes], careful: Write) -> Write:
     """Returns what writes integers at once, and leaves it to another one to word an error."""
-    value_of, narrow = operator.attrgetter(*(each.name for each in run)), _narrow(run)
+    value_of, narrow = operator.attrgetter(*(field.name for field in run)), _narrow(run)
     lower, upper = run[0].kind.limits
 
     def write(part: Any, out: bytearray) -> None:
@@ -265,8 +265,10 @@ def _scalars_and_counted(run: Sequence[_Field], counted: _Field) -> _Part:
     careful = _all_written([_scalars(run), _counted(counted)])
     packer = _packer(run, counted.kind.format)
     pack, unpack_from, size = packer.pack, packer.unpack_from, packer.size
-    value_of = operator.attrgetter(*(each.name for each in [*run, counted]))
-    puts = [(i, each.name, each.kind.put) for i, each in enumerate(run) if not each.kind.limits]
+    value_of = operator.attrgetter(*(member.name for member in [*run, counted]))
+    puts = [
+        (i, scalar.name, scalar.kind.put) for i, scalar in enumerate(run) if not scalar.kind.limits
+    ]
     narrow, gets = _narrow(run), _gets(run)
     name, least, is_text = counted.name, counted.kind.least, counted.kind.is_text
     most, take_value = counted.kind.most, counted.kind.take
@@ -349,7 +351,7 @@ def _listed(field: _Field) -> _Part:
 
 def _tagged(field: _Field) -> _Part:
     name, where = field.name, field.kind.name
-    options = {each.TAG: each for each in get_args(field.type)}
+    options = {option.TAG: option for option in get_args(field.type)}
 
     def write(part: Any, out: bytearray) -> None:
         chosen = getattr(part, name)

@@ -137,7 +137,7 @@ def _names(message: Message) -> tuple[str, ...]:
 
 
 def _values(message: Message) -> tuple[Any, ...]:
-    return tuple(getattr(message, each) for each in _names(message))
+    return tuple(getattr(message, name) for name in _names(message))
 
 
 def asked_for(query: Message, report: MessageT) -> MessageT:

@@ -41,7 +41,7 @@ class Budget:
     @property
     def seconds(self) -> float | None:
         """The sum; None where there is no bound."""
-        return None if self.never else sum(each.seconds for each in self.steps)
+        return None if self.never else sum(step.seconds for step in self.steps)
 
 
 def budgets_of(
@@ -51,10 +51,10 @@ def budgets_of(
 
     `topic_rate`: messages each second of its topics, where these are the source.
     """
-    carried = [each for each in streams if each.kind in ("message", "event", "report")]
+    carried = [stream for stream in streams if stream.kind in ("message", "event", "report")]
     if not carried:
         return ()
-    slowest = min(carried, key=lambda each: each.hertz)
+    slowest = min(carried, key=lambda stream: stream.hertz)
     period = 1 / slowest.hertz
     source_period = period if is_to_ros(connection) else 1 / topic_rate
     normal = (*_normal(connection, slowest, period), *_shaped(connection, source_period))
@@ -96,7 +96,7 @@ def _hertz(stream: Stream) -> str:
 def _queue(connection: bridge.Connection, period: float) -> Step:
     """Returns how long a message waits behind a full queue of its topic."""
     constants = runtime_constants()
-    depths = [_depth(each) for each in connection.topics if each.join is None]
+    depths = [_depth(topic) for topic in connection.topics if topic.join is None]
     depth = max(depths, default=constants.least_depth)
     limit = constants.queue_age_limit
     if depth * period > limit:
@@ -222,11 +222,11 @@ def asked_rate(provider: jaus.Component, rate: float) -> Iterator[str]:
 def _times(
     connection: bridge.Connection, streams: list[Stream], topic_rate: float
 ) -> Iterator[str]:
-    arriving = [each for each in streams if each.kind in ("message", "event", "report")]
+    arriving = [stream for stream in streams if stream.kind in ("message", "event", "report")]
     if not is_to_ros(connection):
         rate, is_assumed = topic_rate, True
     elif arriving:
-        slowest = min(arriving, key=lambda each: each.hertz)
+        slowest = min(arriving, key=lambda stream: stream.hertz)
         rate, is_assumed = slowest.hertz, slowest.basis == ASSUMED
     else:
         return

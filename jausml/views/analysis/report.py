@@ -125,7 +125,7 @@ class Report:
     @property
     def bridges(self) -> tuple[ComponentReport, ...]:
         """The bridges."""
-        return tuple(each for each in self.components if each.is_bridge)
+        return tuple(component for component in self.components if component.is_bridge)
 
 
 def report_of(system: System, assumptions: Assumptions) -> Report:
@@ -137,12 +137,12 @@ def report_of(system: System, assumptions: Assumptions) -> Report:
 def _report_of(system: System, assumptions: Assumptions) -> Report:
     traffic = traffic_of(system, assumptions)
     elements = [*system.components, *system.bridges]
-    components = tuple(_component(each, system, traffic, assumptions) for each in elements)
+    components = tuple(_component(element, system, traffic, assumptions) for element in elements)
     hosts = tuple(
         HostReport(
             str(host.name),
             str(host.transport.name),
-            tuple(each.name for each in components if each.host == host.name),
+            tuple(component.name for component in components if component.host == host.name),
             _load_at({e for e in elements if host_of(system, e) is host}, traffic.streams),
         )
         for host in system.hosts
@@ -155,16 +155,18 @@ def _component(
 ) -> ComponentReport:
     host = host_of(system, element)
     connections = tuple(
-        connection_report(each, traffic, assumptions)
-        for each in (element.bridgeConnections if isinstance(element, bridge.Bridge) else ())
+        connection_report(bridge_connection, traffic, assumptions)
+        for bridge_connection in (
+            element.bridgeConnections if isinstance(element, bridge.Bridge) else ()
+        )
     )
     asked = (
-        f"{each.name}: {text}"
-        for each in element.connections
-        if each.exchange.name == "periodic" and each.provider is not None
-        for text in asked_rate(each.provider, float(each.rate))
+        f"{connection.name}: {text}"
+        for connection in element.connections
+        if connection.exchange.name == "periodic" and connection.provider is not None
+        for text in asked_rate(connection.provider, float(connection.rate))
     )
-    upkeep = [each for each in traffic.streams if each.kind == "upkeep"]
+    upkeep = [stream for stream in traffic.streams if stream.kind == "upkeep"]
     return ComponentReport(
         str(element.name),
         str(element.address),
@@ -172,7 +174,7 @@ def _component(
         str(host.name) if host is not None else "",
         _load_at({element}, traffic.streams),
         _load_at({element}, upkeep),
-        sum(each.share for each in connections),
+        sum(connection.share for connection in connections),
         tuple(asked),
         connections,
         tuple(calls_of(element)) if isinstance(element, bridge.Bridge) else (),
@@ -184,15 +186,17 @@ def connection_report(
 ) -> ConnectionReport:
     """Returns what is told of a connection."""
     streams, owner = traffic.of(connection), connection.eContainer()
-    topics = [str(each.name) for each in connection.topics if each.join is None]
-    carried = [each for each in streams if each.kind in ("message", "event", "report")]
-    out = [each for each in carried if each.sender is owner]
+    topics = [str(topic.name) for topic in connection.topics if topic.join is None]
+    carried = [stream for stream in streams if stream.kind in ("message", "event", "report")]
+    out = [stream for stream in carried if stream.sender is owner]
     to_ros = is_to_ros(connection)
-    joined = {each.join.message.name for each in joined_reports(connection)}
+    joined = {joined_report.join.message.name for joined_report in joined_reports(connection)}
     joined.discard(connection.map.message.name)
-    driving = [each for each in streams if each.message not in joined]
-    carried = [each for each in carried if each.message not in joined]
-    arriving = sum(each.hertz for each in carried) if to_ros else assumptions.rate_of(connection)
+    driving = [stream for stream in streams if stream.message not in joined]
+    carried = [stream for stream in carried if stream.message not in joined]
+    arriving = (
+        sum(stream.hertz for stream in carried) if to_ros else assumptions.rate_of(connection)
+    )
     passing = passed_rate(connection, arriving)
     size = ros_size(connection.map.type, assumptions.length_of(connection))
     return ConnectionReport(
@@ -204,8 +208,8 @@ def connection_report(
         type=_type_name(connection),
         topics=tuple(topics),
         joins=(
-            *(str(each.name) for each in connection.topics if each.join is not None),
-            *(str(each.join.message.name) for each in joined_reports(connection)),
+            *(str(topic.name) for topic in connection.topics if topic.join is not None),
+            *(str(joined_report.join.message.name) for joined_report in joined_reports(connection)),
         ),
         peers=_peers(connection, streams, owner),
         fan_out=len(topics) if to_ros else len(out),
@@ -239,8 +243,10 @@ def _peers(
 ) -> tuple[str, ...]:
     if connection.search is not None:
         return ("found by service",)
-    others = (end for each in streams for end in (each.sender, each.receiver) if end is not owner)
-    named = dict.fromkeys(str(each.name) if each is not None else "anybody" for each in others)
+    others = (
+        end for stream in streams for end in (stream.sender, stream.receiver) if end is not owner
+    )
+    named = dict.fromkeys(str(other.name) if other is not None else "anybody" for other in others)
     return tuple(named)
 
 
@@ -267,13 +273,13 @@ def _name(component: jaus.Component | None) -> str:
 def _load_at(elements: set[jaus.Component | None], streams: Iterable[Stream]) -> Load:
     """Returns what some components send and receive."""
     counts, out, come = [0.0, 0.0], Wire(), Wire()
-    for each in streams:
-        if each.sender in elements and each.sender is not None:
-            counts[0] += each.hertz
-            out, come = out + each.forth, come + each.back
-        if each.receiver in elements and each.receiver is not None:
-            counts[1] += each.hertz
-            out, come = out + each.back, come + each.forth
+    for stream in streams:
+        if stream.sender in elements and stream.sender is not None:
+            counts[0] += stream.hertz
+            out, come = out + stream.forth, come + stream.back
+        if stream.receiver in elements and stream.receiver is not None:
+            counts[1] += stream.hertz
+            out, come = out + stream.back, come + stream.forth
     return Load(counts[0], counts[1], out, come)
 
 
@@ -293,12 +299,12 @@ def seconds_of(
     connection: bridge.Connection, streams: list[Stream], ros_size: Size, arriving: float
 ) -> float:
     """Returns the processor time of a connection in each second: the share of one processor."""
-    topics = sum(each.join is None for each in connection.topics)
+    topics = sum(topic.join is None for topic in connection.topics)
     packets = sum(
-        each.hertz * each.packets * (2 if each.is_acknowledged else 1) for each in streams
+        stream.hertz * stream.packets * (2 if stream.is_acknowledged else 1) for stream in streams
     )
-    each = MESSAGE + topics * PACKET + ros_size.expected * BYTE
-    return arriving * each + packets * PACKET
+    seconds = MESSAGE + topics * PACKET + ros_size.expected * BYTE
+    return arriving * seconds + packets * PACKET
 
 
 @dataclass(frozen=True)
@@ -348,7 +354,7 @@ def calls_of(owner: bridge.Bridge) -> Iterator[CallReport]:
 
 
 def _names(messages: Iterable[jaus.MessageDef]) -> tuple[str, ...]:
-    return tuple(str(each.name) for each in messages)
+    return tuple(str(message.name) for message in messages)
 
 
 def _peers_of_call(
@@ -356,4 +362,4 @@ def _peers_of_call(
 ) -> tuple[str, ...]:
     if connection.search is not None:
         return ("who is found",)
-    return tuple(str(each.name) for each in connection.peers)
+    return tuple(str(peer.name) for peer in connection.peers)

@@ -133,8 +133,8 @@ class _File:
 
     def default(self, owner: str, name: str) -> float:
         """Returns the number that a class gives an attribute."""
-        classes = (each for each in self._body if isinstance(each, ast.ClassDef))
-        body = next(each.body for each in classes if each.name == owner)
+        classes = (statement for statement in self._body if isinstance(statement, ast.ClassDef))
+        body = next(definition.body for definition in classes if definition.name == owner)
         return self._number(_assigned(body, name))
 
     def _number(self, node: ast.expr) -> float:
@@ -219,16 +219,18 @@ class _Walk:
             case wire.List():
                 return self._counted(kind.count, self._length, self.kind(kind.element.kind))
             case wire.Array():
-                each = self.kind(kind.element.kind)
-                return _times(each, kind.length, kind.length, kind.length)
+                size = self.kind(kind.element.kind)
+                return _times(size, kind.length, kind.length, kind.length)
             case wire.Record():
                 return self._record(kind, None)
             case wire.Variant():
-                return self._one_of([self.kind(each.kind) for each in kind.options]).plus(
+                return self._one_of([self.kind(option.kind) for option in kind.options]).plus(
                     kind.tag.size
                 )
             case wire.VariableNumber():
-                numbers = [_fixed(each.number.minimum_size) for each in kind.alternatives]
+                numbers = [
+                    _fixed(alternative.number.minimum_size) for alternative in kind.alternatives
+                ]
                 return self._one_of(numbers).plus(1)
         return _fixed(kind.minimum_size)
 
@@ -245,11 +247,11 @@ class _Walk:
     def _one_of(options: list[Size]) -> Size:
         if not options:
             return _fixed(0)
-        mosts = [each.most for each in options]
+        mosts = [option.most for option in options]
         return Size(
-            min(each.least for each in options),
-            max(each.expected for each in options),
-            None if None in mosts else max(each for each in mosts if each is not None),
+            min(option.least for option in options),
+            max(option.expected for option in options),
+            None if None in mosts else max(bound for bound in mosts if bound is not None),
         )
 
     @staticmethod
@@ -267,11 +269,11 @@ def _sum(first: Size, second: Size) -> Size:
     return Size(first.least + second.least, first.expected + second.expected, most)
 
 
-def _times(each: Size, least: int, expected: int, most: int) -> Size:
+def _times(size: Size, least: int, expected: int, most: int) -> Size:
     return Size(
-        each.least * least,
-        each.expected * expected,
-        None if each.most is None else each.most * most,
+        size.least * least,
+        size.expected * expected,
+        None if size.most is None else size.most * most,
     )
 
 
@@ -298,7 +300,7 @@ def ros_size(kind: ros.MessageType, length: int) -> Size:
     except _UnboundedError:
         return Size(HEADER + least, HEADER + expected, None)
     # rmw_fastrtps gives types of a bounded size a multiple of four bytes.
-    return Size(*(HEADER + _aligned(each, _COUNT) for each in (least, expected, most)))
+    return Size(*(HEADER + _aligned(size, _COUNT) for size in (least, expected, most)))
 
 
 def _nothing(_: int) -> int:
@@ -322,8 +324,8 @@ class _Writer:
         """Returns the position after a message that begins at a position."""
         if not kind.fields:
             return position + 1  # rosidl puts a byte into an empty type
-        for each in kind.fields:
-            position = self._field(each, position)
+        for member in kind.fields:
+            position = self._field(member, position)
         return position
 
     def _field(self, field: ros.Field, position: int) -> int:

@@ -127,7 +127,7 @@ class Wire:
 
     def times(self, factor: float) -> Wire:
         """Returns as much of it."""
-        return Wire(*(each * factor for each in astuple(self)))
+        return Wire(*(amount * factor for amount in astuple(self)))
 
 
 def packet_count(payload: int, fragment_size: int) -> int:
@@ -204,13 +204,18 @@ class Request:
 def requests_of(system: System) -> Iterator[tuple[jaus.Component | None, Request]]:
     """Yields whom clients ask for reports, and what for; None is a peer without a name."""
     for owner in system.bridges:
-        for each in owner.bridgeConnections:
-            if is_to_ros(each) and not is_single(each):
-                kind = _KINDS[each.exchange.name]
-                rate = 0.0 if kind == "change" else float(each.rate or owner.frequency)
-                for peer in peers_of(each):
-                    yield peer, Request(owner, each, each.map.message, kind, rate)
-            yield from _joined_requests(owner, each)
+        for bridge_connection in owner.bridgeConnections:
+            if is_to_ros(bridge_connection) and not is_single(bridge_connection):
+                kind = _KINDS[bridge_connection.exchange.name]
+                rate = 0.0 if kind == "change" else float(bridge_connection.rate or owner.frequency)
+                for peer in peers_of(bridge_connection):
+                    yield (
+                        peer,
+                        Request(
+                            owner, bridge_connection, bridge_connection.map.message, kind, rate
+                        ),
+                    )
+            yield from _joined_requests(owner, bridge_connection)
     for component in (*system.components, *system.bridges):
         for wanted in component.connections:
             if wanted.exchange.name != "oneTime":
@@ -229,7 +234,7 @@ def _joined_requests(
             kind, message = _KINDS[report.exchange], report.join.message
             request = Request(owner, connection, message, kind, report.rate, report)
             named: list[jaus.Component | None] = [
-                each for each in report.peers if isinstance(each, jaus.Component)
+                peer for peer in report.peers if isinstance(peer, jaus.Component)
             ]
             yield from ((peer, request) for peer in named or [None])
 
@@ -241,10 +246,10 @@ def peers_of(connection: bridge.Connection) -> list[jaus.Component | None]:
 
 def alike_requests(requests: list[Request]) -> Iterator[list[Request]]:
     """Yields those that share an event; beside one of every change, a rate is served by queries."""
-    periodic = [each for each in requests if each.exchange == "periodic"]
-    others = [each for each in requests if each.exchange != "periodic"]
+    periodic = [request for request in requests if request.exchange == "periodic"]
+    others = [request for request in requests if request.exchange != "periodic"]
     if not (periodic and others):
         yield requests
         return
     yield others
-    yield [replace(each, exchange="query") for each in periodic]
+    yield [replace(request, exchange="query") for request in periodic]

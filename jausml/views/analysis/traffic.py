@@ -58,9 +58,9 @@ class _Streams:
         self._constants = runtime_constants()
         self._components: list[jaus.Component] = [*system.components, *system.bridges]
         self._core = {
-            str(each.name): wire.resolve(each)
+            str(output.name): wire.resolve(output)
             for service in with_inherited(standard_services())
-            for each in (*service.inputs, *service.outputs)
+            for output in (*service.inputs, *service.outputs)
         }
 
     def all(self) -> list[Stream]:
@@ -93,9 +93,10 @@ class _Streams:
         if not isinstance(provider, bridge.Bridge):
             return []
         return [
-            each
-            for each in provider.bridgeConnections
-            if not (is_to_ros(each) or is_single(each)) and code(each.map.message) == code(message)
+            bridge_connection
+            for bridge_connection in provider.bridgeConnections
+            if not (is_to_ros(bridge_connection) or is_single(bridge_connection))
+            and code(bridge_connection.map.message) == code(message)
         ]
 
     def _requested(
@@ -105,24 +106,24 @@ class _Streams:
         feeding: list[bridge.Connection],
     ) -> Iterator[Stream]:
         first = requests[0]
-        connections: list[Asking] = [*(each.connection for each in requests), *feeding]
-        length = max(self._assumptions.length_of(each) for each in connections)
+        connections: list[Asking] = [*(request.connection for request in requests), *feeding]
+        length = max(self._assumptions.length_of(connection) for connection in connections)
         size = self._report_size(first, feeding, length)
-        rates = [each.hertz for each in requests if each.exchange != "change"]
+        rates = [request.hertz for request in requests if request.exchange != "change"]
         source = feeding[0] if feeding else first.connection
         hertz = max(rates) if rates else self._changes_of(source)
         basis = DECLARED if rates else ASSUMED
         if first.exchange == "query":
             # Each connection asks by itself.
-            for each in requests:
-                query = self._query_size(each, provider)
+            for request in requests:
+                query = self._query_size(request, provider)
                 yield self._stream(
-                    first.client, provider, query[0], "query", query[1], each.hertz, DECLARED,
-                    [each.connection],
+                    first.client, provider, query[0], "query", query[1], request.hertz, DECLARED,
+                    [request.connection],
                 )  # fmt: skip
                 yield self._stream(
-                    provider, first.client, str(first.message.name), "report", size, each.hertz,
-                    DECLARED, [each.connection, *feeding],
+                    provider, first.client, str(first.message.name), "report", size, request.hertz,
+                    DECLARED, [request.connection, *feeding],
                 )  # fmt: skip
             return
         hertz = self.offered_rate(provider, hertz) if rates else hertz
@@ -189,14 +190,16 @@ class _Streams:
     def _messages(self) -> Iterator[Stream]:
         sent: list[tuple[bridge.Connection, Stream]] = []
         for owner in self._system.bridges:
-            for each in owner.bridgeConnections:
-                if not is_to_ros(each) and is_single(each):
-                    for peer in peers_of(each):
-                        sent.append((each, self._sent(owner, peer, each)))
+            for bridge_connection in owner.bridgeConnections:
+                if not is_to_ros(bridge_connection) and is_single(bridge_connection):
+                    for peer in peers_of(bridge_connection):
+                        sent.append((bridge_connection, self._sent(owner, peer, bridge_connection)))
         for receiver in self._system.bridges:
-            for each in receiver.bridgeConnections:
-                if is_to_ros(each) and is_single(each):
-                    sent += self._received(receiver, each, [stream for _, stream in sent])
+            for bridge_connection in receiver.bridgeConnections:
+                if is_to_ros(bridge_connection) and is_single(bridge_connection):
+                    sent += self._received(
+                        receiver, bridge_connection, [stream for _, stream in sent]
+                    )
         yield from (stream for _, stream in sent)
 
     def _sent(
@@ -226,7 +229,7 @@ class _Streams:
                 stream.connections.append(connection)
                 known.add(stream.sender)
         missing: list[jaus.Component | None] = [
-            each for each in connection.peers if each not in known
+            peer for peer in connection.peers if peer not in known
         ]
         if not connection.peers and not known:
             missing = [None]
@@ -333,12 +336,12 @@ def _assigned_fields(connection: bridge.Connection) -> frozenset[str]:
     """Returns the fields of a JAUS message that a map may fill."""
     paths = [
         parse_path(path)
-        for each in connection.map.toJaus
-        if not isinstance(each, bridge.Ignore)
-        for path in target_paths(each)
+        for assignment in connection.map.toJaus
+        if not isinstance(assignment, bridge.Ignore)
+        for path in target_paths(assignment)
     ]
     return frozenset(path[0] for path in paths if path)
 
 
 def _has_presence_vector(query: jaus.MessageDef) -> bool:
-    return any(each.name == _PRESENCE_VECTOR for each in wire.resolve(query).members)
+    return any(member.name == _PRESENCE_VECTOR for member in wire.resolve(query).members)

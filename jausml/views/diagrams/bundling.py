@@ -24,7 +24,7 @@ def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
 
     What two frames have in common is told in the boxes, not by edges across.
     """
-    bridges = [each for each in graph.nodes if each.kind == "bridge"]
+    bridges = [node for node in graph.nodes if node.kind == "bridge"]
     if not is_crowded(graph, most):
         return graph
     frames = bridges_around(graph)
@@ -41,15 +41,15 @@ def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
             across[source][target] += 1
             across[target][source] += 1
     nodes = graph.by_id
-    hosts = {each.id: each.title for each in graph.groups}
+    hosts = {group.id: group.title for group in graph.groups}
     return replace(
         graph,
         nodes=tuple(
-            _box(each, frames[each.id], within[each.id], across[each.id], nodes, hosts)
-            for each in graph.nodes
+            _box(node, frames[node.id], within[node.id], across[node.id], nodes, hosts)
+            for node in graph.nodes
         ),
         groups=tuple(map(_frame_of, bridges)),
-        edges=tuple(_bundle(each, {b.id for b in bridges}) for each in inside.values()),
+        edges=tuple(_bundle(edge_group, {b.id for b in bridges}) for edge_group in inside.values()),
     )
 
 
@@ -85,15 +85,15 @@ def _box(
         ports=rows,
         group=f"{frame}{FRAME}" if frame else "",
         subtitle=subtitle,
-        details=(*node.details, *((each.label, each.note) for each in node.ports)),
+        details=(*node.details, *((port.label, port.note) for port in node.ports)),
         findings=tuple(findings),
-        state=node.state or (CHANGED if any(each.state for each in node.ports) else ""),
+        state=node.state or (CHANGED if any(port.state for port in node.ports) else ""),
     )
 
 
 def _bundle(edges: list[Edge], bridges: set[str]) -> Edge:
     first = edges[0]
-    titles = dict.fromkeys(each.title for each in edges)
+    titles = dict.fromkeys(edge.title for edge in edges)
     return replace(
         first,
         source=_end(first.source.node, first.target.node, bridges),
@@ -102,14 +102,14 @@ def _bundle(edges: list[Edge], bridges: set[str]) -> Edge:
         labels=(),
         count=len(edges),
         element=first.element if len(edges) == 1 else "",
-        details=tuple((each.title, ", ".join(each.labels) or each.kind) for each in edges),
-        findings=tuple(dict.fromkeys(f for each in edges for f in each.findings)),
+        details=tuple((edge.title, ", ".join(edge.labels) or edge.kind) for edge in edges),
+        findings=tuple(dict.fromkeys(f for edge in edges for f in edge.findings)),
         state=_common_state(edges),
     )
 
 
 def _common_state(edges: list[Edge]) -> str:
-    states = {each.state for each in edges}
+    states = {edge.state for edge in edges}
     return states.pop() if len(states) == 1 else CHANGED
 
 
@@ -124,7 +124,7 @@ def _words(count: int) -> str:
 
 def is_crowded(graph: Graph, most: int = MOST_EDGES) -> bool:
     """Tells whether a graph has too many edges to be read without frames around its bridges."""
-    return len(graph.edges) > most and any(each.kind == "bridge" for each in graph.nodes)
+    return len(graph.edges) > most and any(node.kind == "bridge" for node in graph.nodes)
 
 
 def framed(graph: Graph) -> Graph:
@@ -137,18 +137,18 @@ def framed(graph: Graph) -> Graph:
     """
     homes = bridges_around(graph)
     nodes = graph.by_id
-    bridges = [each for each in graph.nodes if each.kind == "bridge"]
+    bridges = [node for node in graph.nodes if node.kind == "bridge"]
     return replace(
         graph,
         nodes=tuple(
-            replace(each, group=f"{home}{FRAME}")
-            if (home := homes[each.id]) and _is_beside(each, nodes[home])
-            else each
-            for each in graph.nodes
+            replace(node, group=f"{home}{FRAME}")
+            if (home := homes[node.id]) and _is_beside(node, nodes[home])
+            else node
+            for node in graph.nodes
         ),
         groups=(
             *graph.groups,
-            *(replace(_frame_of(each), parent=each.group) for each in bridges),
+            *(replace(_frame_of(bridge), parent=bridge.group) for bridge in bridges),
         ),
         is_crowded=True,
     )
@@ -160,7 +160,7 @@ def _is_beside(node: Node, bridge: Node) -> bool:
 
 def bridges_around(graph: Graph) -> dict[str, str]:
     """Returns by node the bridge that it exchanges most with; empty for none."""
-    bridges = {each.id for each in graph.nodes if each.kind == "bridge"}
+    bridges = {node.id for node in graph.nodes if node.kind == "bridge"}
     counts: dict[str, Counter[str]] = defaultdict(Counter)
     for edge in graph.edges:
         for one, other in (
@@ -170,8 +170,8 @@ def bridges_around(graph: Graph) -> dict[str, str]:
             if other in bridges:
                 counts[one][other] += 1
     return {
-        each.id: each.id
-        if each.id in bridges
-        else next((bridge for bridge, _ in counts[each.id].most_common(1)), "")
-        for each in graph.nodes
+        node.id: node.id
+        if node.id in bridges
+        else next((bridge for bridge, _ in counts[node.id].most_common(1)), "")
+        for node in graph.nodes
     }

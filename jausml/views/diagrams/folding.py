@@ -43,17 +43,17 @@ def folded(graph: Graph, opened: Collection[str]) -> Graph:
     """
     homes = _homes(graph, opened)
     insides = _insides(graph, homes)
-    groups = {each.id: each for each in graph.groups}
+    groups = {group.id: group for group in graph.groups}
     return replace(
         graph,
         nodes=(
-            *(each for each in graph.nodes if not homes[each.id]),
+            *(node for node in graph.nodes if not homes[node.id]),
             *(_closed(groups[name], inside) for name, inside in insides.items()),
         ),
         groups=tuple(
-            each
-            for each in graph.groups
-            if each.key in opened and not _closed_around(each.parent, groups, opened)
+            group
+            for group in graph.groups
+            if group.key in opened and not _closed_around(group.parent, groups, opened)
         ),
         edges=tuple(_edges(graph, homes)),
     )
@@ -61,8 +61,8 @@ def folded(graph: Graph, opened: Collection[str]) -> Graph:
 
 def frames_of(graph: Graph) -> dict[str, tuple[str, ...]]:
     """Returns by node the frames around it, the innermost first."""
-    groups = {each.id: each for each in graph.groups}
-    return {each.id: tuple(f.id for f in _around(each.group, groups)) for each in graph.nodes}
+    groups = {group.id: group for group in graph.groups}
+    return {node.id: tuple(f.id for f in _around(node.group, groups)) for node in graph.nodes}
 
 
 def _around(name: str, groups: dict[str, Group]) -> Iterator[Group]:
@@ -73,14 +73,14 @@ def _around(name: str, groups: dict[str, Group]) -> Iterator[Group]:
 
 def _closed_around(name: str, groups: dict[str, Group], opened: Collection[str]) -> str:
     """Returns the outermost closed frame at or around a frame, empty for none."""
-    closed = [each.id for each in _around(name, groups) if each.key not in opened]
+    closed = [group.id for group in _around(name, groups) if group.key not in opened]
     return closed[-1] if closed else ""
 
 
 def _homes(graph: Graph, opened: Collection[str]) -> dict[str, str]:
-    groups = {each.id: each for each in graph.groups}
-    known = {each: _closed_around(each, groups, opened) for each in {"", *groups}}
-    return {each.id: known.get(each.group, "") for each in graph.nodes}
+    groups = {group.id: group for group in graph.groups}
+    known = {group_id: _closed_around(group_id, groups, opened) for group_id in {"", *groups}}
+    return {node.id: known.get(node.group, "") for node in graph.nodes}
 
 
 @dataclass
@@ -113,7 +113,7 @@ def _insides(graph: Graph, homes: dict[str, str]) -> dict[str, _Inside]:
             insides[home].findings += edge.findings
     for home, frames in seen.items():
         insides[home].frames = len(frames)
-    return {each.id: insides[each.id] for each in graph.groups if each.id in insides}
+    return {group.id: insides[group.id] for group in graph.groups if group.id in insides}
 
 
 def _closed(group: Group, inside: _Inside) -> Node:
@@ -140,9 +140,11 @@ def _gravest(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     worst = severity(tuple(distinct))
     if not worst:
         return ()
-    counts = Counter(each.severity for each in distinct)
+    counts = Counter(finding.severity for finding in distinct)
     told = ", ".join(
-        _count(counts[each], (each, f"{each}s")) for each in ("error", "warning") if counts[each]
+        _count(counts[level], (level, f"{level}s"))
+        for level in ("error", "warning")
+        if counts[level]
     )
     return (Finding(worst, "", f"{told or _count(counts['info'], ('hint', 'hints'))} in it"),)
 
@@ -177,6 +179,6 @@ def _bundle(start: End, end: End, kind: str, edges: list[Edge]) -> Edge:
         kind,
         _count(len(edges), _LINES),
         count=len(edges),
-        findings=_gravest(found for each in edges for found in each.findings),
+        findings=_gravest(found for edge in edges for found in edge.findings),
         key=f"{first.key}!bundle",
     )

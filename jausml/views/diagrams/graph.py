@@ -162,15 +162,15 @@ class Graph:
     @property
     def compares(self) -> bool:
         """Whether it shows what became of its parts."""
-        states = [each.state for each in self.nodes]
+        states = [node.state for node in self.nodes]
         states += [port.state for node in self.nodes for port in node.ports]
-        states += [each.state for each in self.groups]
-        return any(states) or any(each.state for each in self.edges)
+        states += [group.state for group in self.groups]
+        return any(states) or any(edge.state for edge in self.edges)
 
     @property
     def by_id(self) -> dict[str, Node]:
         """The nodes by id."""
-        return {each.id: each for each in self.nodes}
+        return {node.id: node for node in self.nodes}
 
 
 _GRAVEST = ("error", "warning", "info")
@@ -178,7 +178,7 @@ _GRAVEST = ("error", "warning", "info")
 
 def severity(findings: tuple[Finding, ...]) -> str:
     """Returns the gravest severity of findings, empty without any."""
-    return next((each for each in _GRAVEST if any(f.severity == each for f in findings)), "")
+    return next((level for level in _GRAVEST if any(f.severity == level for f in findings)), "")
 
 
 class Boxed(Protocol):
@@ -220,8 +220,8 @@ def _inside(
     for number, box in enumerate(boxes):
         if box.group == frame:
             yield Step("box", number, depth)
-    for number, each in enumerate(frames):
-        if each.parent == frame:
+    for number, inner_frame in enumerate(frames):
+        if inner_frame.parent == frame:
             yield Step("begin", number, depth)
-            yield from _inside(each.id, depth + 1, boxes, frames)
+            yield from _inside(inner_frame.id, depth + 1, boxes, frames)
             yield Step("end", number, depth)

@@ -104,13 +104,13 @@ class Edited:
         found = []
         for one, other in zip(ours, theirs, strict=True):
             found += compare(one, other, wanted.metamodels, DERIVED)
-        return [str(each) for each in found]
+        return [str(difference) for difference in found]
 
     def changed_lines(self, old: bytes) -> list[str]:
         """Returns the lines that a diff against earlier bytes shows."""
-        lines = (each.decode("utf-8-sig").splitlines() for each in (old, self.data))
+        lines = (content.decode("utf-8-sig").splitlines() for content in (old, self.data))
         diff = difflib.unified_diff(*lines, n=0, lineterm="")
-        return [each for each in diff if each[0] in "+-" and each[:3] not in ("+++", "---")]
+        return [line for line in diff if line[0] in "+-" and line[:3] not in ("+++", "---")]
 
 
 class Meaning:
@@ -145,13 +145,13 @@ class Meaning:
     def _set(self, obj, name, values) -> None:
         feature = self._model.metamodels.class_of(obj).features[name]
         if feature.is_reference:
-            found = [self._find(each) for each in values]
+            found = [self._find(value) for value in values]
         else:
-            found = [convert(each, feature.data_type)[0] for each in values]
+            found = [convert(value, feature.data_type)[0] for value in values]
         if feature.many:
             getattr(obj, name).clear()
-            for each in found:
-                getattr(obj, name).append(each)
+            for value in found:
+                getattr(obj, name).append(value)
         else:
             setattr(obj, name, found[0] if found else feature.default)
 
@@ -209,11 +209,15 @@ class Commands:
         obj = self._element()
         plain = (FeatureKind.ATTRIBUTE, FeatureKind.CROSS_REFERENCE)
         features = [
-            each
-            for each in self._table(obj).features.values()
-            if each.settable and each.kind in plain
+            structural_feature
+            for structural_feature in self._table(obj).features.values()
+            if structural_feature.settable and structural_feature.kind in plain
         ]
-        features = [each for each in features if each.name != "name"]
+        features = [
+            structural_feature
+            for structural_feature in features
+            if structural_feature.name != "name"
+        ]
         if not features:
             return None
         feature = self._random.choice(features)
@@ -225,10 +229,10 @@ class Commands:
             known = self._model.instances(feature.target.python_class)
             count = self._random.randint(1, 3) if feature.many else 1
             chosen = [self._random.choice(known) for _ in range(count)] if known else []
-            return tuple(dict.fromkeys(self._edited.ref(each) for each in chosen))
+            return tuple(dict.fromkeys(self._edited.ref(element) for element in chosen))
         count = self._random.randint(1, 3) if feature.many else 1
         values = (self._value(feature) for _ in range(count))
-        return tuple(dict.fromkeys(each for each in values if each is not None))
+        return tuple(dict.fromkeys(value for value in values if value is not None))
 
     def _value(self, feature):
         kind = feature.data_type.kind
@@ -254,9 +258,9 @@ class Commands:
             if not feature.lower and self._random.random() < 0.8:
                 continue
             if feature.kind is FeatureKind.CONTAINMENT:
-                kinds = [each for each in feature.target.subtypes if not each.abstract]
+                kinds = [subtype for subtype in feature.target.subtypes if not subtype.abstract]
                 if depth < 3 and kinds:
-                    kinds.sort(key=lambda each: each.qualified_name)
+                    kinds.sort(key=lambda metaclass: metaclass.qualified_name)
                     kind = self._random.choice(kinds)
                     inner, owned = self._made(kind, depth + 1)
                     children.append(Child(feature.name, kind.qualified_name, inner, owned))
@@ -269,15 +273,16 @@ class Commands:
     def _add(self):
         owner = self._element()
         features = [
-            each
-            for each in self._table(owner).features.values()
-            if each.kind is FeatureKind.CONTAINMENT and (each.many or not contents(owner, each))
+            structural_feature
+            for structural_feature in self._table(owner).features.values()
+            if structural_feature.kind is FeatureKind.CONTAINMENT
+            and (structural_feature.many or not contents(owner, structural_feature))
         ]
         if not features:
             return None
         feature = self._random.choice(features)
-        kinds = [each for each in feature.target.subtypes if not each.abstract]
-        kinds.sort(key=lambda each: each.qualified_name)
+        kinds = [subtype for subtype in feature.target.subtypes if not subtype.abstract]
+        kinds.sort(key=lambda metaclass: metaclass.qualified_name)
         kind = self._random.choice(kinds)
         values, children = self._made(kind)
         count = len(contents(owner, feature))
@@ -294,10 +299,10 @@ class Commands:
 
     def _is_referred_to(self, obj) -> bool:
         gone = {obj, *obj.eAllContents()}
-        for each in self._model.elements_of(self._model.documents[0]):
-            for feature in self._table(each).features.values():
+        for element in self._model.elements_of(self._model.documents[0]):
+            for feature in self._table(element).features.values():
                 is_reference = feature.kind is FeatureKind.CROSS_REFERENCE
-                if is_reference and each not in gone and gone & set(contents(each, feature)):
+                if is_reference and element not in gone and gone & set(contents(element, feature)):
                     return True
         return False
 
@@ -308,9 +313,9 @@ class Commands:
             return None
         feature = obj.eContainmentFeature().name
         others = [
-            each
-            for each in self._model.elements_of(self._model.documents[0])
-            if each.eClass is owner.eClass and each is not owner
+            element
+            for element in self._model.elements_of(self._model.documents[0])
+            if element.eClass is owner.eClass and element is not owner
         ]
         if others and self._random.random() < 0.3:
             owner = self._random.choice(others)

@@ -71,7 +71,7 @@ def lines(robot, *commands):
     found = robot.changed_lines(before)
     robot.project.undo()
     assert robot.data == before
-    return [f"{each[0]}{each[1:].strip()}" for each in found]
+    return [f"{line[0]}{line[1:].strip()}" for line in found]
 
 
 def test_values_of_features(robot):
@@ -80,7 +80,7 @@ def test_values_of_features(robot):
         "+address: 100.1.9",
     ]
     assert lines(robot, Set(BRIDGE, "controlTimeout", ("7",))) == ["+controlTimeout: 7"]
-    refs = [robot.ref(each) for each in robot.root.bridges[0].provides]
+    refs = [robot.ref(provide) for provide in robot.root.bridges[0].provides]
     assert lines(robot, Set(BRIDGE, "provides", (refs[0],))) == [
         "-provides: VelocityStateSensor, Management",
         "+provides: VelocityStateSensor",
@@ -215,7 +215,10 @@ def test_what_is_referred_to_is_imported(robot):
     command = Set(f"{BRIDGE}/@bridgeConnections.0", "map", (ready,))
     before = robot.data
     robot.do(command)
-    assert next(each.strip() for each in robot.changed_lines(before)) == "+import mappings.odometry"
+    assert (
+        next(changed_line.strip() for changed_line in robot.changed_lines(before))
+        == "+import mappings.odometry"
+    )
 
 
 @pytest.mark.parametrize("start", [b"", b"\xef\xbb\xbf"])
@@ -258,7 +261,7 @@ def test_what_follows_may_follow_an_edit(tmp_path):
     values = {"name": ("again",), "map": (car.ref(cruise_speed),)}
     text = car.do(Add(ref, "bridgeConnections", "bridge.Connection", values, (topic,)))
     block = ["connection again {", "    map: cruise_speed", "    topic again", "}"]
-    assert "\n".join(f"{' ' * 8}{each}" for each in block) in text
+    assert "\n".join(f"{' ' * 8}{line}" for line in block) in text
     # Without its services the bridge carries what it carries in other ways.
     assert "provides:" not in car.do(Set(ref, "provides", ())).split("bridge bridge")[1]
     connection = f"{ref}/@bridgeConnections.5"
@@ -278,7 +281,7 @@ def test_paths_through_a_join_follow_its_name(tmp_path):
     )
     robot = Edited(path)
     [join] = (
-        next(each for each in robot.model.roots if each.eClass.name == "MapLibrary").maps[0].joins
+        next(root for root in robot.model.roots if root.eClass.name == "MapLibrary").maps[0].joins
     )
     text = robot.do(Rename(robot.ref(join), "stick"))
     wanted = robot.first.decode().replace("lever ", "stick ").replace("lever.", "stick.")

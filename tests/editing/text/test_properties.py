@@ -33,7 +33,7 @@ CASES += [(file, layout) for file in FILES if file.stem == "catvehicle" for layo
 @pytest.mark.parametrize(
     ("file", "layout"),
     sweep(dict.fromkeys(CASES), every=12),
-    ids=lambda each: getattr(each, "stem", each),
+    ids=lambda parameter: getattr(parameter, "stem", parameter),
 )
 def test_random_edits(tmp_path, file, layout):
     folder = tmp_path / "models"
@@ -66,7 +66,7 @@ def check_layout(text, before, command):
     laid_out = lay_out(parse(text).document)
     assert text.replace("\r\n", "\n") == laid_out
     if not isinstance(command, Remove) and not (isinstance(command, Set) and not command.values):
-        old, new = (sorted(map(plain, ordinary_comments(each))) for each in (before, text))
+        old, new = (sorted(map(plain, ordinary_comments(source))) for source in (before, text))
         assert old == new, command
 
 

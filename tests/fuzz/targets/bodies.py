@@ -49,7 +49,10 @@ def codecs(module: str, views: tuple[MessageView, ...]) -> Target[None]:
     """
     view = MessagesModule("Messages of the library.", "jausml.runtime", views)
     task = FileTask(
-        "messages.py.j2", [view], lambda _: f"{module}.py", imports=lambda each: each.imports
+        "messages.py.j2",
+        [view],
+        lambda _: f"{module}.py",
+        imports=lambda messages_module: messages_module.imports,
     )
     return Target(
         name="codecs",

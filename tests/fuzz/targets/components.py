@@ -50,9 +50,9 @@ SETTINGS = ComponentSettings(
     default_authority=10, max_events=8, event_rate_max=2.0, max_list_elements=16
 )
 CODECS = {
-    each.CODE: each
-    for each in vars(core).values()
-    if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
+    member.CODE: member
+    for member in vars(core).values()
+    if isinstance(member, type) and issubclass(member, Message) and hasattr(member, "CODE")
 }
 FINAL = (Status.FAILURE, Status.SHUTDOWN)
 FAILURES = (
@@ -347,7 +347,7 @@ def seeds() -> list[bytes]:
         for head in (0, 1, 2, 9)
     ]
     user = b"".join([_step(USER, bytes([choice])) for choice in (3, 2, 0, 4, 5, 6, 7, 1)])
-    return [*exchanges, *[each + user for each in exchanges[::8]]]
+    return [*exchanges, *[exchange + user for exchange in exchanges[::8]]]
 
 
 def _step(head: int, message: bytes) -> bytes:

@@ -180,7 +180,7 @@ def seeds() -> list[bytes]:
         present_frame([PEER]),
         b"\x00F\x7f\x00\x00\x01\x0e\xd2" + datagrams[0],
     ]
-    return [bytes([origin]) + each for each in datagrams for origin in range(len(ORIGINS))]
+    return [bytes([origin]) + datagram for datagram in datagrams for origin in range(len(ORIGINS))]
 
 
 def report() -> str:

@@ -37,7 +37,7 @@ def read(chunks: list[bytes]) -> tuple[list[Packet | None], str, dict[str, int]]
             assert reader.pending <= _MOST_PENDING
     except StreamError as error:
         end = error.counter
-    size = sum(len(each.payload) + EMPTY_MESSAGE_SIZE for each in packets if each)
+    size = sum(len(packet.payload) + EMPTY_MESSAGE_SIZE for packet in packets if packet)
     assert size <= sum(map(len, chunks))
     # Each message is there, or counted as one that cannot be read.
     assert packets.count(None) == sum(counters.snapshot().values())

@@ -54,7 +54,7 @@ def test_all_that_rosidl_reads():
     (section,) = found.sections
     assert found.faults == []
     assert section.comment == "What a camera\nfollows."
-    said = [(each.name, str(each.type), each.default, each.comment) for each in section.fields]
+    said = [(field.name, str(field.type), field.default, field.comment) for field in section.fields]
     assert said == [
         ("header", "std_msgs/Header", None, ""),
         ("speed_mps", "float32", "-1.5", ""),
@@ -74,8 +74,11 @@ def test_all_that_rosidl_reads():
         ("big", "int64", None, ""),
         ("tiny", "int8", None, ""),
     ]
-    assert [each.units for each in section.fields[1:4]] == ["m/s", "bananas", "bananas"]
-    assert [(each.name, each.type, each.value, each.comment) for each in section.constants] == [
+    assert [field.units for field in section.fields[1:4]] == ["m/s", "bananas", "bananas"]
+    assert [
+        (constant.name, constant.type, constant.value, constant.comment)
+        for constant in section.constants
+    ] == [
         ("LOST", "uint8", "2", "Nobody follows it."),
         ("FRAME", "string", 'a "map"\n', ""),
         ("MOST", "uint32", "4", ""),
@@ -93,8 +96,8 @@ def test_what_rosidl_wrote_says_what_it_was_written_from():
             idl = path.with_suffix(".idl")
             theirs = parse_interface(str(idl), kind, idl.read_text(encoding="utf-8"))
             assert theirs.faults == []
-            assert [facts(each, name) for each in theirs.sections] == [
-                facts(each, name) for each in ours.sections
+            assert [facts(section, name) for section in theirs.sections] == [
+                facts(section, name) for section in ours.sections
             ], idl
             checked += 1
     assert checked > 100
@@ -110,7 +113,9 @@ def facts(section, package):
         return float(text) if text and kind == "float64" else text
 
     fields = [(e.name, plain(e.type), value(e.default, str(e.type))) for e in section.fields]
-    return fields, [(each.name, value(each.value, each.type)) for each in section.constants]
+    return fields, [
+        (constant.name, value(constant.value, constant.type)) for constant in section.constants
+    ]
 
 
 WHOLE = "module t_msgs { module msg { %s }; };"
@@ -145,7 +150,7 @@ def test_services_and_actions_have_a_structure_for_each_part():
     text = "module t_msgs { module srv { struct Pull_Request { float l; };\n"
     text += "struct Pull_Response { uint8 structure_needs_at_least_one_member; }; }; };"
     request, response = read(text, "Pull", "srv").sections
-    assert [each.name for each in request.fields] == ["l"]
+    assert [field.name for field in request.fields] == ["l"]
     assert response.fields == []
     (fault,) = read(text.replace("Pull_Response", "Pull_Answer"), "Pull", "srv").faults
     assert (fault.line, fault.column) == (2, 8)
@@ -162,7 +167,7 @@ def test_a_message_beside_it_uses_the_type(tmp_path):
         (source,) = package_sources([str(path)])
         result = import_packages([source])
         assert result.diagnostics == []
-        messages = {each.name: each for each in result.packages[0].messages}
+        messages = {message.name: message for message in result.packages[0].messages}
         assert messages.keys() == {"Track", "Tracks", "Both"}
         assert messages["Tracks"].fields[0].messageType is messages["Track"]
     speed, a = messages["Track"].fields[1:3]

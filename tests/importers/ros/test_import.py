@@ -25,7 +25,10 @@ def package(name, **texts):
 
 
 def found(result):
-    return [(each.rule, str(each.location), each.message, each.hint) for each in result.diagnostics]
+    return [
+        (diagnostic.rule, str(diagnostic.location), diagnostic.message, diagnostic.hint)
+        for diagnostic in result.diagnostics
+    ]
 
 
 @pytest.fixture
@@ -79,10 +82,16 @@ def test_a_package_that_the_library_lacks_is_imported_along(prefix):
     )
     sources = [package("winch_msgs", Winch_msg="rope_msgs/Rope rope\n")]
     result = import_packages(sources, installation=Installation())
-    assert [each.name for each in result.packages] == ["winch_msgs", "rope_msgs", "knot_msgs"]
-    assert [each.rule for each in result.diagnostics] == ["JML662", "JML662"]
+    assert [imported_package.name for imported_package in result.packages] == [
+        "winch_msgs",
+        "rope_msgs",
+        "knot_msgs",
+    ]
+    assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML662", "JML662"]
     assert not result.has_errors
-    places = {f"{each.name}.xmi": [each] for each in result.packages}
+    places = {
+        f"{imported_package.name}.xmi": [imported_package] for imported_package in result.packages
+    }
     model = placed(result, places)
     written = to_xmi(result.packages[:1], model, "winch_msgs.xmi")
     assert '<messageType href="rope_msgs.xmi#Rope"/>' in written
@@ -124,7 +133,7 @@ def test_types_that_lead_nowhere(text, rule, place, hint):
 
 def test_a_cycle_of_two_is_reported_once():
     result = import_packages([package("a_msgs", A_msg="B b", B_msg="A[] a", C_msg="A a")])
-    assert [each[:2] for each in found(result)] == [("JML650", "a_msgs/A.msg:1:1")]
+    assert [finding[:2] for finding in found(result)] == [("JML650", "a_msgs/A.msg:1:1")]
     assert "A -> B -> A" in found(result)[0][2]
 
 
@@ -155,7 +164,7 @@ def test_header_of_the_package_itself_is_no_shorthand():
     ],
 )
 def test_files_that_cannot_be_taken(source, rule):
-    assert [each.rule for each in import_packages([source]).diagnostics] == [rule]
+    assert [diagnostic.rule for diagnostic in import_packages([source]).diagnostics] == [rule]
 
 
 def test_packages_are_named_by_their_manifest_or_folder(tmp_path, monkeypatch):
@@ -168,7 +177,10 @@ def test_packages_are_named_by_their_manifest_or_folder(tmp_path, monkeypatch):
 
     def packages(*paths):
         found = package_sources([str(tmp_path / path) for path in paths])
-        return {each.name: [file.name for file in each.files] for each in found}
+        return {
+            package_source.name: [file.name for file in package_source.files]
+            for package_source in found
+        }
 
     assert packages("ws") == {"one": ["A"], "two_msgs": ["C", "E", "B"]}
     assert packages("ws/two/msg/C.msg", "ws/two") == {"two_msgs": ["C", "E", "B"]}

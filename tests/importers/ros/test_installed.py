@@ -13,7 +13,7 @@ from jausml.language.importers.ros import import_packages, installed_source
 from jausml.language.interfaces import Installation, parse_definition
 from jausml.language.interfaces.parsing import definition_files
 
-PACKAGES = [each for each in Installation().packages() if each != "rmw_dds_common"]
+PACKAGES = [package for package in Installation().packages() if package != "rmw_dds_common"]
 """All but one whose Python classes are not installed."""
 
 NAMES = {
@@ -30,7 +30,7 @@ pytestmark = pytest.mark.needs("interfaces")
 @pytest.fixture(scope="module")
 def imported():
     installation = Installation()
-    folders = {each: installation.folder(each) for each in PACKAGES}
+    folders = {package: installation.folder(package) for package in PACKAGES}
     sources = [installed_source(name, folder) for name, folder in folders.items()]
     result = import_packages(sources, library=False)
     assert result.diagnostics == []
@@ -93,9 +93,13 @@ def test_comments_and_units_are_those_that_rosidl_finds():
     from rosidl_adapter import parser
 
     installation = Installation()
-    paths = [each for name in PACKAGES for each in definition_files(installation.folder(name))]
+    paths = [
+        definition_file
+        for name in PACKAGES
+        for definition_file in definition_files(installation.folder(name))
+    ]
     compared = 0
-    for path in (each for each in paths if each.suffix == ".msg"):
+    for path in (definition_file for definition_file in paths if definition_file.suffix == ".msg"):
         text = path.read_text(encoding="utf-8")
         (ours,) = parse_definition(text, "msg").sections
         theirs = parser.parse_message_string("any_msgs", "M", text)

@@ -72,13 +72,13 @@ def lines(draw, used):
     """Draws a field or a constant: its line, and its facts."""
     comment = draw(st.sampled_from(["", "  # about it", " ## more # signs", "# close"]))
     if draw(st.booleans()):
-        name = draw(CONSTANTS.filter(lambda each: each not in used))
+        name = draw(CONSTANTS.filter(lambda candidate: candidate not in used))
         kind = FieldType(draw(st.sampled_from(PRIMITIVES)))
         text, value = scalar(draw, kind)
         space = draw(st.sampled_from(["", " "]))
         used.add(name)
         return f"{kind} {name}{space}={space}{text}{comment}", ("constant", name, str(kind), value)
-    name = draw(WORDS.filter(lambda each: each not in used))
+    name = draw(WORDS.filter(lambda candidate: candidate not in used))
     kind = draw(types())
     default, value = "", None
     if kind.is_primitive and draw(st.booleans()):
@@ -95,7 +95,7 @@ def default_of(draw, kind):
     count = min(count, kind.array_size) if kind.array == "boundedSequence" else count
     single = FieldType(kind.name, "", kind.string_bound)
     pairs = [scalar(draw, single) for _ in range(count)]
-    text = ", ".join(each for each, _ in pairs)
+    text = ", ".join(literal for literal, _ in pairs)
     shown = [json.dumps(v, ensure_ascii=False) if kind.name in TEXTS else v for _, v in pairs]
     return f"[{text}]", f"[{', '.join(shown)}]"
 
@@ -110,7 +110,7 @@ def messages(draw):
 
 def facts_of(package):
     """Returns the facts of the message M of an imported package, constants apart."""
-    (found,) = [each for each in package.messages if each.name == "M"]
+    (found,) = [message for message in package.messages if message.name == "M"]
     fields = []
     for field in found.fields:
         common = (field.arrayKind.name, field.arraySize)
@@ -128,7 +128,9 @@ def facts_of(package):
 
 def written(package):
     """Returns the text of the message M as the target ros_interfaces writes it."""
-    (file,) = [each for each in package_files(package, "") if each.name == "M"]
+    (file,) = [
+        package_file for package_file in package_files(package, "") if package_file.name == "M"
+    ]
     return "\n".join(file.sections[0].lines)
 
 
@@ -146,8 +148,8 @@ def test_facts_survive_the_import(drawn):
     result = import_packages([own, OTHER], library=False)
     assert result.diagnostics == []
     fields, constants = facts_of(result.packages[0])
-    assert fields == [each for each in facts if each[0] == "field"]
-    assert constants == [each for each in facts if each[0] == "constant"]
+    assert fields == [fact for fact in facts if fact[0] == "field"]
+    assert constants == [fact for fact in facts if fact[0] == "constant"]
     again = InterfaceFile("M.msg", written(result.packages[0]).encode())
     own = PackageSource("demo_msgs", [again, own.files[1]])
     result = import_packages([own, OTHER], library=False)
@@ -216,10 +218,10 @@ def test_any_text_is_read_or_refused_with_its_place(tokens, kind):
     data = " ".join(tokens).encode()
     source = InterfaceFile(f"M.{kind}", data)
     result = import_packages([PackageSource("demo_msgs", [source])], library=False)
-    for each in result.diagnostics:
-        assert each.rule in ROS_RULES or each.rule in READER_RULES
-        assert 1 <= each.location.line <= len(data.decode().splitlines()) + 1
-        assert each.location.column >= 1
+    for diagnostic in result.diagnostics:
+        assert diagnostic.rule in ROS_RULES or diagnostic.rule in READER_RULES
+        assert 1 <= diagnostic.location.line <= len(data.decode().splitlines()) + 1
+        assert diagnostic.location.column >= 1
     if not result.has_errors:
         places = {"out.xmi": result.packages}
         assert to_xmi(result.packages, placed(result, places), "out.xmi")

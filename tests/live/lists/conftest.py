@@ -23,8 +23,8 @@ def packages():
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_DOMAIN_ID", free_domain())
-        for each in [*made, messages]:
-            patch.syspath_prepend(each)
+        for message in [*made, messages]:
+            patch.syspath_prepend(message)
         yield [*made, messages]
 
 

@@ -60,14 +60,14 @@ class Vehicle(JausComponent):
     def reach(self, at):
         """Makes an element active, by its place in the list; None ends the execution."""
         with self.loop.lock:
-            self.active = 0 if at is None else [each.uid for each in self.elements][at]
+            self.active = 0 if at is None else [element.uid for element in self.elements][at]
             self.report_changed(self.messages.ReportActiveElement)
 
     @property
     def xs(self):
         """The x of the waypoints in the list."""
         decode = self.messages.SetLocalWaypoint.decode
-        return [round(decode(each.data).x, 1) for each in self.elements]
+        return [round(decode(element.data).x, 1) for element in self.elements]
 
     def begun(self, number=1):
         """Waits until so many lists were to be executed."""

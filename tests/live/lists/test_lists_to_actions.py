@@ -284,7 +284,7 @@ def test_a_long_list_is_followed(system, operator):
     count = 255
     operator.give(*range(1, count + 1))
     operator.execute()
-    assert wait_goal(system)["x"] == [float(each) for each in range(1, count + 1)]
+    assert wait_goal(system)["x"] == [float(number) for number in range(1, count + 1)]
 
 
 @pytest.mark.slow
@@ -306,12 +306,12 @@ def change(peer, *transitions):
 
     client = peer.node.create_client(ChangeState, "/robot/robot/change_state")
     wait_for(client.service_is_ready, "service of the node", PATIENCE)
-    for each in transitions:
+    for transition in transitions:
         request = ChangeState.Request()
-        request.transition.label = each
+        request.transition.label = transition
         answer = client.call_async(request)
-        wait_for(answer.done, each, PATIENCE)
-        assert answer.result().success, each
+        wait_for(answer.done, transition, PATIENCE)
+        assert answer.result().success, transition
 
 
 @pytest.mark.slow

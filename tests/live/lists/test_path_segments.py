@@ -27,7 +27,7 @@ def segments(operator, *xs, factor=0.0):
         segment(p1_x=x - 0.5, p1_y=1.0, p2_x=float(x), p2_y=0.0, weighting_factor=factor)
         for x in xs
     ]
-    return chain([(uid, each.encode(), 0) for uid, each in enumerate(made, 1)])
+    return chain([(uid, path_segment.encode(), 0) for uid, path_segment in enumerate(made, 1)])
 
 
 def execute(operator):
@@ -50,7 +50,7 @@ def test_segments_are_followed_and_the_distance_tells_which(system, tracker_oper
 def test_a_curve_is_refused_and_the_log_names_it(system, tracker_operator):
     operator = tracker_operator
     straight, bent = segments(operator, 2, 5), segments(operator, 2, 5, factor=0.5)
-    mixed = chain([(each.uid, each.data, 0) for each in (straight[0], bent[1])])
+    mixed = chain([(segment.uid, segment.data, 0) for segment in (straight[0], bent[1])])
     assert not operator.set(mixed)
     assert operator.refusals == [4]
     assert not facts(system, "goal")

@@ -60,9 +60,9 @@ def listener(packages):
 
 def explanation(recorded, counter):
     (drop,) = [
-        each
-        for each in recorded.marks
-        if each.subject == ("/robot/robot", "follow") and each.counter == counter
+        mark
+        for mark in recorded.marks
+        if mark.subject == ("/robot/robot", "follow") and mark.counter == counter
     ]
     model = read_models([MODEL], notations=NOTATIONS, allow_outside=True).model
     return explained(recorded, model, drop.subject, drop.time)
@@ -82,13 +82,13 @@ def test_a_goal_that_is_refused_and_one_that_is_aborted(system, operator, record
     wait_for(lambda: operator.ends == [False, False], "the failure", PATIENCE)
     wait_for(lambda: told(listener, "dropped: aborted"), "diagnostics", PATIENCE)
     recorded = recorder.end()
-    refused, aborted = (explanation(recorded, each) for each in ("refused", "aborted"))
-    assert any("of a goal, nobody wanted it" in each for each in refused.counter)
-    assert any("gave it up" in each for each in aborted.counter)
+    refused, aborted = (explanation(recorded, outcome) for outcome in ("refused", "aborted"))
+    assert any("of a goal, nobody wanted it" in sentence for sentence in refused.counter)
+    assert any("gave it up" in sentence for sentence in aborted.counter)
 
 
 def told(listener, key):
     """Whether diagnostics have had a value."""
     return any(
-        each.key == key for array in listener for status in array.status for each in status.values
+        value.key == key for array in listener for status in array.status for value in status.values
     )

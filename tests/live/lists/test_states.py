@@ -34,7 +34,7 @@ def table():
     whole = takewhile(lambda line: line.startswith("|"), lines[start:])
     rows = [line.strip("|").split("|") for line in whole]
     head, _, *body = [[cell.strip() for cell in row] for row in rows]
-    names = [next(n for n, kind in CONNECTIONS.items() if kind == each) for each in head[1:]]
+    names = [next(n for n, kind in CONNECTIONS.items() if kind == heading) for heading in head[1:]]
     return {
         happens: {name: told for name, told in zip(names, row, strict=True) if told}
         for happens, *row in body

@@ -34,8 +34,8 @@ def packages():
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         patch.setenv("ROS_DOMAIN_ID", free_domain())
-        for each in made:
-            patch.syspath_prepend(each)
+        for path in made:
+            patch.syspath_prepend(path)
         yield made
 
 

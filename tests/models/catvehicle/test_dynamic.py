@@ -59,9 +59,9 @@ def test_stiff_tyres_are_the_kinematic_bicycle() -> None:
 
 def test_at_a_crawl_the_tyres_roll() -> None:
     plant, reference = DynamicPlant(PARAMETERS), BicyclePlant(PARAMETERS)
-    for each in (plant, reference):
-        each.command(0.8, -0.3)
-        each.advance(6.0)
+    for model in (plant, reference):
+        model.command(0.8, -0.3)
+        model.advance(6.0)
 
     assert plant.yaw_rate == pytest.approx(reference.yaw_rate, rel=1e-3)
     assert plant.state.y == pytest.approx(reference.state.y, abs=0.05)

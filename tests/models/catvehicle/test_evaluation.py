@@ -22,7 +22,7 @@ def sample(t: float, v: float) -> Sample:
 def test_driven_is_from_first_to_last_motion() -> None:
     speeds = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0]
     samples = [sample(float(index), v) for index, v in enumerate(speeds)]
-    assert [each.t for each in driven(samples)] == [2.0, 3.0, 4.0]
+    assert [driven_sample.t for driven_sample in driven(samples)] == [2.0, 3.0, 4.0]
 
 
 def test_a_vehicle_that_never_moved_is_an_error() -> None:

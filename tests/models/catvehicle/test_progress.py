@@ -47,8 +47,8 @@ def test_who_stands_at_the_goal_has_arrived_once() -> None:
 def test_reports_that_come_together_are_no_standstill() -> None:
     # Twice the same report, and one that an older one follows: so a busy computer delivers them.
     way = drive(until=20.0)
-    bunched = [each for report in way for each in (report, report)]
-    swapped = [each for one, two in pairwise(way) for each in (two, one)]
+    bunched = [delivery for report in way for delivery in (report, report)]
+    swapped = [delivery for one, two in pairwise(way) for delivery in (two, one)]
 
     assert said(bunched) == said(swapped) == []
 

@@ -99,8 +99,8 @@ class Cdr:
             return
         if array != "fixedArray":
             self.number("I", len(value))
-        for each in value:
-            self.one(field, each)
+        for entry in value:
+            self.one(field, entry)
 
     def one(self, field: Any, value: Any) -> None:
         if isinstance(field, ros.MessageField):

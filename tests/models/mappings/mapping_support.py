@@ -50,8 +50,8 @@ def ready_maps() -> dict[str, list[Any]]:
     """Returns the attribute maps of each file of ready maps by its name."""
     model = files_read().model
     found: dict[str, list[Any]] = {path.stem: [] for path in FILES}
-    for each in model.instances(bridge.AttributeMap):
-        found[Path(model.location(each).path).stem].append(each)
+    for attribute_map in model.instances(bridge.AttributeMap):
+        found[Path(model.location(attribute_map).path).stem].append(attribute_map)
     return found
 
 
@@ -75,15 +75,15 @@ def bridge_lines(stem: str, maps: list[Any], number: int) -> list[str]:
     given: set[str] = set()
     used: set[str] = set()
     connections = []
-    for each in maps:
+    for attribute_map in maps:
         for to_ros in (True, False):
-            if each.toRos if to_ros else each.toJaus:
-                is_provider = _is_provider(each, to_ros=to_ros)
-                (given if is_provider else used).add(_address(each.message.eContainer()))
-                used |= {_address(join.message.eContainer()) for join in each.reportJoins}
+            if attribute_map.toRos if to_ros else attribute_map.toJaus:
+                is_provider = _is_provider(attribute_map, to_ros=to_ros)
+                (given if is_provider else used).add(_address(attribute_map.message.eContainer()))
+                used |= {_address(join.message.eContainer()) for join in attribute_map.reportJoins}
                 peer = "" if is_provider else f"{stem}_peer"
-                carrier = _call if is_of_call(each) else _connection
-                connections.append(carrier(each, to_ros=to_ros, peer=peer))
+                carrier = _call if is_of_call(attribute_map) else _connection
+                connections.append(carrier(attribute_map, to_ros=to_ros, peer=peer))
     lines = [f"bridge {stem}_bridge {{", f"  address: 10.1.{number + 1}  controlTimeout: 5"]
     lines += [f"  provides: {', '.join(sorted(given))}"] if given else []
     lines += [f"  uses: {', '.join(sorted(used))}"] if used else []
@@ -125,7 +125,7 @@ def _call(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
             *(
                 f"    {feature}: {member}"
                 for feature, member in (("successMember", "success"), ("reasonMember", "message"))
-                if member in {each.name for each in kind.response.fields}
+                if member in {field.name for field in kind.response.fields}
             ),
             *([f"    peers: {peer}  control: false"] if peer else []),
             "  }",
@@ -139,8 +139,8 @@ def _connection(attribute_map: Any, *, to_ros: bool, peer: str) -> str:
     topics = [f"    topic {attribute_map.name} {{ }}"]
     if not to_ros:
         topics += [
-            f"    topic {each.name} {{ join: {attribute_map.name}.{each.name} }}"
-            for each in attribute_map.joins
+            f"    topic {join.name} {{ join: {attribute_map.name}.{join.name} }}"
+            for join in attribute_map.joins
         ]
     return "\n".join(
         [
@@ -182,7 +182,7 @@ def _library_files() -> dict[str, str]:
 
 def findings(result: ReadResult) -> list[str]:
     """Returns what reading and checking models found."""
-    return [str(each) for each in check(result).diagnostics]
+    return [str(diagnostic) for diagnostic in check(result).diagnostics]
 
 
 def generated(result: ReadResult) -> Path:
@@ -215,7 +215,7 @@ class Translator:
     def to_ros(self, attribute_map: str, source: Any, **joined: Any) -> Any:
         """Translates a JAUS message and joined ones as they come from the wire."""
         received = type(source).decode(source.encode())
-        others = {name: type(each).decode(each.encode()) for name, each in joined.items()}
+        others = {name: type(message).decode(message.encode()) for name, message in joined.items()}
         return getattr(self.bridge, f"translate_{attribute_map}_to_ros")(received, **others)
 
     def to_jaus(self, attribute_map: str, source: Any, **joined: Any) -> Any:

@@ -29,12 +29,14 @@ SEEDS = st.integers(0, 2**32)
 
 def maps() -> list[tuple[str, Any]]:
     """Maps of messages, each with the name of its file."""
-    found = [(path.stem, each) for path in FILES for each in ready_maps()[path.stem]]
-    return [(stem, each) for stem, each in found if not is_of_call(each)]
+    found = [
+        (path.stem, attribute_map) for path in FILES for attribute_map in ready_maps()[path.stem]
+    ]
+    return [(stem, attribute_map) for stem, attribute_map in found if not is_of_call(attribute_map)]
 
 
 def to_jaus() -> list[tuple[str, Any]]:
-    return [(stem, each) for stem, each in maps() if each.toJaus]
+    return [(stem, attribute_map) for stem, attribute_map in maps() if attribute_map.toJaus]
 
 
 def name(pair: tuple[str, Any]) -> str:

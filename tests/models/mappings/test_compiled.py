@@ -84,7 +84,7 @@ class Function:
             self.call = self.compiled.of(maps.bridge, library, connection.drop_field.unknown)
 
     def made(self, data: bytes, joins: dict[str, Any]) -> Any:
-        given = [_encoded(joins[each]) for each in self.compiled.joins]
+        given = [_encoded(joins[join]) for join in self.compiled.joins]
         return self.call(data, *given)
 
 
@@ -124,7 +124,7 @@ def is_nan_in(data: bytes) -> bool:
 
 
 def to_ros() -> list[tuple[str, Any]]:
-    return [(stem, each) for stem, each in maps() if each.toRos]
+    return [(stem, attribute_map) for stem, attribute_map in maps() if attribute_map.toRos]
 
 
 def drawn(maps: Translator, join: Any, data: Any) -> Any:
@@ -139,9 +139,9 @@ def wrong(payload: bytes, chance: Random) -> list[bytes]:
     """Payloads of the same code with another byte, less or more of them."""
     made = [payload[: chance.randrange(2, len(payload))], payload + b"\0"]
     for _ in range(20):
-        each = bytearray(payload)
-        each[chance.randrange(2, len(each))] = chance.choice([0, 1, 0x7F, 0x80, 0xFF, 0x3F])
-        made.append(bytes(each))
+        changed = bytearray(payload)
+        changed[chance.randrange(2, len(changed))] = chance.choice([0, 1, 0x7F, 0x80, 0xFF, 0x3F])
+        made.append(bytes(changed))
     return made
 
 
@@ -225,7 +225,7 @@ def wrong_cdr(payload: bytes, chance: Random) -> list[bytes]:
     """The same with another byte, less or more of them."""
     made = [payload[: chance.randrange(len(payload))], payload + b"\1"]
     for _ in range(10):
-        each = bytearray(payload)
-        each[chance.randrange(len(each))] = chance.choice([0, 1, 0x7F, 0x80, 0xFF, 0x3F])
-        made.append(bytes(each))
+        changed = bytearray(payload)
+        changed[chance.randrange(len(changed))] = chance.choice([0, 1, 0x7F, 0x80, 0xFF, 0x3F])
+        made.append(bytes(changed))
     return made

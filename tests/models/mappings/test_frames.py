@@ -94,7 +94,9 @@ def test_nearly_straight_up_and_down_on_the_earth(
 ) -> None:
     maps = translator("global_pose_sensor")
     half_pitch, half_yaw = -up * (math.pi / 2 - from_vertical) / 2, 0.6
-    sp, cp, sy, cy = (f(each) for each in (half_pitch, half_yaw) for f in (math.sin, math.cos))
+    sp, cp, sy, cy = (
+        f(half_angle) for half_angle in (half_pitch, half_yaw) for f in (math.sin, math.cos)
+    )
     orientation = Quaternion(x=-sp * sy, y=sp * cy, z=cp * sy, w=cp * cy)
     report = maps.to_jaus("global_pose", NavSatFix(), imu=Imu(orientation=orientation))
     source = maps.messages.ReportGlobalPose(roll=report.roll, pitch=report.pitch, yaw=report.yaw)
@@ -402,7 +404,10 @@ def test_a_path_becomes_a_list_of_waypoints(translator: Callable[[str], Translat
         pose.pose.position.x, pose.pose.position.y = 10.0 * index, 3.0
         pose.pose.orientation = about("z", math.pi / 2)
     command = maps.to_jaus("local_waypoint_list", path)
-    links = [(each.element_uid, each.previous_uid, each.next_uid) for each in command.element_list]
+    links = [
+        (waypoint.element_uid, waypoint.previous_uid, waypoint.next_uid)
+        for waypoint in command.element_list
+    ]
     assert links == [(1, 0, 2), (2, 1, 3), (3, 2, 0)]
     back = maps.to_ros("local_waypoint_list", command)
     assert [pose.pose.position.x for pose in back.poses] == [near(0.0), near(10.0), near(20.0)]

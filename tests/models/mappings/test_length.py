@@ -29,13 +29,13 @@ def too_long(folder: Path) -> dict[str, int]:
     """Returns the translations of bridges with more statements than one reads at once."""
     found = {}
     for path in folder.rglob("*_base.py"):
-        for each in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(each, ast.FunctionDef) and each.name.startswith("translate_"):
-                body = each.body[1:]
+        for syntax in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(syntax, ast.FunctionDef) and syntax.name.startswith("translate_"):
+                body = syntax.body[1:]
                 count = sum(isinstance(p, ast.stmt) for s in body for p in ast.walk(s))
                 # A join brings the members of another message.
-                if count > (MOST_JOINED if len(each.args.args) > 2 else MOST):
-                    found[each.name] = count
+                if count > (MOST_JOINED if len(syntax.args.args) > 2 else MOST):
+                    found[syntax.name] = count
     return found
 
 

@@ -39,7 +39,7 @@ def test_velocities_go_to_their_joints(translator: Callable[[str], Translator]) 
     maps = translator("joint_velocities")
     wanted = JointState(name=ARM[::-1], velocity=[0.6, 0.5, 0.4, 0.3, 0.2, 0.1])
     command = maps.to_jaus("set_joint_velocities", wanted)
-    values = [each.joint_velocity.value for each in command.joint_velocity_list]
+    values = [joint.joint_velocity.value for joint in command.joint_velocity_list]
     assert values == near(0.1, 0.2, 0.3, 0.4, 0.5, 0.6)
     back = maps.to_ros("set_joint_velocities", command)
     assert (list(back.name), list(back.velocity)) == (ARM, values)
@@ -75,7 +75,7 @@ def test_efforts_are_shares_of_a_speed(translator: Callable[[str], Translator]) 
     maps = translator("primitive_manipulator")
     wanted = JointState(name=ARM, velocity=[0.0, 0.5, -0.5, 1.0, -1.0, 0.25])
     command = maps.to_jaus("set_joint_efforts", wanted)
-    efforts = [each.joint_effort for each in command.joint_effort_list]
+    efforts = [joint.joint_effort for joint in command.joint_effort_list]
     assert efforts == near(0, 50, -50, 100, -100, 25, tolerance=0.002)
     back = maps.to_ros("set_joint_efforts", command)
     assert list(back.velocity) == near(*wanted.velocity, tolerance=1e-4)

@@ -119,7 +119,9 @@ def test_the_length_of_the_orientation_of_a_grid_does_not_matter(
     made, longer = grid(4, 2, 10.0, 3.0, 1.0, 0.4), grid(4, 2, 10.0, 3.0, 1.0, 0.4)
     longer.info.origin.orientation.z *= 2.0
     longer.info.origin.orientation.w *= 2.0
-    expected, found = (maps.to_jaus(name, each).cost_map2d_pose_var for each in (made, longer))
+    expected, found = (
+        maps.to_jaus(name, occupancy_grid).cost_map2d_pose_var for occupancy_grid in (made, longer)
+    )
     assert found.map_center_x == near(expected.map_center_x)
     assert found.map_center_y == near(expected.map_center_y)
     assert found.map_rotation == near(expected.map_rotation)
@@ -150,14 +152,14 @@ def test_the_wall_on_the_left_is_at_negative_bearings(
     (variant,) = report.range_sensor_data_list
     points = variant.range_sensor_data_point_list
     assert [point.bearing for point in points] == [
-        near(each) for each in (1.5, 1.0, 0.5, 0.0, -0.5, -1.0, -1.5)
+        near(bearing) for bearing in (1.5, 1.0, 0.5, 0.0, -0.5, -1.0, -1.5)
     ]
     assert [int(point.range_validity) for point in points] == [1, 0, 1, 1, 0, 0, 1]
     assert points[6].range_ == near(2.0)
     assert [point.inclination for point in points] == [near(0.0)] * 7
     back = maps.to_ros("laser_scan", report)
     assert (back.angle_min, back.angle_increment) == (near(-1.5), near(0.5))
-    assert list(back.ranges) == [near(each) for each in (5.0, 0.0, 4.0, 3.0, 0.0, 0.0, 2.0)]
+    assert list(back.ranges) == [near(distance) for distance in (5.0, 0.0, 4.0, 3.0, 0.0, 0.0, 2.0)]
     assert back.range_min > 0.0
 
 
@@ -179,7 +181,7 @@ def test_a_reading_is_valid_where_its_validity_says_so(
     for validity, expected in ((0, 0.0), (1, 5.0), (2, 0.0), (255, 0.0)):
         received = type(report).decode(sound[:at] + bytes([validity]) + sound[at + 1 :])
         back = maps.bridge.translate_laser_scan_to_ros(received)
-        assert list(back.ranges) == [near(each) for each in (expected, 4.0, 3.0)], validity
+        assert list(back.ranges) == [near(distance) for distance in (expected, 4.0, 3.0)], validity
 
 
 # ------------------------------------------------------------------ power, cameras, lamps, joints
@@ -233,11 +235,11 @@ def test_joints_by_name(translator: Callable[[str], Translator]) -> None:
     names = [f"joint_{number}" for number in (3, 1, 2, 6, 5, 4)]
     state = JointState(name=["finger", *names], position=[9.0, 0.3, 0.1, 0.2, 0.6, 0.5, 0.4])
     report = maps.to_jaus("joint_positions", state)
-    angles = [each.joint_position.value for each in report.joint_position_list]
-    assert angles == [near(each) for each in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]
+    angles = [joint.joint_position.value for joint in report.joint_position_list]
+    assert angles == [near(angle) for angle in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]
     back = maps.to_ros("joint_positions", report)
     assert list(back.name) == [f"joint_{number}" for number in range(1, 7)]
-    assert list(back.position) == [near(each) for each in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]
+    assert list(back.position) == [near(position) for position in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]
 
 
 def test_joints_are_commanded_by_name(translator: Callable[[str], Translator]) -> None:
@@ -247,4 +249,4 @@ def test_joints_are_commanded_by_name(translator: Callable[[str], Translator]) -
     command = maps.to_jaus("set_joint_positions", wanted)
     back = maps.to_ros("set_joint_positions", command)
     assert list(back.name) == names[::-1]
-    assert list(back.position) == [near(each) for each in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]
+    assert list(back.position) == [near(position) for position in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]

@@ -35,7 +35,7 @@ GUARDS = ("models/library/mappings",)
 
 
 def all_maps() -> list[Any]:
-    return [each for maps in ready_maps().values() for each in maps]
+    return [field_map for maps in ready_maps().values() for field_map in maps]
 
 
 def test_the_files_are_free_of_findings() -> None:
@@ -46,10 +46,12 @@ def test_bridges_that_use_each_map_are_free_of_findings(system: ReadResult) -> N
     # A bridge with a single map of a service answers for that alone; this one has all of a report,
     # and all that go to one topic, to see each of them. What releases a stop nobody has decided.
     expected = ("JML367", "JML429", "JML450", "JML462", "JML500")
-    assert [each for each in findings(system) if not any(rule in each for rule in expected)] == []
+    assert [
+        finding for finding in findings(system) if not any(rule in finding for rule in expected)
+    ] == []
 
 
-@for_each("each", all_maps, ids=lambda each: each.name)
+@for_each("each", all_maps, ids=lambda field_map: field_map.name)
 def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) -> None:
     tested = {vector.direction.name for vector in each.vectors}
     has = {"jausToRos"} if each.toRos else set()
@@ -58,7 +60,7 @@ def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) 
     assert each.documentation
 
 
-@for_each("each", all_maps, ids=lambda each: each.name)
+@for_each("each", all_maps, ids=lambda field_map: field_map.name)
 def test_each_sign_that_changes_is_in_a_vector(each: Any) -> None:
     """With a figure that is not 0, which has the same sign as its opposite."""
     for way, assignments in (("jausToRos", each.toRos), ("rosToJaus", each.toJaus)):
@@ -80,15 +82,15 @@ def test_each_sign_that_changes_is_in_a_vector(each: Any) -> None:
 
 def _conversions(assignments: Any, around: str = "") -> Iterator[tuple[str, set[str]]]:
     """Yields the whole target paths of assignments with the kinds of their conversions."""
-    for each in assignments:
-        target = ".".join(step for step in (around, each.target) if step not in ("", "."))
-        kinds = {conversion.kind.name for conversion in getattr(each, "conversions", ())}
+    for assignment in assignments:
+        target = ".".join(step for step in (around, assignment.target) if step not in ("", "."))
+        kinds = {conversion.kind.name for conversion in getattr(assignment, "conversions", ())}
         yield target, kinds
-        yield from _conversions(getattr(each, "assignments", ()), target)
+        yield from _conversions(getattr(assignment, "assignments", ()), target)
 
 
 def test_names_are_unique_over_all_files() -> None:
-    names = [each.name for each in all_maps()]
+    names = [field_map.name for field_map in all_maps()]
     assert len(set(names)) == len(names)
     assert all(ready_maps().values())
 
@@ -97,8 +99,8 @@ def test_the_list_has_each_map_and_no_other() -> None:
     text = (MAPPINGS / "README.md").read_text(encoding="utf-8")
     rows = [line.split("|") for line in text.splitlines() if line.startswith("| ")]
     listed = set(re.findall(r"`(\w+)`", " ".join(row[4] for row in rows)))
-    names = {each.name for each in all_maps()}
-    lamps = {each.name for each in ready_maps()["illumination"] if each.toRos}
+    names = {field_map.name for field_map in all_maps()}
+    lamps = {lamp_map.name for lamp_map in ready_maps()["illumination"] if lamp_map.toRos}
     assert len(lamps) == 24
     assert listed - lamps == names - lamps
     assert set(ready_maps()) <= set(re.findall(r"`(\w+)`", text))

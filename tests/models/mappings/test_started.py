@@ -61,7 +61,7 @@ WITHOUT_WHEELS = ("ackermann_msgs", "geographic_msgs")
 def test_bridges_with_each_ready_map_start(workspace: Path) -> None:
     needs.ask("rclpy")
     done = subprocess.run(
-        [sys.executable, "-c", START, str(free_port()), *(each.stem for each in FILES)],
+        [sys.executable, "-c", START, str(free_port()), *(file.stem for file in FILES)],
         env={
             **os.environ,
             "PYTHONPATH": python_path(workspace),

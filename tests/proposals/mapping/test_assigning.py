@@ -23,9 +23,10 @@ class Map:
     def __init__(self, file, name):
         self.scope = scope_of(file)
         [self.map] = [
-            each
-            for each in self.scope.model.instances(bridge.AttributeMap)
-            if each.name == name and self.scope.model.document_of(each).path.name in file
+            attribute_map
+            for attribute_map in self.scope.model.instances(bridge.AttributeMap)
+            if attribute_map.name == name
+            and self.scope.model.document_of(attribute_map).path.name in file
         ]
 
     def member(self, path, *, is_jaus):
@@ -49,7 +50,7 @@ DROPPED = "{ whenAbsent: dropMessage }"
 
 
 def previews(found):
-    return [each.preview for each in found.options]
+    return [option.preview for option in found.options]
 
 
 def test_like_goes_to_like(velocity):
@@ -144,17 +145,17 @@ def test_constants_the_clock_and_nothing(velocity):
 
 def test_partners_of_a_member_are_told(velocity):
     start = velocity.member("YawRate", is_jaus=True)
-    found = {each.path: why for each, why in partners(velocity.scope, velocity.map, start)}
+    found = {partner.path: why for partner, why in partners(velocity.scope, velocity.map, start)}
     assert found["twist.twist.angular.z"] == "by a conversion"
     assert "twist.twist.linear.x" not in found
     assert "header.frame_id" not in found
     back = velocity.member("twist.twist.linear.x", is_jaus=False)
-    found = {each.path: why for each, why in partners(velocity.scope, velocity.map, back)}
+    found = {partner.path: why for partner, why in partners(velocity.scope, velocity.map, back)}
     assert found["Velocity_X"] == "as it is"
 
 
 @pytest.mark.parametrize(
-    "name", sweep((each for each in SHIPPED if not each.endswith(".xmi")), every=6)
+    "name", sweep((file_name for file_name in SHIPPED if not file_name.endswith(".xmi")), every=6)
 )
 def test_what_authors_wrote_is_among_what_is_proposed(name):
     scope = scope_of(name)
@@ -163,17 +164,17 @@ def test_what_authors_wrote_is_among_what_is_proposed(name):
         if scope.model.document_of(used) is not scope.model.documents[0]:
             continue
         for to_ros, assignments in ((True, used.toRos), (False, used.toJaus)):
-            for each in assignments:
-                if not is_plain(each):
+            for assignment in assignments:
+                if not is_plain(assignment):
                     continue
                 count += 1
-                source = member(used, each.source, is_jaus=to_ros)
-                target = member(used, each.target, is_jaus=not to_ros)
+                source = member(used, assignment.source, is_jaus=to_ros)
+                target = member(used, assignment.target, is_jaus=not to_ros)
                 found = assign(scope, used, source, target)
-                wanted = [step.kind.name for step in each.conversions]
+                wanted = [step.kind.name for step in assignment.conversions]
                 label = ", then ".join(wanted) or "as it is"
                 if label not in [option.label for option in found.options]:
-                    missing.append((used.name, each.source, each.target, label, found))
+                    missing.append((used.name, assignment.source, assignment.target, label, found))
     assert not missing, missing[0]
 
 
@@ -183,4 +184,6 @@ def is_plain(assignment):
         return False
     if "," in assignment.source + assignment.target or "[" in assignment.source + assignment.target:
         return False
-    return not any(CONVERSIONS[each.kind.name].arguments for each in assignment.conversions)
+    return not any(
+        CONVERSIONS[conversion.kind.name].arguments for conversion in assignment.conversions
+    )

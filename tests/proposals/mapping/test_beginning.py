@@ -39,27 +39,27 @@ def ears(tmp_path_factory):
 def ready_maps():
     """The ready maps of topics."""
     return [
-        each
-        for each in library().instances(bridge.AttributeMap)
-        if isinstance(each.type.eContainer(), ros.InterfacePackage)
+        attribute_map
+        for attribute_map in library().instances(bridge.AttributeMap)
+        if isinstance(attribute_map.type.eContainer(), ros.InterfacePackage)
     ]
 
 
 @pytest.fixture(scope="module")
 def begun(ears):
     """A new map for the ends of each ready map."""
-    ends = dict.fromkeys((each.message, each.type) for each in ready_maps())
+    ends = dict.fromkeys((ready_map.message, ready_map.type) for ready_map in ready_maps())
     return {pair: begin_map(ears.scope, ears.owner, Wish("fresh", *pair)) for pair in ends}
 
 
 @pytest.mark.slow
 def test_between_the_ends_of_each_ready_map_it_is_without_error_or_says_what_is_missing(begun):
     for (message, kind), made in begun.items():
-        rules = {each.split()[0] for each in made.findings}
+        rules = {finding.split()[0] for finding in made.findings}
         assert rules <= {"JML416", "JML460"}, (name_of(message), name_of(kind), made.findings)
-        for each in made.findings:
-            member = each.split("'")[1] if "JML416" in each else "header.frame_id"
-            assert any(member in one.text for one in made.opens) or "JML460" in each, made.opens
+        for finding in made.findings:
+            member = finding.split("'")[1] if "JML416" in finding else "header.frame_id"
+            assert any(member in one.text for one in made.opens) or "JML460" in finding, made.opens
 
 
 @pytest.mark.slow
@@ -68,8 +68,8 @@ def test_it_tells_of_each_member_of_the_target_or_fills_it(begun):
         for child in made.add.children:
             if child.kind == "bridge.Ignore":
                 assert any(
-                    child.values["target"][0] in each.text or "more" in each.text
-                    for each in made.opens
+                    child.values["target"][0] in open_decision.text or "more" in open_decision.text
+                    for open_decision in made.opens
                 )
 
 
@@ -79,24 +79,24 @@ def compared(begun):
     found = []
     for used in ready_maps():
         made = {
-            (each.feature, each.values["target"][0]): each
-            for each in begun[used.message, used.type].add.children
-            if "target" in each.values
+            (child.feature, child.values["target"][0]): child
+            for child in begun[used.message, used.type].add.children
+            if "target" in child.values
         }
         for feature in ("toRos", "toJaus"):
-            for each in getattr(used, feature):
-                found.append((each, made.get((feature, ", ".join(target_paths(each))))))
+            for assignment in getattr(used, feature):
+                found.append((assignment, made.get((feature, ", ".join(target_paths(assignment))))))
     return found
 
 
 def test_it_finds_most_of_what_authors_wrote(compared):
     """Nearly all but formulas, tables, numbers of the vehicle, joins and parts of a whole."""
     count: Counter[str] = Counter()
-    for each, made in compared:
-        kind = each.eClass.name
-        for name in (kind, "plain") if _is_plain(each) else (kind,):
+    for assignment, made in compared:
+        kind = assignment.eClass.name
+        for name in (kind, "plain") if _is_plain(assignment) else (kind,):
             count[name] += 1
-            count[f"{name} found"] += made is not None and _says(made) == _says_of(each)
+            count[f"{name} found"] += made is not None and _says(made) == _says_of(assignment)
     assert count["FieldAssignment found"] / count["FieldAssignment"] > 0.36, count
     assert count["plain found"] / count["plain"] > 0.68, count
     assert count["ClockAssignment found"] / count["ClockAssignment"] > 0.8, count
@@ -105,10 +105,10 @@ def test_it_finds_most_of_what_authors_wrote(compared):
 
 def test_what_it_fills_is_what_authors_wrote(compared):
     """Where x of a local frame points is the author's: maps to east-north-up differ there."""
-    for each, made in compared:
-        if isinstance(each, bridge.FieldAssignment) and made is not None:
-            name = name_of(each.eContainer())
-            own = source_paths(each)
+    for assignment, made in compared:
+        if isinstance(assignment, bridge.FieldAssignment) and made is not None:
+            name = name_of(assignment.eContainer())
+            own = source_paths(assignment)
             assert made.kind != "bridge.FieldAssignment" or (
                 set(made.values["source"][0].split(", ")) <= {*own} or name.endswith("_enu")
             ), (name, made)
@@ -131,23 +131,25 @@ def _is_plain(assignment):
         return False
     paths = ", ".join((*source_paths(assignment), *target_paths(assignment)))
     used = assignment.eContainer()
-    joined = {f"{name_of(each)}." for each in (*used.joins, *used.reportJoins)}
-    kinds = {each.kind.name for each in assignment.conversions}
+    joined = {f"{name_of(join)}." for join in (*used.joins, *used.reportJoins)}
+    kinds = {conversion.kind.name for conversion in assignment.conversions}
     of_authors = {"expression", "look_up", "value_to_percent", "percent_to_value", "with_units"}
     parts = {"List[", "position[", "velocity[", "orientation."}
-    return not (kinds & of_authors or any(each in paths for each in parts | joined))
+    return not (kinds & of_authors or any(part in paths for part in parts | joined))
 
 
 def test_what_it_guesses_of_a_meaning_is_open_in_the_model_and_an_error(begun):
     """Numbers of the vehicle, and sources of which more than one fits."""
     for made in begun.values():
         opens = {
-            each.values["text"][0]: "blocking" not in each.values
-            for each in made.add.children
-            if each.kind == "bridge.OpenDecision"
+            child.values["text"][0]: "blocking" not in child.values
+            for child in made.add.children
+            if child.kind == "bridge.OpenDecision"
         }
-        for each in made.opens:
-            assert (each.text in opens) is (each.rule == "JML498"), each
-            assert opens.get(each.text, False) is each.is_blocking, each
+        for open_decision in made.opens:
+            assert (open_decision.text in opens) is (open_decision.rule == "JML498"), open_decision
+            assert opens.get(open_decision.text, False) is open_decision.is_blocking, open_decision
         for doubt in made.doubts:
-            assert any(each.text.startswith(f"{doubt.target} may") for each in made.opens)
+            assert any(
+                open_decision.text.startswith(f"{doubt.target} may") for open_decision in made.opens
+            )

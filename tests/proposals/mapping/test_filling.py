@@ -43,7 +43,7 @@ class Map:
     @property
     def map(self) -> bridge.AttributeMap:
         maps = self.scope.model.instances(bridge.AttributeMap, library=False)
-        return next(each for each in maps if each.name == "fresh")
+        return next(attribute_map for attribute_map in maps if attribute_map.name == "fresh")
 
     def fill(self):
         return fill_map(self.scope, self.map)
@@ -56,7 +56,9 @@ class Map:
 
     def errors(self):
         report = check(self.project.model(FILE))
-        return [each for each in report.diagnostics if each.severity.value == "error"]
+        return [
+            diagnostic for diagnostic in report.diagnostics if diagnostic.severity.value == "error"
+        ]
 
 
 GATES = """\
@@ -97,12 +99,12 @@ def test_values_of_one_name_are_filled_by_a_table_that_both_directions_share(tmp
         "state -> State : look_up(state)",
     )
     [table] = used.map.tables
-    assert [(each.jaus, each.ros) for each in table.entries] == [
+    assert [(entry.jaus, entry.ros) for entry in table.entries] == [
         ("open", "OPEN"),
         ("closed", "CLOSED"),
     ]
     for [assignment] in (used.map.toRos, used.map.toJaus):
-        assert [each.table for each in assignment.conversions] == [table]
+        assert [conversion.table for conversion in assignment.conversions] == [table]
     assert not used.errors()
 
 
@@ -123,7 +125,7 @@ def test_a_line_that_is_drawn_brings_the_same_table(tmp_path):
     [table] = used.map.tables
     for assignments in (used.map.toRos, used.map.toJaus):
         [assignment] = assignments
-        assert [each.table for each in assignment.conversions] == [table]
+        assert [conversion.table for conversion in assignment.conversions] == [table]
     assert not used.errors()
 
 
@@ -131,7 +133,7 @@ def test_a_table_that_is_there_is_used(tmp_path):
     table = "    table states ( open <-> OPEN  closed <-> CLOSED )\n"
     used = Map(tmp_path, "ReportGate", "gate_msgs/Gate", lines=table, head=GATES)
     assert "State -> state : look_up(states)" in used.take().statements
-    assert [each.name for each in used.map.tables] == ["states"]
+    assert [value_table.name for value_table in used.map.tables] == ["states"]
     assert not used.errors()
 
 
@@ -159,7 +161,7 @@ def test_what_the_author_wrote_stays_and_the_rest_is_filled(tmp_path):
     lines = "    JAUS->ROS ( 2 -> twist.linear.x )\n"
     used = Map(tmp_path, "ReportVelocityState", "geometry_msgs/TwistStamped", lines)
     found = used.take()
-    assert not any(each.endswith("-> twist.linear.x") for each in found.statements)
+    assert not any(statement.endswith("-> twist.linear.x") for statement in found.statements)
     assert "2 -> twist.linear.x" in (tmp_path / FILE).read_text()
     assert used.errors() == []
 
@@ -167,7 +169,7 @@ def test_what_the_author_wrote_stays_and_the_rest_is_filled(tmp_path):
 def test_angles_become_an_orientation_together(tmp_path):
     used = Map(tmp_path, "ReportLocalPose", "geometry_msgs/PoseStamped")
     found = used.fill()
-    assert [each for each in found.statements if "orientation" in each] == [
+    assert [statement for statement in found.statements if "orientation" in statement] == [
         "Roll, Pitch, Yaw -> pose.orientation : frd_angles_to_flu_quaternion"
         " { whenAbsent: useDefault  defaultValue: 0 }",
         "pose.orientation -> Roll, Pitch, Yaw : flu_quaternion_to_frd_angles",
@@ -185,13 +187,13 @@ def test_nothing_is_filled_where_nothing_corresponds(tmp_path):
 def messages():
     """The messages of services that there are in one version, which need no import."""
     services = library().instances(jaus.Service)
-    counts = Counter(each.name for each in services)
+    counts = Counter(service.name for service in services)
     return sorted(
-        f"{name_of(service)}.{name_of(each)}"
+        f"{name_of(service)}.{name_of(output)}"
         for service in services
         if counts[service.name] == 1
-        for each in (*service.inputs, *service.outputs)
-        if each.body is not None
+        for output in (*service.inputs, *service.outputs)
+        if output.body is not None
     )
 
 
@@ -200,9 +202,10 @@ def kinds():
     """The ROS types with members."""
     return sorted(
         {
-            ros_name(each)
-            for each in library().instances(ros.MessageType)
-            if isinstance(each.eContainer(), ros.InterfacePackage) and len(each.fields)
+            ros_name(message_type)
+            for message_type in library().instances(ros.MessageType)
+            if isinstance(message_type.eContainer(), ros.InterfacePackage)
+            and len(message_type.fields)
         }
     )
 

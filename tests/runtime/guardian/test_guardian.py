@@ -75,14 +75,14 @@ class Bridge:
         """The process that has this one as its last argument."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
-            for each in Path("/proc").glob("[0-9]*/cmdline"):
+            for path in Path("/proc").glob("[0-9]*/cmdline"):
                 try:
-                    words = each.read_bytes().split(b"\0")
+                    words = path.read_bytes().split(b"\0")
                 except OSError:
                     continue
                 own = str(self.process.pid).encode()
                 if any(b"guardian.process" in word for word in words) and words[-2] == own:
-                    return int(each.parent.name)
+                    return int(path.parent.name)
         raise AssertionError("no guardian")
 
     def said(self):
@@ -123,8 +123,8 @@ def bridge():
         return made[-1]
 
     yield start
-    for each in made:
-        each.close()
+    for instance in made:
+        instance.close()
 
 
 STOP = b"stop\x34\x12"
@@ -237,8 +237,8 @@ def test_both_sides_read_the_same_page():
     one.arm(1023, True)
     one.set_sequence(1023, 65536 + 9)
     assert (other.beat, other.taken, other.simulated) == (2**63, 7, -5)
-    assert [other.is_armed(each) for each in (0, 1022, 1023)] == [False, False, True]
-    assert [other.sequence(each) for each in (0, 1023)] == [0, 9]
+    assert [other.is_armed(index) for index in (0, 1022, 1023)] == [False, False, True]
+    assert [other.sequence(index) for index in (0, 1023)] == [0, 9]
     one.close()
     other.close()
     os.close(descriptor)

@@ -38,10 +38,12 @@ CORE_SERVICES = tuple(
 )
 
 CLASSES = {
-    each.CODE: each
+    message_class.CODE: message_class
     for module in (core_messages, discovery, management)
-    for each in vars(module).values()
-    if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
+    for message_class in vars(module).values()
+    if isinstance(message_class, type)
+    and issubclass(message_class, Message)
+    and hasattr(message_class, "CODE")
 }
 
 
@@ -83,7 +85,7 @@ class World:
 
     def traffic(self, address: JausAddress) -> list[PeerTraffic]:
         """What the test says."""
-        return [each for each in self.exchanged if each.own == address]
+        return [peer for peer in self.exchanged if peer.own == address]
 
     def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
         self.answers.append((address, peer, start))

@@ -22,7 +22,7 @@ def test_a_handler_that_blocks_is_named_once(world, caplog):
             probe.send(SetTime(), component.address)
             world.settle()
     assert world.counters.snapshot()["component.handler_blocked"] == 3
-    (line,) = [each.getMessage() for each in caplog.records]
+    (line,) = [record.getMessage() for record in caplog.records]
     assert "component.handler_blocked (1 times): " in line
     assert "dawdle took 0.6 s; nothing was received meanwhile" in line
 

@@ -80,8 +80,8 @@ def test_diagnostics_count_the_reasons_of_stops(world, setting):
     )
     operator = world.probe("5.1.1")
     for message in (ReleaseControl(), ReleaseControl(), Reset()):
-        for each in (RequestControl(authority_code=200), Resume(), minutes(2), message):
-            operator.send(each, OWN)
+        for request in (RequestControl(authority_code=200), Resume(), minutes(2), message):
+            operator.send(request, OWN)
         world.run(1.1)
     told = values(setting.ros.statuses[-1]["times"])
     assert {key: value for key, value in told.items() if key.startswith("stopped: ")} == {
@@ -96,8 +96,8 @@ def test_diagnostics_tell_lapsed_control_from_released(world, setting):
         message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0)), services=CORE
     )
     operator = world.probe("5.1.1")
-    for each in (RequestControl(authority_code=200), Resume(), minutes(2)):
-        operator.send(each, OWN)
+    for message in (RequestControl(authority_code=200), Resume(), minutes(2)):
+        operator.send(message, OWN)
     world.run(7.0)
     status = setting.ros.statuses[-1]["times"]
     lapsed = "control lapsed: its client did not request it again in time"
@@ -135,8 +135,8 @@ def test_a_slow_source_that_is_as_declared_is_well(world, setting, rate):
     peer_component(world)
     setting.open(event(rate=rate))
     world.run(60.0, step=0.05)
-    told = [each["timeout"] for each in setting.ros.statuses]
-    assert {each.message for each in told} <= {"running", "no message yet"}
+    told = [status["timeout"] for status in setting.ros.statuses]
+    assert {status.message for status in told} <= {"running", "no message yet"}
     assert float(values(told[-1])["rate (Hz)"]) == pytest.approx(rate, rel=0.4)
 
 
@@ -219,7 +219,7 @@ def test_who_controls_a_peer_instead_or_why_it_refuses_is_told(world, setting):
 def test_reports_that_got_lost_or_came_late_are_told(world, setting):
     peer = world.probe(str(PEER), strict=False)
     connection = setting.open(event(rate=10.0))
-    create = next(each for each in peer.take() if isinstance(each, CreateEvent))
+    create = next(message for message in peer.take() if isinstance(message, CreateEvent))
     peer.send(
         ConfirmEventRequest(request_id=create.request_id, event_id=4, confirmed_periodic_rate=10.0),
         OWN,
@@ -450,11 +450,11 @@ def test_what_a_peer_does_otherwise_is_told_with_its_account(world, setting):
 
 def test_few_peers_are_told_of_and_those_with_a_place_first(world, setting):
     setting.open(event())
-    strangers = [PeerTraffic(OWN, JausAddress(7, 1, 1 + each), came=1) for each in range(50)]
+    strangers = [PeerTraffic(OWN, JausAddress(7, 1, 1 + number), came=1) for number in range(50)]
     world.keep_place(OWN, OTHER)
     world.exchanged = [PeerTraffic(OWN, OTHER, came=1), *strangers]
     world.run(1.1)
-    told = [each for each in setting.ros.statuses[-1] if each.startswith("account of ")]
+    told = [name for name in setting.ros.statuses[-1] if name.startswith("account of ")]
     assert len(told) == MOST_PEERS
     assert told[0] == f"account of {OTHER}"
     assert told[-1] == "account of 7.1.50"

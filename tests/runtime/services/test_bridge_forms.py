@@ -173,9 +173,9 @@ def test_a_bridge_may_mix_forms(world, setting, caplog):
         assert set(setting.ros.numbers(name)) == {3.0}
         assert told(world, setting, name)["translation"] == form
     assert len({len(setting.ros.numbers(name)) for name in ("light", "real")}) == 1
-    assert [each.getMessage() for each in caplog.records if "translation" in each.message] == [
-        "translations on ROS classes: real"
-    ]
+    assert [
+        record.getMessage() for record in caplog.records if "translation" in record.message
+    ] == ["translations on ROS classes: real"]
 
 
 def test_hand_written_connections_may_have_types_of_ros(world, setting):

@@ -86,27 +86,27 @@ def test_control_ends_and_is_not_to_be_had(world, setting):
         services=CORE,
     )
     operator = world.probe("5.1.1")
-    for each in (RequestControl(authority_code=200), Resume(), minutes(2)):
-        operator.send(each, OWN)
+    for message in (RequestControl(authority_code=200), Resume(), minutes(2)):
+        operator.send(message, OWN)
     world.settle()
     operator.take()
     topic = setting.ros.numbers("times")
     assert topic == [-1.0, 2.0]
     setting.bridge.set_active(False)
     world.settle()
-    (reject,) = [each for each in operator.take() if isinstance(each, RejectControl)]
+    (reject,) = [message for message in operator.take() if isinstance(message, RejectControl)]
     assert reject.response_code == RejectControl.ResponseCode.NOT_AVAILABLE
     operator.send(RequestControl(authority_code=255), OWN)
     operator.send(minutes(3), OWN)
     world.settle()
-    (answer,) = [each for each in operator.take() if isinstance(each, ConfirmControl)]
+    (answer,) = [message for message in operator.take() if isinstance(message, ConfirmControl)]
     assert answer.response_code == ConfirmControl.ResponseCode.NOT_AVAILABLE
     (status,) = operator.ask(QueryStatus(), OWN)
     assert status.status == ReportStatus.Status.STANDBY
     assert setting.ros.numbers("times") == [-1.0, 2.0, -1.0]
     setting.bridge.set_active(True)
-    for each in (RequestControl(authority_code=200), Resume(), minutes(4)):
-        operator.send(each, OWN)
+    for message in (RequestControl(authority_code=200), Resume(), minutes(4)):
+        operator.send(message, OWN)
     world.settle()
     assert setting.ros.numbers("times")[-1] == 4.0
     assert connection.stopped is None
@@ -140,7 +140,9 @@ def test_a_parameter_lifts_the_emergency_of_somebody_who_is_gone(world, setting)
     stranger = world.probe("66.1.1")
     stranger.send(SetEmergency(emergency_code=1), OWN)
     world.settle()
-    (lift,) = [each for each in setting.ros.declared if each.name == "lift_emergency"]
+    (lift,) = [
+        parameter for parameter in setting.ros.declared if parameter.name == "lift_emergency"
+    ]
     for text, reason in (("66.1.1", "heard"), ("9.9.9", "no emergency"), ("operator", "operator")):
         with pytest.raises(ValueError, match=reason):
             lift.check(text)
@@ -158,9 +160,11 @@ def test_a_bridge_that_begins_inactive_asks_for_control_when_it_is_active(world,
     bridge = setting.bridge = Bridge(BridgeSettings("bridge", OWN, services=CORE))
     bridge.connections = [command(is_command=True, control=Guard.READY)]
     bridge.open(setting.ros, world, active=False)
-    assert not [each for each in peer.take() if isinstance(each, (RequestControl, ReleaseControl))]
+    assert not [
+        message for message in peer.take() if isinstance(message, (RequestControl, ReleaseControl))
+    ]
     bridge.set_active(True)
-    (request,) = [each for each in peer.take() if not isinstance(each, QueryStatus)]
+    (request,) = [message for message in peer.take() if not isinstance(message, QueryStatus)]
     assert isinstance(request, RequestControl)
 
 
@@ -174,9 +178,9 @@ def test_a_bridge_that_is_activated_in_emergency_asks_nobody_for_control(world, 
     peer.take()
     setting.bridge.set_active(True)
     world.run(1.0)
-    assert not [each for each in peer.take() if isinstance(each, RequestControl)]
+    assert not [message for message in peer.take() if isinstance(message, RequestControl)]
     operator.send(ClearEmergency(emergency_code=1), OWN)
-    assert [each for each in peer.take() if isinstance(each, RequestControl)]
+    assert [message for message in peer.take() if isinstance(message, RequestControl)]
 
 
 def test_reports_are_withdrawn(world, setting):

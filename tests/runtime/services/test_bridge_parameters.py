@@ -212,7 +212,7 @@ def test_faults_of_topics_are_in_diagnostics_and_once_in_the_log(world, setting,
     assert (status.level, status.message) == ("warning", fault.text)
     assert values(status)["incompatible qos"] == fault.text
     assert values(status)["deadline missed"] == "late"
-    assert [each.getMessage() for each in caplog.records] == [
+    assert [record.getMessage() for record in caplog.records] == [
         f"bridge.drive.incompatible_qos (1 times): {fault.text}",
         "bridge.drive.deadline_missed (1 times): late",
     ]

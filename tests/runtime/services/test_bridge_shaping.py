@@ -329,11 +329,11 @@ def test_limits_are_those_of_the_rules():
     assert parameters.TIMEOUT.limits == (limits.SHORTEST_TIME, limits.LONGEST_TIME)
     assert parameters.DECIMATION.limits == (1, limits.GREATEST_DECIMATION)
     assert parameters.LEAST_MAX_RATE == limits.LEAST_PACE
-    for each in (parameters.SILENCE_TIMEOUT, parameters.AGE_LIMIT):
-        assert each.limits == (0.0, limits.LONGEST_TIME)
-    for each in (parameters.MAX_RATE, parameters.RATE_CAP):
+    for parameter in (parameters.SILENCE_TIMEOUT, parameters.AGE_LIMIT):
+        assert parameter.limits == (0.0, limits.LONGEST_TIME)
+    for parameter in (parameters.MAX_RATE, parameters.RATE_CAP):
         with pytest.raises(ValueError, match="neither 0 nor"):
-            each.of(limits.LEAST_PACE / 2, "x").taken(limits.LEAST_PACE / 2)
+            parameter.of(limits.LEAST_PACE / 2, "x").taken(limits.LEAST_PACE / 2)
 
 
 def test_latency_is_measured_behind_the_shaping(world, setting):

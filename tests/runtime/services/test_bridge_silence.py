@@ -178,7 +178,7 @@ def reported(value):
 
 
 def events(peer):
-    return [each.report_message for each in peer.take() if isinstance(each, Event)]
+    return [message.report_message for message in peer.take() if isinstance(message, Event)]
 
 
 @pytest.mark.parametrize("empty", [None, ReportTime])

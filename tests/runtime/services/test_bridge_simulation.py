@@ -148,7 +148,7 @@ def test_reports_are_served_at_the_pace_of_the_simulation(world, setting, simula
     world.settle()
     client.take()
     simulation.run(4.0, ratio)
-    events = [each for each in client.take() if isinstance(each, Event)]
+    events = [message for message in client.take() if isinstance(message, Event)]
     assert len(events) == pytest.approx(40 * ratio, abs=1)
 
 
@@ -168,7 +168,7 @@ def test_queries_are_sent_at_the_pace_of_the_simulation(world, setting, simulati
     )
     peer.take()
     simulation.run(4.0, 0.5)
-    queries = [each for each in peer.take() if isinstance(each, QueryEventTimeout)]
+    queries = [message for message in peer.take() if isinstance(message, QueryEventTimeout)]
     assert len(queries) == pytest.approx(20, abs=1)
 
 

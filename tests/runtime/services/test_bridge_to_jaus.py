@@ -112,7 +112,7 @@ def test_report_is_served_to_queries_and_events(world, setting):
     assert report.time_stamp.minutes == 3
     setting.ros.deliver["numbers"](Number(4.0))
     world.run(1.0)
-    assert [each.time_stamp.minutes for each in watched] == [3, 4]
+    assert [watched_report.time_stamp.minutes for watched_report in watched] == [3, 4]
 
 
 def test_connections_may_feed_one_report(world, setting):
@@ -164,7 +164,7 @@ def asking(world):
 
     def ask():
         reports = probe.ask(QueryTime(presence_vector=1), OWN)
-        return [(each.time_stamp.seconds, each.time_stamp.minutes) for each in reports]
+        return [(report.time_stamp.seconds, report.time_stamp.minutes) for report in reports]
 
     return ask
 

@@ -145,7 +145,7 @@ def test_connections_of_one_message_take_those_of_their_peers_alone(world, setti
         sensor.send(minutes(number), OWN)
     world.settle()
     assert setting.ros.numbers("times") == [0.0, 1.0]
-    assert [each.statistics.passed for each in (first, second)] == [1, 1]
+    assert [connection.statistics.passed for connection in (first, second)] == [1, 1]
     assert setting.drops(first) == {"unexpected_source": 1}
     assert setting.drops(second) == {}
 
@@ -350,7 +350,7 @@ def test_what_becomes_of_each_message_is_told_and_adds_up(world, setting, caplog
         ),
         services=CORE,
     )
-    robber, pilot, stranger = (world.probe(each) for each in (str(OTHER), str(PEER), "5.1.1"))
+    robber, pilot, stranger = (world.probe(address) for address in (str(OTHER), str(PEER), "5.1.1"))
     pilot.send(RequestControl(authority_code=100), OWN)
     pilot.send(Resume(), OWN)
     for number in range(20):
@@ -365,7 +365,11 @@ def test_what_becomes_of_each_message_is_told_and_adds_up(world, setting, caplog
     assert told["messages taken"] == told["messages passed"] + sum(dropped.values()) == 21
     assert told["not taken: refused"] == 1  # of the stranger the connection knows nothing
     setting.bridge.close()
-    lines = [each for each in caplog.messages if each.startswith(f"account of {connection.name}: ")]
+    lines = [
+        message
+        for message in caplog.messages
+        if message.startswith(f"account of {connection.name}: ")
+    ]
     assert len(lines) == 1
     assert "messages taken 21; messages passed" in lines[0]
     assert "not taken: refused 1" in lines[0]

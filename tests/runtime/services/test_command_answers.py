@@ -29,8 +29,8 @@ def operator(world):
 
 def asked(operator, query=ALL):
     """The minutes that the bridge reports; None for those that it does not have."""
-    answers = [each for each in operator.ask(query, OWN) if isinstance(each, ReportTime)]
-    return [each.time_stamp and each.time_stamp.minutes for each in answers]
+    answers = [message for message in operator.ask(query, OWN) if isinstance(message, ReportTime)]
+    return [answer.time_stamp and answer.time_stamp.minutes for answer in answers]
 
 
 def test_the_last_command_is_told(world, setting, operator):
@@ -104,6 +104,6 @@ def test_nobody_gets_every_change(world, setting, operator):
     wanted = CreateEvent(2, CreateEvent.EventType.PERIODIC_SC, 10.0, ALL.encode())
     operator.send(wanted, OWN)
     world.run(1.0)
-    reports = [each.report_message for each in operator.take() if each.NAME == "Event"]
+    reports = [message.report_message for message in operator.take() if message.NAME == "Event"]
     assert len(reports) > 5
-    assert {ReportTime.decode(each).time_stamp.minutes for each in reports} == {5}
+    assert {ReportTime.decode(report).time_stamp.minutes for report in reports} == {5}

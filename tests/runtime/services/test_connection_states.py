@@ -61,7 +61,7 @@ def rows(title):
     for line in lines[start:]:
         if not line.startswith("|"):
             return
-        cells = [each.strip().strip("`") for each in line.strip("|").split("|")]
+        cells = [word.strip().strip("`") for word in line.strip("|").split("|")]
         if set(cells) != {"---"}:
             yield cells
 
@@ -140,7 +140,7 @@ def test_the_log_tells_changes_and_not_each_of_many(caplog):
         for second in range(int(2 * INTERVAL)):
             log.note((active, silent)[second % 2], 10.0 + second)
         log.note(silent, 10.0 + 3 * INTERVAL)
-    assert [(each.levelname, each.message) for each in caplog.records] == [
+    assert [(record.levelname, record.message) for record in caplog.records] == [
         ("INFO", "pose is active: running"),
         ("WARNING", "pose is silent: the source is silent"),
     ]
@@ -152,7 +152,9 @@ def test_the_log_tells_once_for_whom_a_connection_waits(caplog):
         log.note(Judgement(ConnectionPhase.WAITING, "no message yet"), 1.0)
         for second in range(2, 20):
             log.note(Judgement(ConnectionPhase.WAITING, "100.1.1 does not answer"), float(second))
-    assert [each.message for each in caplog.records] == ["pose is waiting: 100.1.1 does not answer"]
+    assert [record.message for record in caplog.records] == [
+        "pose is waiting: 100.1.1 does not answer"
+    ]
 
 
 # ------------------------------------------------------------------ the table

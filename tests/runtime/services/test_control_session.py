@@ -569,7 +569,7 @@ class TestQuery:
                 on_failure=lambda: failed.append(world.time - start),
             )
         world.run(5.0)
-        assert failed == [pytest.approx(each, abs=0.05) for each in (0.4, 1.0, 1.0)]
+        assert failed == [pytest.approx(delay, abs=0.05) for delay in (0.4, 1.0, 1.0)]
 
     def test_before_the_start(self, world):
         target(world)
@@ -660,8 +660,8 @@ def test_whatever_happens_control_comes_back_and_nobody_is_flooded(world, seed):
             rival.send(ClearEmergency(emergency_code=1), client)
         world.run(chance.random() * 2, step=0.02)
     world.lost = lambda *_: False
-    for each in (tested, client):
-        rival.send(ClearEmergency(emergency_code=1), each)
+    for component in (tested, client):
+        rival.send(ClearEmergency(emergency_code=1), component)
     rival.send(ReleaseControl(), tested)
     world.log.clear()
     world.run(12.0)
@@ -687,7 +687,7 @@ def test_who_acts_on_repetitions_too_is_known_for_it(world, client):
     probe = world.probe(str(TARGET))
     client.control(TARGET, authority=127)
     world.run(0.1)
-    requests = [each for each in probe.take() if isinstance(each, RequestControl)]
+    requests = [message for message in probe.take() if isinstance(message, RequestControl)]
     for _ in range(len(requests) + 1):
         assert world.quirks.of(TARGET) == ()
         probe.send(ConfirmControl(response_code=0), client)

@@ -75,7 +75,7 @@ def test_a_late_command_is_not_obeyed_after_a_newer_one(acknowledge):
             network.run(STEP)
         network.delay(0.0)
         network.run(1.0)
-        order = [60 * each.seconds + each.minutes for each in network.times]
+        order = [60 * time.seconds + time.minutes for time in network.times]
         late = network.loop.counters.snapshot().get("component.out_of_order", 0)
         if acknowledge:
             assert sorted(order) == list(range(200))
@@ -164,6 +164,6 @@ def test_events_are_created_again_while_their_provider_is_heard(seed):
         network.restart_vehicle()
         start = network.time
         network.run(6.0)
-        after = [each for each in reports if each > start]
+        after = [report for report in reports if report > start]
         assert after[0] < start + 3.0
         assert len(after) > 15

@@ -65,11 +65,9 @@ class Transition(NamedTuple):
     def holds_in(self, leaf: str) -> bool:
         """Tells whether it holds in an innermost state, as no inner state has the trigger."""
         inner = (
-            each
-            for each in TABLE
-            if each.trigger == self.trigger and len(each.path) > len(self.path)
+            row for row in TABLE if row.trigger == self.trigger and len(row.path) > len(self.path)
         )
-        return lies_in(leaf, self.path) and not any(lies_in(leaf, each.path) for each in inner)
+        return lies_in(leaf, self.path) and not any(lies_in(leaf, row.path) for row in inner)
 
 
 READY = "Receiving.Ready"
@@ -85,21 +83,25 @@ def lies_in(path: str, outer: str) -> bool:
 def transitions(services: Iterable[jaus.Service]) -> Iterator[Transition]:
     """Yields the transitions of core services."""
     for service in services:
-        for machine in (each for each in service.machines if each.name == "ReceiveFSM"):
+        for machine in (
+            state_machine
+            for state_machine in service.machines
+            if state_machine.name == "ReceiveFSM"
+        ):
             for path, state in states_of(machine):
                 inside = path.removeprefix(READY).strip(".") or "-"
                 for name, of_state in (
                     (inside, state.transitions),
                     (f"{inside} *", state.defaults),
                 ):
-                    for each in of_state:
-                        yield transition(service.name, name, each)
+                    for element in of_state:
+                        yield transition(service.name, name, element)
 
 
 def transition(service, state, element) -> Transition:
     sent = []
     for action in element.actions:
-        quoted = [each.strip("'") for each in action.arguments if each.startswith("'")]
+        quoted = [argument.strip("'") for argument in action.arguments if argument.startswith("'")]
         if quoted or action.name.startswith("send"):
             sent.append(" ".join(quoted) or action.name.removeprefix("send"))
     guard = (element.guard or "-").replace("(msg)", "").replace("(transportData)", "")
@@ -114,23 +116,33 @@ def transition(service, state, element) -> Transition:
     )
 
 
-TABLE = list(transitions(each for each in newest_services().values() if each.name in SERVICES))
+TABLE = list(
+    transitions(
+        newest_service
+        for newest_service in newest_services().values()
+        if newest_service.name in SERVICES
+    )
+)
 
 
 @pytest.mark.beside(OF_OTHERS)
 def test_the_library_is_as_the_definitions_of_others():
     result = import_jsidl(sorted((SHARED / OF_OTHERS).rglob("*.xml")))
-    services = [each for root in result.sets for each in root.services if each.name in SERVICES]
+    services = [
+        service for root in result.sets for service in root.services if service.name in SERVICES
+    ]
     assert len(TABLE) == 67
     assert sorted(transitions(services)) == sorted(TABLE)
 
 
 def test_transitions_lead_to_states_that_models_refine():
     states = core_machine(None).states
-    for each in TABLE:
-        assert each.path in states
-        assert each.target in ("-", "before") or f"{READY}.{each.target}" in states
-    assert {CORE_STATES[each] for each in SITUATIONS} == {*core_machine(None).leaves} - {INIT}
+    for row in TABLE:
+        assert row.path in states
+        assert row.target in ("-", "before") or f"{READY}.{row.target}" in states
+    assert {CORE_STATES[situation] for situation in SITUATIONS} == {*core_machine(None).leaves} - {
+        INIT
+    }
 
 
 # -- the runtime ----------------------------------------------------------------------------------
@@ -337,15 +349,15 @@ def expected(each, situation):
 
 def played() -> Iterator[object]:
     """Yields each transition in each innermost state in which it holds, in each way to it."""
-    for each in TABLE:
-        guard = parse_guard(each.guard.strip("-"))
-        for situation in SITUATIONS if each.trigger not in UNPLAYED else ():
+    for row in TABLE:
+        guard = parse_guard(row.guard.strip("-"))
+        for situation in SITUATIONS if row.trigger not in UNPLAYED else ():
             leaf = CORE_STATES[situation]
             for number, alternative in enumerate(alternatives(guard) if guard else [()]):
                 says = {condition.name: holds for condition, holds in alternative}
-                name = f"{each.trigger} {each.guard} {number} in {leaf}"
-                if each.holds_in(leaf):
-                    yield pytest.param(each, situation, says, id=name)
+                name = f"{row.trigger} {row.guard} {number} in {leaf}"
+                if row.holds_in(leaf):
+                    yield pytest.param(row, situation, says, id=name)
 
 
 @pytest.mark.parametrize(("each", "situation", "says"), [*played()])
@@ -365,4 +377,4 @@ def test_each_explanation_is_needed():
         sent = [] if not code else [f"RejectControl {code}"]
         said = [] if each.sent == "-" else each.sent.split(", ")
         assert (each.target, said) != (target, sent)
-    assert {each.trigger for each in TABLE} >= {*UNPLAYED}
+    assert {row.trigger for row in TABLE} >= {*UNPLAYED}

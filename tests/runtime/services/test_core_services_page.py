@@ -32,7 +32,7 @@ def names(text):
 
 
 def test_settings_and_methods_exist(text):
-    settings = {each.name for each in fields(ComponentSettings)}
+    settings = {field.name for field in fields(ComponentSettings)}
     for line in text.splitlines():
         for name in re.findall(r"^\| (.*?) \|", line):
             for term in re.findall(r"`(\w+)(?:\(.*?\))?`", name):

@@ -41,7 +41,7 @@ def camera(world, *urls, address="100.1.5"):
 
 def urls_of(client, component):
     (report,) = client.ask(QueryDigitalResourceEndpoint(), component)
-    return [each.server_url for each in report.endpoints]
+    return [endpoint.server_url for endpoint in report.endpoints]
 
 
 def registration(url, request=1, owner=None, number=None):
@@ -82,7 +82,7 @@ def test_a_resource_that_moves_takes_its_own_place(world, client):
 
 def test_nobody_fills_a_registry_beyond_what_it_can_report(world, client):
     vehicle = registry(world, FRONT)
-    answers = [client.ask(registration(f"rtsp://a/{each}"), vehicle) for each in range(256)]
+    answers = [client.ask(registration(f"rtsp://a/{number}"), vehicle) for number in range(256)]
     assert sum(map(len, answers)) == 254
     assert len(urls_of(client, vehicle)) == 255
     assert world.counters.snapshot()["digital_resources.full"] == 2
@@ -94,7 +94,7 @@ def test_components_register_at_the_registry_of_their_subsystem(world, client):
     camera(world, FRONT, REAR)
     world.run(5)
     (report,) = client.ask(QueryDigitalResourceEndpoint(), vehicle)
-    assert [(each.server_url, each.jaus_id) for each in report.endpoints] == [
+    assert [(endpoint.server_url, endpoint.jaus_id) for endpoint in report.endpoints] == [
         (FRONT, 0x640105),
         (REAR, 0x640105),
     ]

@@ -47,11 +47,11 @@ def registration(*services):
     return RegisterServices(
         service_list=[
             RegisterServices.ServiceRec(
-                uri=each.urn,
-                major_version_number=each.major,
-                minor_version_number=each.minor,
+                uri=service.urn,
+                major_version_number=service.major,
+                minor_version_number=service.minor,
             )
-            for each in services
+            for service in services
         ]
     )
 
@@ -73,7 +73,7 @@ def found(report):
     assert isinstance(report, ReportServices)
     return {
         (node.node_rec.node_id, component.component_rec.component_id): [
-            each.uri for each in component.service_list
+            service.uri for service in component.service_list
         ]
         for node in report.node_list
         for component in node.component_list
@@ -221,7 +221,7 @@ class TestRegistration:
         (report,) = client.ask(QueryConfiguration(query_type=SUBSYSTEM), tested)
         assert isinstance(report, ReportConfiguration)
         assert [
-            (node.node_rec.node_id, [each.component_id for each in node.component_list])
+            (node.node_rec.node_id, [component.component_id for component in node.component_list])
             for node in report.node_list
         ] == [(1, [1]), (2, [3])]
 
@@ -237,7 +237,7 @@ class TestRegistration:
         assert [node.node_rec.node_id for node in subsystem.node_list] == [1, 2]
         component = subsystem.node_list[1].component_list[0]
         assert component.component_rec.component_id == 3
-        assert [each.uri for each in component.service_list] == [SENSOR.urn]
+        assert [service.uri for service in component.service_list] == [SENSOR.urn]
 
     @pytest.mark.parametrize("address", [(2, 255, 255), (1, 7, 255), (1, 2, 7)])
     def test_service_list_of_the_unknown(self, tested, client, address):
@@ -287,7 +287,8 @@ def test_subsystem_list(world, client):
     (report,) = client.ask(QuerySubsystemList(), tested)
     assert isinstance(report, ReportSubsystemList)
     assert {
-        (each.subsystem_id, each.node_id, each.component_id) for each in report.subsystem_list
+        (subsystem.subsystem_id, subsystem.node_id, subsystem.component_id)
+        for subsystem in report.subsystem_list
     } == {(1, 1, 1), (9, 1, 1)}
     narrow = server(world, Scope.NODE, "2.1.1")
     assert client.ask(QuerySubsystemList(), narrow) == []
@@ -364,7 +365,7 @@ def test_who_knows_no_wildcards_is_asked_by_name(world):
     named = [message for message in other.take() if isinstance(message, QueryServices)][-1]
     (node,) = named.node_list
     assert node.node_rec.node_id == 1
-    assert [each.component_id for each in node.component_list] == [1]
+    assert [asked_component.component_id for asked_component in node.component_list] == [1]
     other.send(ReportServices(node_list=[]), searcher)
     world.settle()
     assert not [message for message in other.take() if isinstance(message, QueryServices)]
@@ -372,7 +373,7 @@ def test_who_knows_no_wildcards_is_asked_by_name(world):
     catalog = {JausAddress(152, 1, 1): (SENSOR,)}
     other.send(report_services(named, catalog, 152), searcher)
     world.settle()
-    assert [each.address for each in hits] == [JausAddress(152, 1, 1)]
+    assert [hit.address for hit in hits] == [JausAddress(152, 1, 1)]
     (quirk,) = searcher.transport.quirks.of(JausAddress(152, 1, 1))
     assert quirk.quirk is Quirk.NO_WILDCARDS
 
@@ -395,7 +396,7 @@ def test_as_many_subsystems_as_a_report_holds(world, client):
     tested = server(world)
     identify(world, tested, *(JausAddress(number, 1, 1) for number in range(2, 302)))
     (report,) = client.ask(QuerySubsystemList(), tested)
-    listed = {each.subsystem_id for each in report.subsystem_list}
+    listed = {subsystem.subsystem_id for subsystem in report.subsystem_list}
     assert len(listed) == 255
     assert 1 in listed
 
@@ -408,7 +409,7 @@ def test_flood_of_subsystems_forgets_none_that_is_alive(world, client):
         identify(world, tested, JausAddress(2, 1, 1))
     identify(world, tested, JausAddress(999, 1, 1))
     (report,) = client.ask(QuerySubsystemList(), tested)
-    assert {each.subsystem_id for each in report.subsystem_list} == {1, 2, 999}
+    assert {subsystem.subsystem_id for subsystem in report.subsystem_list} == {1, 2, 999}
 
 
 def test_stale_registrations_make_room(world, client):

@@ -22,7 +22,7 @@ from jausml.runtime.messages import (
 
 ROBOT = JausAddress(1, 1, 1)
 RATES = st.floats(0.1, 1092.0)
-PLACES = st.tuples(*[st.integers(0, 3)] * 3).map(lambda each: (each[0], each[:2], each))
+PLACES = st.tuples(*[st.integers(0, 3)] * 3).map(lambda place: (place[0], place[:2], place))
 
 
 def create(rate=20.0, query=QueryStatus):
@@ -30,11 +30,11 @@ def create(rate=20.0, query=QueryStatus):
 
 
 def reports(probe):
-    return sum(isinstance(each, Event) for each in probe.take())
+    return sum(isinstance(message, Event) for message in probe.take())
 
 
 def kinds(answers):
-    return {type(each) for each in answers}
+    return {type(answer) for answer in answers}
 
 
 class TestShares:
@@ -43,15 +43,15 @@ class TestShares:
         held = [Held(n, place, wanted=rate) for n, (place, rate) in enumerate(asked)]
         shares = dict(fair_rates(held, capacity))
         assert shares.keys() == set(range(len(asked)))
-        assert all(shares[each.item] <= each.wanted * (1 + 1e-9) for each in held)
-        total = sum(each.wanted for each in held)
+        assert all(shares[claim.item] <= claim.wanted * (1 + 1e-9) for claim in held)
+        total = sum(claim.wanted for claim in held)
         assert sum(shares.values()) == pytest.approx(min(total, capacity))
 
     @given(st.lists(st.tuples(PLACES, RATES), min_size=1, max_size=40), RATES)
     def test_a_host_that_asks_for_less_than_its_share_gets_all(self, asked, rate):
-        held = [Held(n, place, wanted=each) for n, (place, each) in enumerate(asked)]
+        held = [Held(n, place, wanted=wanted_rate) for n, (place, wanted_rate) in enumerate(asked)]
         honest = Held("honest", ("host", "endpoint", "id"), wanted=rate)
-        hosts = {each.place[0] for each in held} | {"host"}
+        hosts = {claim.place[0] for claim in held} | {"host"}
         shares = dict(fair_rates([*held, honest], rate * len(hosts)))
         assert shares["honest"] == pytest.approx(rate)
 
@@ -106,7 +106,9 @@ class TestService:
         tested.start()
         world.unproved.add(client.address)
         (confirmed,) = (
-            each for each in client.ask(create(), tested) if isinstance(each, ConfirmEventRequest)
+            message
+            for message in client.ask(create(), tested)
+            if isinstance(message, ConfirmEventRequest)
         )
         client.ask(CancelEvent(request_id=2, event_id=confirmed.event_id), tested)
         world.run(10.0)
@@ -128,8 +130,8 @@ class TestService:
         tested = world.component("1.1.1", max_events=4)
         tested.start()
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 5)]
-        for each in greedy:
-            assert ConfirmEventRequest in kinds(each.ask(create(), tested))
+        for probe in greedy:
+            assert ConfirmEventRequest in kinds(probe.ask(create(), tested))
         honest = world.probe("3.1.1")
         assert ConfirmEventRequest in kinds(honest.ask(create(), tested))
         assert ConfirmEventRequest in kinds(greedy[-1].take())
@@ -152,12 +154,12 @@ class TestService:
         tested.start()
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 4)]
         honest = world.probe("3.1.1")
-        for each in greedy:
-            each.ask(create(50.0), tested)
+        for probe in greedy:
+            probe.ask(create(50.0), tested)
         honest.ask(create(20.0), tested)
         world.run(1.0)
-        for each in (*greedy, honest):
-            each.take()
+        for probe in (*greedy, honest):
+            probe.take()
         world.run(10.0)
         assert 195 <= reports(honest) <= 205
         assert 750 <= sum(map(reports, greedy)) <= 820
@@ -167,13 +169,13 @@ class TestService:
         tested = world.component("1.1.1", event_rate_budget=100.0)
         tested.start()
         greedy = [world.probe(f"9.1.{n}") for n in range(1, 21)]
-        for each in greedy:
-            each.ask(create(1000.0), tested)
+        for probe in greedy:
+            probe.ask(create(1000.0), tested)
         world.run(0.1, step=0.001)
-        for each in greedy:
-            each.take()
-        for each in greedy * 10:
-            each.send(create(1000.0 - world.time % 1), tested)
+        for probe in greedy:
+            probe.take()
+        for probe in greedy * 10:
+            probe.send(create(1000.0 - world.time % 1), tested)
             world.run(0.005, step=0.001)
         # A request is answered by a report as well, and 200 were sent in a second.
         assert sum(map(reports, greedy)) <= 200 + 150

@@ -136,7 +136,7 @@ class TestRecovery:
         world.run(5.0)
         control.clear()
         world.probe("5.1.1").ask(RequestControl(authority_code=1), second)
-        assert [each.subsystem_id for each in control] == [5]
+        assert [report.subsystem_id for report in control] == [5]
         status.clear()
         world.run(1.0)
         assert len(status) == pytest.approx(10, abs=1)

@@ -49,10 +49,10 @@ def test_every_change_reports_the_present_value_first(world, client):
     inbox = Inbox()
     statuses(client, inbox)
     world.settle()
-    assert [each.status for each in inbox] == [2]
+    assert [report.status for report in inbox] == [2]
     tested.fail("broken")
     world.settle()
-    assert [each.status for each in inbox] == [2, 4]
+    assert [report.status for report in inbox] == [2, 4]
 
 
 def test_subscription_before_the_start(world):
@@ -170,12 +170,12 @@ class TestSharing:
         periodic.clear()
         world.run(2.0)
         assert len(periodic) == pytest.approx(20, abs=1)
-        assert {each.status for each in changes} == {2}
+        assert {change.status for change in changes} == {2}
         assert len(changes) == (1 if is_first else 2)  # what is known at once, and the first report
         changes.clear()
         tested.fail("broken")
         world.settle()
-        assert [each.status for each in changes] == [4]
+        assert [change.status for change in changes] == [4]
         world.run(0.2)
         assert periodic[-1].status == 4
         share.cancel()

@@ -143,7 +143,7 @@ class TestUpdate:
 
     def test_of_an_unchanged_event_sends_no_report(self, server, client):
         event_id = created(client, server, STATUS)
-        assert [type(each) for each in client.ask(update(event_id, STATUS), server)] == [
+        assert [type(response) for response in client.ask(update(event_id, STATUS), server)] == [
             ConfirmEventRequest
         ]
 
@@ -159,7 +159,7 @@ class TestUpdate:
         for _ in range(10):
             world.run(0.5)
             client.send(update(event_id, PULSE, rate=1), server)
-        events = [each for each in client.take() if isinstance(each, Event)]
+        events = [message for message in client.take() if isinstance(message, Event)]
         assert len(events) == pytest.approx(5, abs=1)
 
 
@@ -243,13 +243,13 @@ class TestDelivery:
         numbers = []
         for _ in range(300):
             server.report_changed(ReportTime)
-            numbers += [each.sequence_number for each in client.take()]
+            numbers += [message.sequence_number for message in client.take()]
         assert numbers == [(1 + n) % 256 for n in range(300)]
 
     def test_no_report_now(self, world, server, client):
         server.provide(QueryTime, ReportTime, lambda *_: None)
         answer = client.ask(create(QueryTime(presence_vector=1).encode(), rate=10), server)
-        assert [type(each) for each in answer] == [ConfirmEventRequest]
+        assert [type(response) for response in answer] == [ConfirmEventRequest]
         world.run(1.0)
         assert client.take() == []
         assert client.ask(QueryTime(presence_vector=1), server) == []

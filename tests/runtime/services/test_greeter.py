@@ -47,7 +47,7 @@ def test_it_asks_at_once_and_no_more_when_answered(world, entry, caplog):
     world.run(50.0, step=0.5)
     assert judge.asked == [(began, Scope.SUBSYSTEM)]
     assert entry.unanswered_greetings == {JUDGE: 0}
-    told = [each.message for each in caplog.records if str(JUDGE) in each.message]
+    told = [record.message for record in caplog.records if str(JUDGE) in record.message]
     assert told == ["42.1.1 speaks, and is greeted no more"]
 
 
@@ -58,7 +58,7 @@ def test_it_asks_in_a_steady_pace_until_it_is_answered_and_tells_once(world, ent
     times = [time for time, _ in judge.asked]
     pauses = [later - former for former, later in pairwise(times)]
     assert pauses == [EAGER_INTERVAL] * 20
-    told = [each.message for each in caplog.records if "greet" in each.message]
+    told = [record.message for record in caplog.records if "greet" in record.message]
     detail = f"42.1.1 has answered none of {PATIENCE} greetings"
     assert told == [f"greeter.unanswered (1 times): {detail}"]
     judge.answers = True

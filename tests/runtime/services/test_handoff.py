@@ -82,13 +82,13 @@ class Scene:
             Operator(transport, 2 + number, (200, 100)[number])
             for number, transport in enumerate(transports)
         )
-        for each in (self.robot, self.first, self.second):
-            each.start()
+        for jaus_component in (self.robot, self.first, self.second):
+            jaus_component.start()
         self.first.take()
 
     def stop(self):
-        for each in (self.second, self.first, self.robot):
-            each.stop()
+        for jaus_component in (self.second, self.first, self.robot):
+            jaus_component.stop()
 
 
 @pytest.fixture(params=range(6))

@@ -140,7 +140,9 @@ def test_several_joins_and_topics(setting):
     found = []
 
     def translate(source, **joined):
-        found.append((source.data, {name: each and each.yaw for name, each in joined.items()}))
+        found.append(
+            (source.data, {name: message and message.yaw for name, message in joined.items()})
+        )
 
     setting.open(
         TopicsToReport(

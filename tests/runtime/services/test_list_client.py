@@ -81,7 +81,7 @@ def outcome():
 
 def elements(count, *, circular=False, size=2, first=1):
     data = b"ok".ljust(size, b".")
-    return chain([(first + each, data, 1) for each in range(count)], circular=circular)
+    return chain([(first + number, data, 1) for number in range(count)], circular=circular)
 
 
 @pytest.mark.parametrize("circular", [False, True])
@@ -141,7 +141,7 @@ def test_delete(world, robot, client, outcome):
     client.delete_elements(TARGET, [2], **outcome.callbacks())
     world.settle()
     assert outcome.done == 1
-    assert [each.uid for each in robot.elements] == [1, 3]
+    assert [element.uid for element in robot.elements] == [1, 3]
     client.delete_elements(TARGET, [2], **outcome.callbacks())
     world.settle()
     assert outcome.refused == [5]
@@ -210,12 +210,12 @@ REQUEST = st.lists(st.tuples(UIDS, UIDS, UIDS), min_size=1, max_size=4)
 
 def assert_valid(tested):
     """Check the five rules of a valid list (AS5710, ListManager)."""
-    links = {each.uid: (each.previous_uid, each.next_uid) for each in tested}
+    links = {element.uid: (element.previous_uid, element.next_uid) for element in tested}
     if not links:
         return
     heads = [uid for uid, (previous, _) in links.items() if previous == 0]
     assert len(heads) == 1
-    order = [each.uid for each in tested]
+    order = [element.uid for element in tested]
     assert order[0] == heads[0]
     for before, after in pairwise(order):
         assert links[before][1] == after
@@ -233,10 +233,10 @@ def test_list_stays_valid_whatever_is_asked_for(requests):
             if isinstance(request[0], tuple):
                 tested.set([ListElement(*links) for links in request])
                 asked = {uid for uid, _, _ in request}
-                assert asked <= {each.uid for each in tested}
+                assert asked <= {element.uid for element in tested}
             else:
                 tested.delete(request)
-                assert not set(request) & {each.uid for each in tested}
+                assert not set(request) & {element.uid for element in tested}
         except ListError:
             assert list(tested) == before
         assert_valid(tested)

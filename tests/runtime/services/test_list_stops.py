@@ -116,7 +116,7 @@ class ActionRos(Ros):
 
     def send(self, *numbers):
         goal = Goal()
-        assert self.taker.accepts([Number(each).to_cdr() for each in numbers], None)
+        assert self.taker.accepts([Number(number).to_cdr() for number in numbers], None)
         self.taker.begin(goal)
         return goal
 

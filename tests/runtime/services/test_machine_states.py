@@ -80,7 +80,7 @@ def told(client, component):
 
 
 def times(machine):
-    return [(each.state, each.entries, each.milliseconds) for each in machine.time_list]
+    return [(record.state, record.entries, record.milliseconds) for record in machine.time_list]
 
 
 def test_the_report_has_these_bytes(world, client):
@@ -109,7 +109,7 @@ def test_time_in_states_is_exact_and_a_reset_is_an_entry(world, client):
     client.ask(RequestControl(authority_code=200), door)
     world.run(1.125)
     machines = told(client, door).machine_list
-    assert [each.machine_rec.machine for each in machines] == ["Door", "ReceiveFSM"]
+    assert [machine.machine_rec.machine for machine in machines] == ["Door", "ReceiveFSM"]
     guarded = machines[1]
     assert (guarded.machine_rec.state, guarded.machine_rec.milliseconds) == (CONTROLLED, 1125)
     assert (RELEASED, 1, 3250) in times(guarded)
@@ -141,10 +141,10 @@ def test_an_event_tells_each_change(world, client):
     client.ask(create, door)
     door.raise_event("Turn")
     door.raise_event("Turn")
-    events = [each for each in client.take() if isinstance(each, Event)]
+    events = [message for message in client.take() if isinstance(message, Event)]
     states = [
-        ReportMachineStates.decode(each.report_message).machine_list[0].machine_rec.state
-        for each in events
+        ReportMachineStates.decode(event.report_message).machine_list[0].machine_rec.state
+        for event in events
     ]
     assert states == ["Closed", "Open"]
 
@@ -154,7 +154,7 @@ def test_a_count_of_entries_stays_at_its_end(world, client, monkeypatch):
     door = started(world)
     for _ in range(10):
         door.raise_event("Turn")
-    assert [each[1] for each in times(told(client, door).machine_list[0])] == [3, 3]
+    assert [time[1] for time in times(told(client, door).machine_list[0])] == [3, 3]
 
 
 class Many(ModelledComponent):
@@ -217,5 +217,5 @@ def test_a_client_learns_states_and_times_though_a_fifth_is_lost(seed):
         network.run(10.0)
         network.vehicle.raise_event("Turn")
         network.run(10.0)
-    assert {each.machine_rec.state for each in found} == {"Open", "Closed"}
+    assert {record.machine_rec.state for record in found} == {"Open", "Closed"}
     assert ("Open", 1, 10_000) in times(found[-1])

@@ -550,8 +550,8 @@ class TestLift:
         )
         component = world.component("1.1.1", kind=Robot, services=services)
         component.start()
-        for each in (RequestControl(authority_code=9), Resume()):
-            client.ask(each, component)
+        for message in (RequestControl(authority_code=9), Resume()):
+            client.ask(message, component)
         assert component.status is Status.READY
         other.ask(SetEmergency(emergency_code=1), component)
         world.run(10.1)

@@ -216,13 +216,13 @@ def test_events_carry_what_the_transition_of_the_state_reports(world, worker, cl
     request = CreateEvent(event_type=0, requested_periodic_rate=10.0, query_message=query)
     client.ask(request, worker)
     world.run(0.5)
-    assert not [each for each in client.take() if isinstance(each, Event)]
+    assert not [message for message in client.take() if isinstance(message, Event)]
     client.ask(RequestControl(authority_code=100), worker)
     client.ask(Resume(), worker)
     world.run(0.5)
-    events = [each for each in client.take() if isinstance(each, Event)]
+    events = [message for message in client.take() if isinstance(message, Event)]
     assert 3 <= len(events) <= 7
-    assert all(each.report_message == SENT.encode() for each in events)
+    assert all(event.report_message == SENT.encode() for event in events)
 
 
 def test_a_message_of_an_event_goes_to_the_controller(ready, client):

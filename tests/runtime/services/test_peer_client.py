@@ -241,7 +241,7 @@ def test_nothing_happens_after_the_stop(world):
     searcher.component.stop()
     sent = len(world.log)
     world.run(10)
-    assert not [each for each in world.log[sent:] if str(each[0]) == OWN]
+    assert not [entry for entry in world.log[sent:] if str(entry[0]) == OWN]
 
 
 def test_a_report_of_whatever_is_found(world):

@@ -86,8 +86,8 @@ def robot(free_port):
         return started[-1]
 
     yield start
-    for each in started:
-        each.kill()
+    for robot_process in started:
+        robot_process.kill()
 
 
 @pytest.fixture
@@ -114,11 +114,11 @@ class TestOneProcess:
             JausComponent(transport, address, name=str(address), services=core, settings=QUICK)
             for address in (ROBOT, OPERATOR)
         ]
-        for each in made:
-            each.start()
+        for jaus_component in made:
+            jaus_component.start()
         yield made
-        for each in made:
-            each.stop()
+        for jaus_component in made:
+            jaus_component.stop()
 
     def test_control_and_events(self, pair, wait_until):
         robot, operator = pair
@@ -199,14 +199,14 @@ class TestTwoProcesses:
         for address in addresses:
             robot("--jaus-id", str(address), "--discovery-scope", "component")
         sessions = [operator.control(address, authority=100) for address in addresses]
-        wait_until(lambda: all(each.state is ControlState.READY for each in sessions), 20.0)
+        wait_until(lambda: all(session.state is ControlState.READY for session in sessions), 20.0)
 
     @pytest.mark.slow
     def test_members_register_with_the_subsystem(self, robot, operator, wait_until):
         robot("--jaus-id", "4.1.1").expect("initialize")
         robot("--jaus-id", "4.1.2", "--discovery-scope", "component").expect("initialize")
         found = []
-        operator.discover(DISCOVERY, lambda each: found.append(str(each.address)))
+        operator.discover(DISCOVERY, lambda provider: found.append(str(provider.address)))
         wait_until(lambda: {"4.1.1", "4.1.2"} <= set(found), 20.0)
 
 

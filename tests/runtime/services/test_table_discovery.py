@@ -84,11 +84,11 @@ def subsystems(*addresses):
             ReportSubsystemList(
                 subsystem_list=[
                     ReportSubsystemList.SubsystemRec(
-                        subsystem_id=each.subsystem,
-                        node_id=each.node,
-                        component_id=each.component,
+                        subsystem_id=address.subsystem,
+                        node_id=address.node,
+                        component_id=address.component,
                     )
-                    for each in addresses
+                    for address in addresses
                 ]
             )
         ]
@@ -347,7 +347,7 @@ def test_lost_server_is_noticed_and_looked_for_eagerly(world):
     )
     world.run(60.0, step=1.0)
     assert component.discovery_server == server.address
-    times = [each - 60.0 for each in asked_at(world, MEMBER)]
+    times = [moment - 60.0 for moment in asked_at(world, MEMBER)]
     assert component.discovery_server is None
     assert world.counters.snapshot()["discovery_client.lost"] == 1
     assert 5.0 in [after - before for before, after in pairwise(times)]
@@ -376,7 +376,7 @@ def test_servers_find_each_other(world):
     probe = world.probe("9.1.1")
     for server in (first, second):
         (report,) = probe.ask(QuerySubsystemList(), server)
-        assert {each.subsystem_id for each in report.subsystem_list} == {1, 2}
+        assert {subsystem.subsystem_id for subsystem in report.subsystem_list} == {1, 2}
 
 
 @pytest.mark.parametrize(
@@ -400,7 +400,7 @@ def test_search_understands_servers_of_both_versions(world, query, answer):
     searcher.start()
     hits = []
     searcher.discover(SENSOR.urn, hits.append)
-    assert query in {each.CODE for each in server.take()}
+    assert query in {message.CODE for message in server.take()}
     server.ask(answer, searcher)
     assert [(hit.address, hit.services) for hit in hits] == [(MEMBER, (SENSOR,))]
 

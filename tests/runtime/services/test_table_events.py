@@ -270,7 +270,7 @@ ALL = ReportEvents(
         ReportEvents.ReportEventRec(event_type=EVERY_CHANGE, event_id=1, query_message=STATUS),
     ]
 )
-FIRST, SECOND = (ReportEvents(event_list=[each]) for each in ALL.event_list)
+FIRST, SECOND = (ReportEvents(event_list=[report_event]) for report_event in ALL.event_list)
 BOTH = (HEARTBEATS, CHANGES)
 
 
@@ -429,7 +429,7 @@ COMMANDS = (
         *ready(),
         ("client", command(SLOW)),
         ("client", command(SLOW, request=6)),
-        when=lambda stage: [each.succeed() for each in stage.component.under_way],
+        when=lambda stage: [completion.succeed() for completion in stage.component.under_way],
         then={"client": [ended(0)]},
     ),
     row(

@@ -46,7 +46,7 @@ def asked(*waiting):
 
 def decide(*decisions):
     record = ConfirmReleaseControl.ReleaseControlRec
-    return ConfirmReleaseControl(release_control_list=[record(*each) for each in decisions])
+    return ConfirmReleaseControl(release_control_list=[record(*decision) for decision in decisions])
 
 
 def row(name, *given, when, then=None, **expected):
@@ -299,7 +299,7 @@ def test_a_flood_of_requests_is_bounded(world):
         world.probe(f"{number}.1.1", strict=False).send(request(), stage.component)
     world.run(1.0)
     asked_for = [
-        each for each in stage.heard()["client"] if isinstance(each, RequestReleaseControl)
+        message for message in stage.heard()["client"] if isinstance(message, RequestReleaseControl)
     ]
     assert len(asked_for) == 1
     assert len(asked_for[0].request_release_control_list) == MAX_REQUESTS

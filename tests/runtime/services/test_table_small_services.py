@@ -477,7 +477,10 @@ LISTS = [
 def test_list(world, row, links):
     stage = play(world, row, Robot)
     elements = stage.component.elements
-    assert [(each.uid, each.previous_uid, each.next_uid) for each in elements] == links
+    assert [
+        (list_element.uid, list_element.previous_uid, list_element.next_uid)
+        for list_element in elements
+    ] == links
     assert len(elements) == len(links)
     assert elements.circular is (bool(links) and links[-1][2] != 0)
     confirmed = world.count(ConfirmElementRequest.CODE)

@@ -106,17 +106,17 @@ def started(world, version):
 
 @pytest.mark.parametrize("version", [V1_0, V1_1], ids=["v1.0", "v1.1"])
 @pytest.mark.parametrize(
-    "number", range(len(EXCHANGES)), ids=[f"{each.NAME}" for each, _ in EXCHANGES]
+    "number", range(len(EXCHANGES)), ids=[f"{request.NAME}" for request, _ in EXCHANGES]
 )
 def test_messages_of_v1_0_are_served_by_both(world, version, number):
     component, client = started(world, version)
     for message, _ in EXCHANGES[:number]:
         client.ask(message, component)
     message, expected = EXCHANGES[number]
-    assert [type(each) for each in client.ask(message, component)] == expected
+    assert [type(response) for response in client.ask(message, component)] == expected
 
 
-@pytest.mark.parametrize("message", ADDED, ids=[each.NAME for each in ADDED])
+@pytest.mark.parametrize("message", ADDED, ids=[added_message.NAME for added_message in ADDED])
 def test_messages_that_v1_1_added(world, message):
     component, client = started(world, V1_1)
     assert len(client.ask(message, component)) == 1
@@ -211,4 +211,4 @@ def test_discovery_of_a_v1_0_subsystem(world):
     assert [hit.address for hit in hits] == [SERVER]
     catalog = {SERVER: hits[0].services}
     assert report_services(query_services(), catalog, 1).node_list
-    assert {(each.major, each.minor) for each in hits[0].services} == {V1_0}
+    assert {(service.major, service.minor) for service in hits[0].services} == {V1_0}

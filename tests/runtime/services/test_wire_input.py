@@ -98,7 +98,9 @@ def test_any_messages(world, message_classes, data):
     counts = world.counters.snapshot()
     assert not any(counts.get(name) for name in FAILURES)
     (answer,) = [
-        each for each in probes[1].ask(QueryStatus(), tested) if isinstance(each, ReportStatus)
+        message
+        for message in probes[1].ask(QueryStatus(), tested)
+        if isinstance(message, ReportStatus)
     ]
     assert answer.status == tested.status
     tested.stop()
@@ -113,5 +115,5 @@ def test_a_command_event_without_a_command_is_rejected(world, command):
     client.take()
     client.send_bytes(command_event(7, 0, command), tested)
     answers = client.take()
-    assert [(type(each), each.request_id) for each in answers] == [(RejectEventRequest, 7)]
+    assert [(type(answer), answer.request_id) for answer in answers] == [(RejectEventRequest, 7)]
     assert not {*FAILURES} & world.counters.snapshot().keys()

@@ -44,7 +44,7 @@ def waypoint(uid, x, to=ROBOT, message=None):
 def task(number, *messages, children=()):
     """Returns a task of a mission."""
     data = SpoolMission.TaskData(SpoolMission.TaskInfo(number), list(messages))
-    return SpoolMission.Task(data, [SpoolMission.SubTaskIndex(each) for each in children])
+    return SpoolMission.Task(data, [SpoolMission.SubTaskIndex(child) for child in children])
 
 
 PLAN = (
@@ -73,7 +73,7 @@ class Driving:
     def begin(self, goal):
         self.goal = goal
         self.driven.append(
-            [round(PoseStamped.from_cdr(each).pose.position.x, 3) for each in goal.elements]
+            [round(PoseStamped.from_cdr(element).pose.position.x, 3) for element in goal.elements]
         )
 
     def cancel(self, goal):
@@ -131,7 +131,7 @@ class Client:
             pose.pose.position.x = x
         self.feedback, self.result = [], None
         way = scene.world.ros.action_client("/through")
-        self.handle = way.send([each.to_cdr() for each in poses], None, self)
+        self.handle = way.send([target_pose.to_cdr() for target_pose in poses], None, self)
 
     def accepted(self, _goal):
         """Notes nothing."""
@@ -378,8 +378,8 @@ def main():
         scene = Sending(loss, Station if name == sys.argv[1] else Pausing)
     asked = globals()[name](scene)
     counted = {
-        name: each
-        for name, each in scene.world.counters.snapshot().items()
+        name: count
+        for name, count in scene.world.counters.snapshot().items()
         if name.startswith(("mission.", "loop."))
     }
     happened = {"driven": scene.driven, "told": scene.told, "asked": asked, "counted": counted}

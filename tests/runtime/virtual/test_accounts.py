@@ -15,7 +15,7 @@ PLAIN = Link()
 
 
 def between(transport, own, peer):
-    (found,) = [each for each in transport.traffic(own) if each.peer == peer]
+    (found,) = [account for account in transport.traffic(own) if account.peer == peer]
     return found
 
 
@@ -35,16 +35,18 @@ def test_each_of_three_receivers_knows_what_it_lost(world, way):
     sender = world.transport()
     component(sender, FIRST, services=())
     came = {}
-    receivers = {each: world.transport() for each in (SECOND, THIRD, JausAddress(2, 1, 1))}
+    receivers = {receiver: world.transport() for receiver in (SECOND, THIRD, JausAddress(2, 1, 1))}
     for address, transport in receivers.items():
         arrived = came[address] = []
         transport.attach(address, lambda message, arrived=arrived: arrived.append(message.payload))
         transport.send(address, FIRST, b"\x00\x00")  # it is known where they are
 
     def send(number):
-        for index, each in enumerate(receivers):
+        for index, address in enumerate(receivers):
             for part in range(index + 1):
-                sender.send(FIRST, each, SetTime.CODE.to_bytes(2, "little") + bytes([number, part]))
+                sender.send(
+                    FIRST, address, SetTime.CODE.to_bytes(2, "little") + bytes([number, part])
+                )
         sender.send(FIRST, EVERYBODY, QueryStatus().encode())
 
     world.run_for(0.1)
@@ -62,26 +64,26 @@ def test_each_of_three_receivers_knows_what_it_lost(world, way):
         sent = between(sender, FIRST, address).sent
         account = between(transport, address, FIRST)
         assert sent == 251 * (index + 1)
-        assert account.came == len({each for each in came[address] if each[2:]})
+        assert account.came == len({payload for payload in came[address] if payload[2:]})
         assert account.came + account.lost == sent
         assert account.restarts == 0
 
 
 def test_both_ends_of_a_conversation_add_up(world):
     """Queries, answers, control and events, each direction with all of its kinds."""
-    transports = {each: world.transport() for each in (FIRST, SECOND)}
-    _, second = (component(transport, each) for each, transport in transports.items())
+    transports = {address: world.transport() for address in (FIRST, SECOND)}
+    _, second = (component(transport, address) for address, transport in transports.items())
     answers = []
     second.subscribe(FIRST, QueryStatus(), ReportStatus, lambda *_: None, rate=20)
     second.control(FIRST, authority=200)
     world.run_for(1.0)
-    for each in transports.values():
-        each.out = Link(loss=0.2, duplicate=0.1)
+    for endpoint in transports.values():
+        endpoint.out = Link(loss=0.2, duplicate=0.1)
     for _ in range(100):
         second.query(FIRST, QueryStatus(), ReportStatus, lambda *_: answers.append(1))
         world.run_for(0.1)
-    for each in transports.values():
-        each.out = PLAIN
+    for endpoint in transports.values():
+        endpoint.out = PLAIN
     world.run_for(5.0)
     assert len(answers) > 50
     for own, peer in ((FIRST, SECOND), (SECOND, FIRST)):
@@ -95,8 +97,8 @@ def test_both_ends_of_a_conversation_add_up(world):
 
 def test_what_is_acknowledged_is_counted_where_it_was_sent(world):
     sender, receiver = world.transport(), world.transport()
-    for transport, each in ((sender, FIRST), (receiver, SECOND)):
-        transport.attach(each, lambda _message: None)
+    for transport, address in ((sender, FIRST), (receiver, SECOND)):
+        transport.attach(address, lambda _message: None)
     receiver.send(SECOND, FIRST, b"\x00\x00")
     world.run_for(0.1)
     for _ in range(3):
@@ -113,8 +115,8 @@ def test_what_is_acknowledged_over_a_long_way_is_late_and_not_lost(world):
     """A warning of each message that arrived hid those that did not."""
     way = Link(delay=0.3, jitter=0.1)
     sender, receiver = world.transport(way), world.transport(way)
-    for transport, each in ((sender, FIRST), (receiver, SECOND)):
-        transport.attach(each, lambda _message: None)
+    for transport, address in ((sender, FIRST), (receiver, SECOND)):
+        transport.attach(address, lambda _message: None)
     receiver.send(SECOND, FIRST, b"\x00\x00")
     world.run_for(1.0)
     results = []

@@ -77,7 +77,7 @@ def test_commands_cross_both_bridges_in_the_time_of_the_way(drive):
 
 def test_joints_are_found_by_the_names_that_their_map_gives_them(drive):
     happened = drive(seconds=3, until=3)
-    turned = [each for each in happened["turned"] if any(each[1])]
+    turned = [sample for sample in happened["turned"] if any(sample[1])]
     assert turned == [[["pan", "tilt"], [0.5, 0.25]], [["pan", "tilt"], [0.75, 0.125]]]
     assert happened["counters"]["bridge.set_pan_tilt_velocities.absent_field"] == 1
 

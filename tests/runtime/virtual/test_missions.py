@@ -60,7 +60,7 @@ def play(workspace):
 
 
 def told_of(happened, kind):
-    return [each[1:] for each in happened["told"] if each[0] == kind]
+    return [record[1:] for record in happened["told"] if record[0] == kind]
 
 
 LOSSES = pytest.mark.parametrize("loss", sweep([0.0, 0.2], every=2))

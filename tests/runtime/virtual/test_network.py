@@ -63,7 +63,7 @@ def attached(world, transport, address):
 @pytest.fixture
 def pair(world):
     """Two components on lossy ways."""
-    return [component(world.transport(LOSSY, LOSSY), each) for each in (FIRST, SECOND)]
+    return [component(world.transport(LOSSY, LOSSY), address) for address in (FIRST, SECOND)]
 
 
 class TestTimes:
@@ -229,7 +229,9 @@ class TestWhoIsReached:
         component(world.transport(LOSSY), FIRST, register_services=True)
         asker = component(world.transport(LOSSY), SECOND)
         found = []
-        asker.discover("urn:jaus:jss:core:Liveness", lambda each: found.append(each.address))
+        asker.discover(
+            "urn:jaus:jss:core:Liveness", lambda provider: found.append(provider.address)
+        )
         world.run_until(lambda: FIRST in found, limit=60)
 
     def test_what_goes_to_where_nobody_is(self, world):
@@ -274,7 +276,7 @@ class TestLoss:
         assert max(b - a for a, b in pairwise(times)) < 5
 
     def test_control_survives(self, world):
-        without_time = [each for each in CORE if not each.urn.endswith("Time")]
+        without_time = [service for service in CORE if not service.urn.endswith("Time")]
         vehicle = component(world.transport(LOSSY), FIRST, services=without_time, control_timeout=2)
         operator = component(world.transport(LOSSY), SECOND)
         obeyed, states = [], []

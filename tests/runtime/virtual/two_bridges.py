@@ -43,7 +43,7 @@ def drive(asked: argparse.Namespace) -> dict[str, object]:
 
         def note(data: bytes) -> None:
             joints = JointState.from_cdr(data)
-            turned.append((list(joints.name), [round(each, 3) for each in joints.velocity]))
+            turned.append((list(joints.name), [round(velocity, 3) for velocity in joints.velocity]))
 
         world.ros.subscribe(f"/out/{JOINTS}", JointState, note)
 

@@ -42,7 +42,7 @@ def test_what_was_moved_stays_where_it_is(own_desk, example):
     expect(own_desk.box("vehicle")).to_be_visible()
     assert own_desk.place("vehicle") == moved
     assert example.read_bytes() == before
-    assert [each.name for each in example.parent.glob("*.layout.json")]
+    assert [path.name for path in example.parent.glob("*.layout.json")]
 
 
 def test_edits_are_in_the_file_at_once_and_undone_to_the_same_bytes(desk, shared_example):
@@ -214,7 +214,7 @@ def test_the_table_tells_the_same(desk):
 def test_light_and_dark_as_the_system_has_it(open_shared, scheme):
     desk = shown(open_shared(color_scheme=scheme))
     ground = desk.page.evaluate("getComputedStyle(document.body).backgroundColor")
-    levels = [int(each) for each in re.findall(r"\d+", ground)[:3]]
+    levels = [int(match) for match in re.findall(r"\d+", ground)[:3]]
     assert (max(levels) < 80) == (scheme == "dark"), ground
 
 
@@ -234,7 +234,7 @@ def test_text_of_a_model_is_text_in_the_page(open_studio, example):
     desk.tab("Table")
     expect(desk.page.get_by_role("cell", name="<script>").first).to_be_visible()
     views = desk.view.locator("option").evaluate_all("all => all.map(each => each.value)")
-    for view in [each for each in views if "script" in each][:4]:
+    for view in [view_name for view_name in views if "script" in view_name][:4]:
         desk.view.select_option(view)
         expect(desk.page.get_by_role("cell", name="<script>").first).to_be_visible()
     assert desk.page.evaluate("window.hit === undefined")

@@ -76,7 +76,7 @@ def heap(page):
     session.send("Performance.enable")
     session.send("HeapProfiler.collectGarbage")
     found = session.send("Performance.getMetrics")["metrics"]
-    return next(each["value"] for each in found if each["name"] == "JSHeapUsedSize")
+    return next(metric["value"] for metric in found if metric["name"] == "JSHeapUsedSize")
 
 
 def test_hosts_bridges_and_boxes_come_as_one_goes_near_and_an_edit_sends_little(

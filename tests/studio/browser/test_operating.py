@@ -190,9 +190,9 @@ def test_a_tab_that_is_killed_stops_and_releases(operator, vehicle, chromium):
 def kill_tabs(browser):
     """Ends the processes of all tabs of a browser: nothing of a page runs any more."""
     told = browser.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]
-    for each in told:
-        if each["type"] == "renderer":
-            os.kill(each["id"], signal.SIGKILL)
+    for process in told:
+        if process["type"] == "renderer":
+            os.kill(process["id"], signal.SIGKILL)
 
 
 @pytest.mark.slow
@@ -279,8 +279,8 @@ def point_on(plan, up, right):
 
 def places_of(vehicle):
     """Returns x and y of the elements that a vehicle was given, in decimetres' precision."""
-    decoded = [decode(each.data).fields["LocalWaypointRec"] for each in vehicle.list]
-    return [(round(each["X"], 1), round(each["Y"], 1)) for each in decoded]
+    decoded = [decode(element.data).fields["LocalWaypointRec"] for element in vehicle.list]
+    return [(round(waypoint["X"], 1), round(waypoint["Y"], 1)) for waypoint in decoded]
 
 
 def near(found, wanted):
@@ -437,7 +437,7 @@ def test_a_single_waypoint_is_drawn_sent_and_driven(studio, single, open_studio,
     until(lambda: len(speeds) == 1)
     page.get_by_role("button", name="Speed 0").click()
     until(lambda: len(speeds) == 2)
-    found = [each.get("TravelSpeedRec", each)["Speed"] for each in speeds]
+    found = [speed.get("TravelSpeedRec", speed)["Speed"] for speed in speeds]
     assert found == pytest.approx([1.5, 0.0], abs=0.01)
     assert len(waypoints) == 1
     rows.first.get_by_role("button", name="Waypoint 1:").click()
@@ -460,7 +460,7 @@ def png(size):
     rows = [b"\0" + bytes(255 if x + y > size else 60 for x in range(size)) for y in range(size)]
     header = struct.pack(">IIBBBBB", size, size, 8, 0, 0, 0, 0)
     parts = ((b"IHDR", header), (b"IDAT", zlib.compress(b"".join(rows))), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*each) for each in parts)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)
 
 
 def register(registrar, component, urls):

@@ -60,5 +60,5 @@ def test_the_page_can_ask_no_other_site(open_shared, open_studio, example):
     expect(other.get_by_label("File")).to_have_value("catvehicle.xmi")
     address = urlsplit(other.url).netloc
     assert page.evaluate(ASKING, address) == ["refused", "refused"]
-    assert any("Content Security Policy" in each for each in open_studio.complaints)
+    assert any("Content Security Policy" in complaint for complaint in open_studio.complaints)
     open_studio.complaints.clear()

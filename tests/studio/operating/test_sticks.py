@@ -134,7 +134,7 @@ def test_a_stop_that_nobody_acknowledges_is_repeated_and_told_in_the_end(unit):
         assert len(unit.stops) == number
         unit.stops[-1][1](False)
     assert len(unit.stops) == 5
-    assert [each["text"] for each in unit.journal.alarms] == ["the stop was never acknowledged"]
+    assert [alarm["text"] for alarm in unit.journal.alarms] == ["the stop was never acknowledged"]
 
 
 def test_a_stop_that_has_arrived_is_not_repeated(unit):
@@ -163,7 +163,7 @@ def test_only_the_stick_that_is_held_is_moved_and_ended(unit):
     assert unit.stops == []
     unit.sticks.end("control is lost", CAR)
     assert len(unit.stops) == 1
-    assert [each["text"] for each in unit.journal.alarms] == ["stopped: control is lost"]
+    assert [alarm["text"] for alarm in unit.journal.alarms] == ["stopped: control is lost"]
     number = unit.begin()
     for late in (lambda: unit.sticks.move(old, {}), lambda: unit.sticks.release(old)):
         with pytest.raises(AnswerError):

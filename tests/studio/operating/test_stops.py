@@ -56,7 +56,7 @@ def test_a_bridge_that_takes_commands_has_the_stop_of_its_map(set_velocity):
     assert set(fields) == {
         "Velocity_X", "Velocity_Y", "Velocity_Z", "RollRate", "PitchRate", "YawRate"
     }  # fmt: skip
-    assert all(abs(each) < 0.01 for each in fields.values())
+    assert all(abs(field) < 0.01 for field in fields.values())
 
 
 @pytest.mark.parametrize("timeout", ["", "silenceTimeout: 0.0"])

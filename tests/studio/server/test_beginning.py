@@ -18,13 +18,15 @@ pytestmark = pytest.mark.ports
 def test_a_model_begins_with_a_profile_and_asks_what_a_person_decides(
     page: Page, folder: Path
 ) -> None:
-    points = {each["name"]: each for each in page.ask("starting_points")["points"]}
+    points = {point["name"]: point for point in page.ask("starting_points")["points"]}
     assert points["iop-ugv"]["kind"] == "profile"
     page.ask("create", file="ugv.ros2jaus", origin="iop-ugv")
     text = (folder / "ugv.ros2jaus").read_text(encoding="utf-8")
     assert "system ugv {" in text
     found = page.ask("problems", file="ugv.ros2jaus")["problems"]
-    assert [each["rule"] for each in found if each["severity"] == "error"].count("JML498") == 3
+    assert [problem["rule"] for problem in found if problem["severity"] == "error"].count(
+        "JML498"
+    ) == 3
     page.ask("undo")
     assert not (folder / "ugv.ros2jaus").exists()
     page.ask("redo")
@@ -43,10 +45,10 @@ def test_a_model_begins_with_a_profile_and_asks_what_a_person_decides(
 def test_nothing_is_overwritten_or_written_elsewhere(
     page: Page, folder: Path, file: str, origin: str, why: str
 ) -> None:
-    before = {each: each.read_bytes() for each in folder.parent.rglob("*") if each.is_file()}
+    before = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
     with pytest.raises(RefusedError, match=why):
         page.ask("create", file=file, origin=origin)
-    after = {each: each.read_bytes() for each in folder.parent.rglob("*") if each.is_file()}
+    after = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
     assert after == before
 
 
@@ -54,22 +56,22 @@ def test_what_is_copied_here_is_pasted_in_another_project(
     page: Page, tmp_path: Path, built: Path
 ) -> None:
     graph = page.ask("view", file="catvehicle.xmi", view="system")["graph"]
-    bridge = next(each["element"] for each in graph["nodes"] if each["title"] == "bridge")
+    bridge = next(node["element"] for node in graph["nodes"] if node["title"] == "bridge")
     text = page.ask("copy", elements=[bridge])["text"]
     other = tmp_path / "other"
     other.mkdir()
     (other / "boat.ros2jaus").write_text("system boat {\n}\n", encoding="utf-8")
     with serving(other, built) as server, server.page() as there:
         pasted = there.ask("paste", owner="boat.ros2jaus#/", text=text)
-        assert {each["message"].partition(":")[0] for each in pasted["left_out"]} == {
+        assert {omission["message"].partition(":")[0] for omission in pasted["left_out"]} == {
             "unknown name 'vehicle'",
             "unknown name 'operator_control_unit'",
         }
         written = (other / "boat.ros2jaus").read_text(encoding="utf-8")
         assert "bridge bridge {" in written
         found = there.ask("problems", file="boat.ros2jaus")["problems"]
-        asked = [each["message"] for each in found if each["rule"] == "JML498"]
-        assert any("unknown name 'vehicle'" in each for each in asked)
+        asked = [problem["message"] for problem in found if problem["rule"] == "JML498"]
+        assert any("unknown name 'vehicle'" in message for message in asked)
         with pytest.raises(RefusedError, match="cannot be read: line 1"):
             there.ask("paste", owner="boat.ros2jaus#/", text="Dear all, see you at {{{")
         assert (other / "boat.ros2jaus").read_text(encoding="utf-8") == written

@@ -18,7 +18,7 @@ def test_what_another_program_wrote_is_taken_over_before_the_end(folder: Path) -
     project = Project(folder)
     asyncio.run(asyncio.wait_for(closed_while_busy(Session(StudioContext(project)), folder), 120))
     assert project.log
-    assert all(each.is_outside for each in project.log)
+    assert all(entry.is_outside for entry in project.log)
 
 
 async def closed_while_busy(session: Session, folder: Path) -> None:

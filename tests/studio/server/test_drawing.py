@@ -24,7 +24,7 @@ def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     drawings = Drawings()
-    shown = Graph("system", "s", tuple(Node(each, "component", each, key=each) for each in "ab"))
+    shown = Graph("system", "s", tuple(Node(name, "component", name, key=name) for name in "ab"))
     first = drawings.draw("m.xmi", shown, {})
     view = drawings._view("m.xmi", "system")
     view.standing.boxes.clear()
@@ -35,7 +35,7 @@ def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(
             "m.xmi", Graph("system", "s", (*shown.nodes, Node("c", "component", "c", key="c"))), {}
         )
 
-    assert [each["key"] for each in again["nodes"]] == ["a", "b", "c"]
+    assert [node["key"] for node in again["nodes"]] == ["a", "b", "c"]
     assert len(first["nodes"]) == 2
     assert "is drawn anew" in caplog.text
     assert "Traceback" in caplog.text
@@ -46,9 +46,9 @@ def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes() -> None
 
     def draw(name: str) -> dict[str, tuple[float, float]]:
         boxes = ("service", name), ("messages", f"{name}!takes"), ("messages", f"{name}!sends")
-        nodes = tuple(Node(each, kind, each, key=each) for kind, each in boxes)
+        nodes = tuple(Node(box_id, kind, box_id, key=box_id) for kind, box_id in boxes)
         found = drawings.draw("m.xmi", Graph(f"service:{name}", name, nodes, downwards=True), {})
-        return {each["key"]: (each["x"], each["y"]) for each in found["nodes"]}
+        return {node["key"]: (node["x"], node["y"]) for node in found["nodes"]}
 
     drawings.follow("m.xmi", ["service:Winch", "service:Other"])
     drawings._view("m.xmi", "service:Winch").standing.boxes |= {"Winch": (7, 70)}
@@ -82,4 +82,4 @@ def test_a_large_system_is_drawn_at_once_and_again_with_its_verdict(tmp_path: Pa
     now = showing.view(context, file, "system", (), unjudged["picture"])
     assert now["checked"]
     (closed,) = now["changes"]["nodes"]["put"]
-    assert [each["message"] for each in closed["findings"]] == ["1 error in it"]
+    assert [finding["message"] for finding in closed["findings"]] == ["1 error in it"]

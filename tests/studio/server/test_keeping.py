@@ -40,7 +40,7 @@ def begin(page: Page, folder: Path) -> tuple[str, int]:
     (folder / FILE).write_text(TEXT, encoding="utf-8")
     page.await_told("changed")
     seen = page.ask("view", file=FILE, view="system")
-    ref = next(each["element"] for each in seen["graph"]["nodes"] if each["title"] == "winch")
+    ref = next(node["element"] for node in seen["graph"]["nodes"] if node["title"] == "winch")
     return ref, seen["revision"]
 
 
@@ -114,20 +114,20 @@ def full_disk(server: Server) -> Iterator[None]:
 @contextmanager
 def halted(*servers: Server) -> Iterator[None]:
     """Halts studios as long as the context lasts, as a busy computer does."""
-    for each in servers:
-        os.kill(each.process.pid, signal.SIGSTOP)
+    for studio in servers:
+        os.kill(studio.process.pid, signal.SIGSTOP)
     try:
         yield
     finally:
-        for each in servers:
-            os.kill(each.process.pid, signal.SIGCONT)
+        for studio in servers:
+            os.kill(studio.process.pid, signal.SIGCONT)
 
 
 def send(page: Page, view: dict[str, Any], wanted: tuple[str, str]) -> int:
     """Sends another address for a box of a picture; returns what names the answer."""
     title, address = wanted
     boxes = view["graph"]["nodes"]
-    ref = next(each["element"] for each in boxes if each["title"] == title)
+    ref = next(box["element"] for box in boxes if box["title"] == title)
     commands = [addressed(ref, address)]
     return page.send("edit", commands=commands, label="Set", base=view["revision"])
 
@@ -140,20 +140,20 @@ def test_two_studios_at_the_same_moment_lose_nothing(
         begin(one, folder)
         two.await_told("changed")
         for turn in range(3):
-            seen = [each.ask("view", file=FILE, view="system") for each in (one, two)]
+            seen = [studio.ask("view", file=FILE, view="system") for studio in (one, two)]
             wanted = [("helm", f"1.2.{turn + 1}"), ("winch", f"1.3.{turn + 1}")]
             with halted(server, other):
-                sent = [send(*each) for each in zip((one, two), seen, wanted, strict=True)]
+                sent = [send(*request) for request in zip((one, two), seen, wanted, strict=True)]
             for page, number in zip((one, two), sent, strict=True):
                 assert page.answer(number)["created"] == []
             text = (folder / FILE).read_text(encoding="utf-8")
             assert f"1.2.{turn + 1}" in text
             assert f"1.3.{turn + 1}" in text
         # Of the same property one is done; the other is kept, with what it was to be.
-        seen = [each.ask("view", file=FILE, view="system") for each in (one, two)]
+        seen = [studio.ask("view", file=FILE, view="system") for studio in (one, two)]
         wanted = [("helm", "1.4.1"), ("helm", "1.4.2")]
         with halted(server, other):
-            sent = [send(*each) for each in zip((one, two), seen, wanted, strict=True)]
+            sent = [send(*request) for request in zip((one, two), seen, wanted, strict=True)]
         refused = []
         for page, number in zip((one, two), sent, strict=True):
             try:
@@ -213,12 +213,12 @@ def test_a_host_is_drawn_and_used_before_anything_runs_there(page: Page, folder:
     (folder / FILE).write_text(text, encoding="utf-8")
     page.await_told("changed")
     graph = page.ask("view", file=FILE, view="system")["graph"]
-    assert [each["title"].split()[1] for each in graph["groups"]] == ["deck"]
-    (empty,) = (each for each in graph["nodes"] if each["kind"] == "host")
+    assert [group["title"].split()[1] for group in graph["groups"]] == ["deck"]
+    (empty,) = (node for node in graph["nodes"] if node["kind"] == "host")
     assert empty["title"].startswith("host engine")
-    (helm,) = (each for each in graph["nodes"] if each["title"] == "helm")
+    (helm,) = (node for node in graph["nodes"] if node["title"] == "helm")
     # No line begins or ends at a host.
-    ends = [{"node": each["id"], "port": ""} for each in (helm, empty)]
+    ends = [{"node": node["id"], "port": ""} for node in (helm, empty)]
     assert page.ask("ends", file=FILE, view="system", **ends[1])["ends"] == []
     refused = page.ask("connect", file=FILE, view="system", source=ends[0], target=ends[1])
     assert (refused["options"], bool(refused["refusal"])) == ([], True)
@@ -226,7 +226,7 @@ def test_a_host_is_drawn_and_used_before_anything_runs_there(page: Page, folder:
     option = page.ask("host", file=FILE, nodes=[helm["id"]], host=empty["id"])
     page.ask("edit", commands=option["commands"], label=option["label"])
     after = page.ask("view", file=FILE, view="system")["graph"]
-    assert [each["title"].split()[1] for each in after["groups"]] == ["engine"]
-    assert [each["title"].split()[1] for each in after["nodes"] if each["kind"] == "host"] == [
+    assert [group["title"].split()[1] for group in after["groups"]] == ["engine"]
+    assert [node["title"].split()[1] for node in after["nodes"] if node["kind"] == "host"] == [
         "deck"
     ]

@@ -40,7 +40,7 @@ def execute(page: Page, elements: list[dict[str, float]] = ROUTE, first: int = 1
 
 
 def journal(page: Page) -> list[str]:
-    return [each["text"] for each in page.ask("journal")["entries"]]
+    return [entry["text"] for entry in page.ask("journal")["entries"]]
 
 
 def scaled(value: float, low: float, high: float) -> bytes:
@@ -51,15 +51,15 @@ def scaled(value: float, low: float, high: float) -> bytes:
 def test_a_list_arrives_as_it_is_drawn(holding: Page, vehicle: Vehicle) -> None:
     drawn(holding)
     # X forward or north and Y right or east keep their signs; no optional field is made up.
-    assert [each.data for each in vehicle.list] == [
+    assert [element.data for element in vehicle.list] == [
         b"\x0d\x04\x00" + scaled(x, -1e5, 1e5) + scaled(y, -1e5, 1e5)
         for x, y in ((3, -4), (6.5, 0), (0, 2))
     ]
     assert vehicle.list[0].data.hex() == "0d0400a8fb008074b0fe7f"
-    chained = [(each.uid, each.previous_uid, each.next_uid) for each in vehicle.list]
+    chained = [(element.uid, element.previous_uid, element.next_uid) for element in vehicle.list]
     assert chained == [(1, 0, 2), (2, 1, 3), (3, 2, 0)]
     assert vehicle.executed == []
-    assert any("list of 3 SetLocalWaypoint to 100.1.10: 1: X=" in each for each in journal(holding))
+    assert any("list of 3 SetLocalWaypoint to 100.1.10: 1: X=" in text for text in journal(holding))
 
 
 def test_a_list_is_executed_in_its_order_and_told(holding: Page, vehicle: Vehicle) -> None:
@@ -75,7 +75,7 @@ def test_a_list_is_executed_in_its_order_and_told(holding: Page, vehicle: Vehicl
     for uid in ("1", "2", "3"):
         until(lambda uid=uid: active() == uid)
         vehicle.reach()
-        places.append(tuple(round(each, 3) for each in vehicle.place))
+        places.append(tuple(round(coordinate, 3) for coordinate in vehicle.place))
     until(lambda: active() == "0")
     assert places == [(3.0, -4.0), (6.5, 0.0), (0.0, 2.0)]
     assert vehicle.executed == [(1.5, 1)]
@@ -206,19 +206,19 @@ def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
         take(page)
         until(lambda: is_done(page, "resume", component=VEHICLE))
         until(lambda: is_done(page, "list.set", component=VEHICLE, message=LOCAL, elements=long))
-        assert [each.uid for each in vehicle.list] == list(range(1, 151))
-    assert sum(each.counters.snapshot()["lost"] for each in lossy) > 0
+        assert [element.uid for element in vehicle.list] == list(range(1, 151))
+    assert sum(transport.counters.snapshot()["lost"] for transport in lossy) > 0
 
 
 def test_a_stop_ends_what_is_being_set(
     commanding: Page, port: int, lossy: list[LossyTransport]
 ) -> None:
     with Vehicle(port) as vehicle:
-        for each in lossy:
-            each.share = 0.0
+        for transport in lossy:
+            transport.share = 0.0
         take(commanding)
-        for each in lossy:
-            each.share = 1.0
+        for transport in lossy:
+            transport.share = 1.0
         asked = {"component": VEHICLE, "message": LOCAL, "elements": ROUTE}
         setting = commanding.send("list.set", **asked)
         noted = "list of 3 SetLocalWaypoint"
@@ -226,8 +226,8 @@ def test_a_stop_ends_what_is_being_set(
         commanding.send("stop")
         with pytest.raises(RefusedError, match="stopped meanwhile"):
             commanding.answer(setting)
-        for each in lossy:
-            each.share = 0.0
+        for transport in lossy:
+            transport.share = 0.0
         # Longer than the unit repeats what is not answered.
         time.sleep(1.5)
         assert vehicle.list == []

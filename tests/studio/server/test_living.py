@@ -31,10 +31,10 @@ def test_ids_are_those_of_the_view(page: Page) -> None:
     told = page.await_told("live")
     assert told["file"] == FILE
     state = told["state"]
-    of_bridges = {each["id"] for each in graph["edges"] if "bridgeConnections" in each["id"]}
+    of_bridges = {edge["id"] for edge in graph["edges"] if "bridgeConnections" in edge["id"]}
     assert of_bridges
     assert of_bridges <= state["edges"].keys()
-    boxes = {each["id"] for each in graph["nodes"] if each["kind"] in ("component", "bridge")}
+    boxes = {node["id"] for node in graph["nodes"] if node["kind"] in ("component", "bridge")}
     assert state["boxes"].keys() == boxes
     page.await_told("live", lambda told: told["state"]["sources"].get("JAUS") == "heard")
     assert page.ask("live.message", connection=state["connections"][0]["row"])["values"] == []

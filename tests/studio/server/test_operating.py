@@ -196,8 +196,8 @@ def test_a_command_comes_to_the_vehicle_and_its_answer_back(
     answer = holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
     assert "ReportWrenchEffort" in answer["answer"]
     assert vehicle.last == 20.0
-    texts = [each["text"] for each in holding.ask("journal")["entries"]]
-    assert any("SetWrenchEffort to 100.1.10: PropulsiveLinearEffortX=20" in each for each in texts)
+    texts = [entry["text"] for entry in holding.ask("journal")["entries"]]
+    assert any("SetWrenchEffort to 100.1.10: PropulsiveLinearEffortX=20" in text for text in texts)
 
 
 def test_a_value_out_of_range_is_refused_at_its_field(holding: Page, vehicle: Vehicle) -> None:
@@ -247,7 +247,7 @@ def move(page: Page, number: int, effort: float) -> None:
 
 
 def texts_of(told: list[dict[str, Any]]) -> list[str]:
-    return [each["text"] for each in told]
+    return [entry["text"] for entry in told]
 
 
 def test_a_stick_that_is_released_stops(holding: Page, vehicle: Vehicle) -> None:
@@ -275,7 +275,7 @@ def test_a_stick_that_is_not_renewed_stops_in_time_and_says_nothing_more(
         move(holding, number, 40.0)
     said = "stopped: the page said nothing for 0.6 s"
     holding.await_told(
-        "operate.state", lambda told: said in [each["text"] for each in told["alarms"]]
+        "operate.state", lambda told: said in [alarm["text"] for alarm in told["alarms"]]
     )
 
 
@@ -299,7 +299,7 @@ def test_a_page_that_does_not_renew_commands_no_more(
     with pytest.raises(RefusedError, match="nobody commands"):
         holding.ask("renew")
     with server.page("/operate") as page:
-        texts = [each["text"] for each in page.project["state"]["alarms"]]
+        texts = [alarm["text"] for alarm in page.project["state"]["alarms"]]
     assert "it commanded, and said nothing for 2 s" in texts
 
 
@@ -316,7 +316,8 @@ def test_a_stick_without_a_declared_stop_is_refused_with_the_reason(holding: Pag
     with pytest.raises(RefusedError, match="no stop of SetAccelerationLimit"):
         holding.ask("stick.begin", component=VEHICLE, message="SetAccelerationLimit")
     commands = {
-        each["name"]: each for each in holding.ask("messages", component=VEHICLE)["commands"]
+        command["name"]: command
+        for command in holding.ask("messages", component=VEHICLE)["commands"]
     }
     assert commands["SetWrenchEffort"]["stick"]["timeout"] == TIMEOUT
     assert "no stop of" in commands["Standby"]["stick"]["refusal"]
@@ -325,12 +326,12 @@ def test_a_stick_without_a_declared_stop_is_refused_with_the_reason(holding: Pag
 def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
     move(holding, held(holding), 30.0)
     told = holding.await_told("operate.state", lambda told: told["alarms"])
-    number = next(each["number"] for each in told["alarms"] if not each["silenced"])
+    number = next(alarm["number"] for alarm in told["alarms"] if not alarm["silenced"])
     with pytest.raises(RefusedError, match="say why"):
         holding.ask("silence", number=number, reason=" ")
     holding.ask("silence", number=number, reason="a test")
-    texts = [each["text"] for each in holding.ask("journal")["entries"]]
-    assert any("because 'a test'" in each for each in texts)
+    texts = [entry["text"] for entry in holding.ask("journal")["entries"]]
+    assert any("because 'a test'" in text for text in texts)
 
 
 def test_a_studio_that_ends_stops_and_releases(
@@ -408,7 +409,7 @@ def handing_over(port: int) -> Iterator[tuple[JausComponent, Asking]]:
     with running_transport(TransportSettings(port=port)) as transport:
         names = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")
         services = (
-            *(ServiceIdentity(CORE + each, 1, 1) for each in names),
+            *(ServiceIdentity(CORE + name, 1, 1) for name in names),
             ServiceIdentity("urn:jaus:jss:iop:EnhancedAccessControl", 1, 1),
         )
         target = JausComponent(transport, JausAddress.parse(SHARED), name="t", services=services)
@@ -504,6 +505,6 @@ def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
         assert len(refused) == 1
         monkeypatch.undo()
         until(lambda: take(2))
-        assert [str(each.target) for each in unit.operator.holds] == [VEHICLE]
+        assert [str(hold.target) for hold in unit.operator.holds] == [VEHICLE]
     finally:
         unit.stop()

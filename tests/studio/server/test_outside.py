@@ -27,18 +27,18 @@ def test_a_change_by_another_program_appears(page: Page, folder: Path) -> None:
     told = page.await_told("changed")
     assert told["by"] == "outside"
     assert told["entry"]["outside"]
-    page.await_told("problems", lambda each: each["revision"] == told["revision"])
+    page.await_told("problems", lambda notification: notification["revision"] == told["revision"])
 
 
 def test_a_broken_file_keeps_its_last_good_model_and_is_stale(page: Page, folder: Path) -> None:
     boxes = page.ask("view", file=FILE, view="system")["graph"]["nodes"]
     (folder / FILE).write_text("<system:System", encoding="utf-8")
     told = page.await_told("changed")
-    assert [each["stale"] for each in told["files"]] == [True]
+    assert [file["stale"] for file in told["files"]] == [True]
     problems = page.ask("problems", file=FILE)["problems"]
-    assert any(each["severity"] == "error" and each["line"] == 1 for each in problems)
+    assert any(problem["severity"] == "error" and problem["line"] == 1 for problem in problems)
     again = page.ask("view", file=FILE, view="system")["graph"]["nodes"]
-    assert [each["element"] for each in again] == [each["element"] for each in boxes]
+    assert [node["element"] for node in again] == [box["element"] for box in boxes]
     assert (folder / FILE).read_text(encoding="utf-8") == "<system:System"
 
 
@@ -62,16 +62,18 @@ def test_what_cannot_be_read_gets_no_verdict_and_no_code(
     assert (plan["problems"], plan["freshness"]["state"]) == ("", "current")
 
     text.write_text(f"component helm {{ address: 1.2.3 }}\n{broken}", encoding="utf-8")
-    told = page.await_told("changed", lambda each: each["revision"] > good["revision"])
+    told = page.await_told(
+        "changed", lambda notification: notification["revision"] > good["revision"]
+    )
     # The picture is that of before, and says so; nothing else is of the past.
     seen = page.ask("view", file=file, view="system")
-    assert [each["title"] for each in seen["graph"]["nodes"]] == ["helm"]
+    assert [node["title"] for node in seen["graph"]["nodes"]] == ["helm"]
     assert seen["freshness"]["state"] == state
     assert seen["freshness"]["since"] == good["revision"]
     verdict = page.ask("problems", file=file)
     rule = "JML009" if state == "conflict" else "JML701"
-    assert rule in {each["rule"] for each in verdict["problems"]}
-    assert {each["line"] for each in verdict["problems"]} <= set(range(2, 8))
+    assert rule in {problem["rule"] for problem in verdict["problems"]}
+    assert {problem["line"] for problem in verdict["problems"]} <= set(range(2, 8))
     assert file in verdict["fault"]
     refused = page.ask("plan", file=file)
     assert (refused["files"], refused["digest"]) == ([], "")
@@ -79,10 +81,10 @@ def test_what_cannot_be_read_gets_no_verdict_and_no_code(
     assert refused["revision"] == told["revision"]
     with pytest.raises(RefusedError, match=file):
         page.ask("generate", file=file, out="", digest=plan["digest"])
-    assert [each.name for each in folder.iterdir() if each.is_dir()] == []
+    assert [path.name for path in folder.iterdir() if path.is_dir()] == []
 
     text.write_text("component helm { address: 1.2.4 }\n", encoding="utf-8")
-    page.await_told("changed", lambda each: each["revision"] > told["revision"])
+    page.await_told("changed", lambda notification: notification["revision"] > told["revision"])
     assert page.ask("problems", file=file)["freshness"]["state"] == "current"
 
 
@@ -95,14 +97,14 @@ def test_a_file_that_another_one_uses_and_that_cannot_be_read_counts_too(
         'import "parts.ros2jaus"\ncomponent helm { address: 1.2.3  controls: compass }\n',
         encoding="utf-8",
     )
-    page.await_told("changed", lambda each: len(each["files"]) == 3)
+    page.await_told("changed", lambda notification: len(notification["files"]) == 3)
     before = page.ask("problems", file="boat.ros2jaus")
     assert before["freshness"]["state"] == "current"
     (folder / "parts.ros2jaus").write_text(BROKEN, encoding="utf-8")
-    page.await_told("changed", lambda each: each["revision"] > before["revision"])
+    page.await_told("changed", lambda notification: notification["revision"] > before["revision"])
     told = page.ask("problems", file="boat.ros2jaus")
     assert told["freshness"]["state"] == "unreadable"
-    assert {each["file"] for each in told["problems"]} == {"parts.ros2jaus"}
+    assert {problem["file"] for problem in told["problems"]} == {"parts.ros2jaus"}
 
 
 def test_what_is_generated_is_what_stands_on_the_disk(page: Page, folder: Path) -> None:
@@ -111,10 +113,10 @@ def test_what_is_generated_is_what_stands_on_the_disk(page: Page, folder: Path) 
     (folder / FILE).write_text("<system:System", encoding="utf-8")
     with pytest.raises(RefusedError, match="cannot be read"):
         page.ask("generate", file=FILE, out="", digest=digest)
-    assert [each.name for each in folder.iterdir()] == [FILE]
+    assert [path.name for path in folder.iterdir()] == [FILE]
 
 
 def test_a_new_file_appears(page: Page, folder: Path) -> None:
     (folder / "maps.ros2jaus").write_text("", encoding="utf-8")
     told = page.await_told("changed")
-    assert [each["path"] for each in told["files"]] == [FILE, "maps.ros2jaus"]
+    assert [file["path"] for file in told["files"]] == [FILE, "maps.ros2jaus"]

@@ -81,7 +81,7 @@ class Studio:
         project = self.context.project
         model = project.model(FILE).model
         found = model.instances(jaus.Component, library=False)
-        self.refs = {str(each.address): project.ref(each, model) for each in found}
+        self.refs = {str(component.address): project.ref(component, model) for component in found}
         self.base = project.revision
         self.seen = {str(e.address): (str(e.name), e.documentation or "") for e in found}
 
@@ -209,7 +209,7 @@ class Walk:
         address, ref = self.chance.choice(sorted(studio.refs.items()))
 
         def expected(before: Components) -> Components:
-            return {at: each for at, each in before.items() if at != address}
+            return {at: component for at, component in before.items() if at != address}
 
         self.send(studio, {"kind": "remove", "element": ref}, expected)
 
@@ -256,8 +256,8 @@ class Walk:
             assert len(studio.context.kept.all) == len(edits) - 1
 
     def discard(self, studio: Studio) -> None:
-        for each in studio.ask("kept")["edits"]:
-            studio.ask("kept.discard", number=each["number"])
+        for edit in studio.ask("kept")["edits"]:
+            studio.ask("kept.discard", number=edit["number"])
 
     def undo(self, studio: Studio) -> None:
         self.step(studio, "undo")
@@ -275,11 +275,11 @@ class Walk:
     def on_a_full_disk(self, studio: Studio) -> None:
         """Nothing can be stored: nothing is done then, and nothing that was kept is lost."""
         doing = self.chance.choice([Walk.describe, Walk.rename, Walk.add, Walk.again, Walk.undo])
-        data, kept = self.data, {each.number for each in studio.context.kept.all}
+        data, kept = self.data, {edit.number for edit in studio.context.kept.all}
         with full_disk():
             doing(self, studio)
         assert self.data == data
-        assert kept <= {each.number for each in studio.context.kept.all}
+        assert kept <= {edit.number for edit in studio.context.kept.all}
 
     def told(self, studio: Studio) -> None:
         studio.context.refresh()
@@ -294,9 +294,9 @@ class Walk:
         picture = studio.ask("view", file=FILE, view="system")
         verdict = studio.ask("problems", file=FILE)
         plan = studio.ask("plan", file=FILE)
-        assert {each["freshness"]["state"] for each in (picture, verdict, plan)} == {wanted}
+        assert {answer["freshness"]["state"] for answer in (picture, verdict, plan)} == {wanted}
         if wanted == "current":
-            titles = sorted(each["title"] for each in picture["graph"]["nodes"])
+            titles = sorted(node["title"] for node in picture["graph"]["nodes"])
             assert titles == sorted(name for name, _ in (self.components() or {}).values())
             assert verdict["fault"] == ""
             studio.digest = plan["digest"] or studio.digest
@@ -312,7 +312,7 @@ class Walk:
         if self.components() is None:
             with pytest.raises(AnswerError):
                 studio.ask("generate", file=FILE, out="", digest=studio.digest)
-        assert not [each for each in self.root.iterdir() if each.name.endswith("_ws")]
+        assert not [path for path in self.root.iterdir() if path.name.endswith("_ws")]
 
     def kill(self, studio: Studio) -> None:
         studio.open()

@@ -62,7 +62,7 @@ def test_those_that_were_given_are_opened_and_their_folders_not_told(folder, tmp
     try:
         assert given.given == ("outside.mcap", "runs/run.mcap")
         assert read(given, "outside.mcap").system is not None
-        assert not any(str(tmp_path) in each for each in given.files())
+        assert not any(str(tmp_path) in file for file in given.files())
     finally:
         given.close()
 
@@ -108,10 +108,12 @@ def test_the_page_is_told_of_a_moment_and_refused_what_is_none(built, tmp_path):
         assert page.ask("recording.files") == {"files": ["run.mcap"], "given": []}
         while (found := page.ask("recording.open", recording="run.mcap"))["read"] is None:
             assert not found["fault"]
-        assert [each["kind"] for each in found["read"]["marks"]].count("drop") == 1
+        assert [mark["kind"] for mark in found["read"]["marks"]].count("drop") == 1
         asked = {"recording": "run.mcap", "file": "model.xmi"}
         told = page.ask("recording.state", **asked, at=4.5)["state"]
-        (drive,) = [each for each in told["connections"] if each["connection"] == "drive"]
+        (drive,) = [
+            connection for connection in told["connections"] if connection["connection"] == "drive"
+        ]
         assert (drive["drops"], drive["rate"]) == ({"out_of_range": 1}, 10.0)
         for method, params in (
             ("recording.open", {"recording": "../run.mcap"}),

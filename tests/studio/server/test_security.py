@@ -150,7 +150,7 @@ def test_files_elsewhere_are_no_files(folder: Path, built: Path) -> None:
     (folder.parent / "secret.xmi").write_text("<secret/>", encoding="utf-8")
     (folder / "link.xmi").symlink_to(folder.parent / "secret.xmi")
     with serving(folder, built) as server, server.page() as page:
-        assert [each["path"] for each in page.project["files"]] == ["catvehicle.xmi"]
+        assert [entry["path"] for entry in page.project["files"]] == ["catvehicle.xmi"]
         for file, method in product(ELSEWHERE, ("problems", "views", "create")):
             create = {"kind": "create", "file": file, "type": "system.System", "values": {}}
             asked = (

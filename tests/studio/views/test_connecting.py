@@ -22,18 +22,18 @@ class Ends:
     def __init__(self, scope):
         self.scope = scope
         self.owners = {
-            each.name: each
+            owner.name: owner
             for kind in (jaus.Component, ros.Node)
-            for each in scope.model.instances(kind, library=False)
+            for owner in scope.model.instances(kind, library=False)
         }
 
     def __call__(self, text):
         owner, _, name = text.partition("/")
         element = self.owners[owner]
         kinds = bridge.Connection, ros.TopicEndpoint
-        for each in self.scope.model.owned(element) if name else ():
-            if isinstance(each, kinds) and each.name == name:
-                return Spot(element, each)
+        for child in self.scope.model.owned(element) if name else ():
+            if isinstance(child, kinds) and child.name == name:
+                return Spot(element, child)
         return Spot(element, message=name)
 
     def connect(self, source, target):
@@ -90,14 +90,14 @@ def test_what_a_connection_carries_is_not_offered_again(car):
 
 def test_a_component_asks_another(car):
     found = car.connect("vehicle", "operator_control_unit")
-    names = [each.label for each in found.options]
+    names = [option.label for option in found.options]
     assert "ReportVelocityState" in names
     assert "ReportControl" not in names  # the runtime asks for it
     uses, connection = found.options[0].commands
     assert isinstance(uses, Set)
     assert connection.kind == "jaus.ServiceConnection"
     chosen = car.connect("vehicle/ReportLocalPose", "operator_control_unit")
-    assert [each.label for each in chosen.options] == ["ReportLocalPose"]
+    assert [option.label for option in chosen.options] == ["ReportLocalPose"]
 
 
 def test_nodes_meet_on_topics(car):
@@ -173,17 +173,17 @@ service_set own {
     assert "has no topic for it" in boat.connect("helm/ReportLoad", "lidar").refusal
     [only] = boat.connect("helm/ReportLoad", "second").options
     assert only.label == "ReportLoad by new map (std_msgs/Float64)"
-    assert [each.kind for each in only.commands if isinstance(each, Add)] == [
+    assert [command.kind for command in only.commands if isinstance(command, Add)] == [
         "bridge.AttributeMap",
         "bridge.Connection",
     ]
 
     # A service of which nothing is carried has a row, from which one draws as from the box.
     rows = {
-        each.label: each
+        port.label: port
         for node in graph_of(boat.scope.model, "system").nodes
-        for each in node.ports
-        if each.mark == "unconnected"
+        for port in node.ports
+        if port.mark == "unconnected"
     }
     assert set(rows) == {"VelocityStateDriver", "Winch"}
     assert boat.scope.find(rows["Winch"].element).name == "Winch"
@@ -193,7 +193,7 @@ service_set own {
 
 def test_all_ends_of_a_component_are_told(car):
     found = ends(car.scope, car("vehicle"))
-    names = {(each.owner.name, getattr(each.element, "name", "")) for each, _ in found}
+    names = {(end.owner.name, getattr(end.element, "name", "")) for end, _ in found}
     assert ("velocity_controller", "dead_reckoning") in names
     assert ("operator_control_unit", "") in names
     assert all(why for _, why in found)
@@ -201,20 +201,20 @@ def test_all_ends_of_a_component_are_told(car):
 
 def test_to_a_bridge_as_a_whole_the_ready_maps_are_offered_that_it_lacks(car):
     found = car.connect("vehicle", "bridge").options
-    ready = [each for each in found if "ready map" in each.label]
+    ready = [option for option in found if "ready map" in option.label]
     assert ready == list(found[: len(ready)])
     assert ready[0].is_best
-    names = [each.label for each in ready]
-    assert any("ReportLocalPose by ready map" in each for each in names)
+    names = [option.label for option in ready]
+    assert any("ReportLocalPose by ready map" in name for name in names)
     # What it carries already by this map is not offered once more.
     carried = {
-        car.scope.ref(each.map)
-        for each in car.owners["bridge"].bridgeConnections
-        if each.direction.name == "jausToRos"
+        car.scope.ref(bridge_connection.map)
+        for bridge_connection in car.owners["bridge"].bridgeConnections
+        if bridge_connection.direction.name == "jausToRos"
     }
     assert carried
-    assert not carried & {each.commands[-1].values["map"][0] for each in ready}
-    pose = next(each for each in ready if "ReportLocalPose" in each.label)
+    assert not carried & {option.commands[-1].values["map"][0] for option in ready}
+    pose = next(option for option in ready if "ReportLocalPose" in option.label)
     assert "as a periodic event through bridge" in pose.why
     *_, connection = pose.commands
     assert connection.owner == car.scope.ref(car.owners["bridge"])
@@ -222,14 +222,14 @@ def test_to_a_bridge_as_a_whole_the_ready_maps_are_offered_that_it_lacks(car):
     # What a bridge asks for itself, as any component, comes last.
     assert "service_connection" in found[-1].preview
     chosen = car.connect("vehicle/ReportLocalPose", "bridge").options
-    assert {each.label.split()[0] for each in chosen} == {"ReportLocalPose"}
+    assert {option.label.split()[0] for option in chosen} == {"ReportLocalPose"}
 
 
 def test_from_a_bridge_components_are_commanded_by_ready_maps(car):
     options = car.connect("bridge", "vehicle").options
-    commanded = [each for each in options if "ready map" in each.label]
+    commanded = [option for option in options if "ready map" in option.label]
     assert commanded
-    assert all(each.commands[-1].values["direction"] == ("rosToJaus",) for each in commanded)
+    assert all(option.commands[-1].values["direction"] == ("rosToJaus",) for option in commanded)
     assert ("bridge", "") in {(e.owner.name, e.message) for e, _ in ends(car.scope, car("vehicle"))}
 
 
@@ -262,4 +262,8 @@ def test_what_is_drawn_is_done_and_breaks_nothing(file, tmp_path):
 def errors_of(project, name):
     """Returns the rules that find an error or a warning."""
     report = check(project.model(name))
-    return {each.rule for each in report.diagnostics if each.severity is not Severity.INFO}
+    return {
+        diagnostic.rule
+        for diagnostic in report.diagnostics
+        if diagnostic.severity is not Severity.INFO
+    }

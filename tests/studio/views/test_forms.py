@@ -14,7 +14,9 @@ from jausml.language.model import Diagnostic, Severity
 from jausml.language.semantics.names import in_words
 
 CONCRETE = sorted(
-    each.qualified_name for each in load_metamodels().classes.values() if not each.abstract
+    class_table.qualified_name
+    for class_table in load_metamodels().classes.values()
+    if not class_table.abstract
 )
 KINDS = {"text", "multiline", "number", "integer", "boolean", "choice", "reference"}
 
@@ -25,34 +27,44 @@ def test_every_class_has_a_form(name):
     found = form_of(scope_of(CAR), table.python_class())
     assert found.class_ == in_words(table.name)
     assert found.documentation
-    settable = [each for each in table.features.values() if each.settable]
-    owned = {each.name for each in settable if each.kind is FeatureKind.CONTAINMENT}
-    others = {each.name for each in settable if each.kind is not FeatureKind.CONTAINER} - owned
-    assert {each.feature for each in found.fields} == others
-    assert {each.feature for each in found.children} == owned
-    for each in found.fields:
-        feature = table.features[each.feature]
-        assert each.kind in KINDS
-        assert each.documentation == documentation(feature.feature)
-        assert each.documentation, each.feature
-        assert each.many == feature.many
-        assert not each.values or each.required
-        if each.kind == "choice":
+    settable = [
+        feature_table for feature_table in table.features.values() if feature_table.settable
+    ]
+    owned = {
+        feature_table.name
+        for feature_table in settable
+        if feature_table.kind is FeatureKind.CONTAINMENT
+    }
+    others = {
+        feature_table.name
+        for feature_table in settable
+        if feature_table.kind is not FeatureKind.CONTAINER
+    } - owned
+    assert {field.feature for field in found.fields} == others
+    assert {children.feature for children in found.children} == owned
+    for field in found.fields:
+        feature = table.features[field.feature]
+        assert field.kind in KINDS
+        assert field.documentation == documentation(feature.feature)
+        assert field.documentation, field.feature
+        assert field.many == feature.many
+        assert not field.values or field.required
+        if field.kind == "choice":
             legal = feature.data_type.legal
-            assert [choice.value for choice in each.choices] == list(legal)
-            assert each.default in (*legal, "")
-    for each in found.children:
-        assert each.kinds
-        for kind in each.kinds:
+            assert [choice.value for choice in field.choices] == list(legal)
+            assert field.default in (*legal, "")
+    for field in found.children:
+        assert field.kinds
+        for kind in field.kinds:
             child = load_metamodels().classes[kind.kind]
             assert not child.abstract
-            assert child in table.features[each.feature].target.subtypes
+            assert child in table.features[field.feature].target.subtypes
 
 
 def test_a_ros_field_lists_what_its_markers_say():
     scope = scope_of("library/ros/sensor_msgs.xmi")
     found = form(scope, named(scope, ros.Field, "NavSatFix.altitude"))
-    (markers,) = (each for each in found.children if each.feature == "markers")
+    (markers,) = (child for child in found.children if child.feature == "markers")
     assert markers.elements[0].label.startswith("unknown if value != value, written NaN (NavSatFix")
 
 
@@ -75,7 +87,7 @@ def test_every_shipped_element_has_a_form(name):
 def test_a_connection_tells_values_defaults_units_and_targets():
     scope = scope_of(CAR)
     found = form(scope, named(scope, bridge.Connection, "bridge.speed_command"))
-    fields = {each.feature: each for each in found.fields}
+    fields = {field.feature: field for field in found.fields}
     assert next(iter(fields)) == "name"
     assert list(fields)[-1] == "documentation"
     assert not found.readonly
@@ -86,21 +98,21 @@ def test_a_connection_tells_values_defaults_units_and_targets():
     assert fields["silenceTimeout"].unit == "s"
     assert (fields["rate"].values, fields["rate"].unit) == ((), "Hz")
     assert fields["map"].shown == ("speed_command",)
-    labels = [each.label for each in choices(scope, found.element, "map", "velocity").choices]
+    labels = [choice.label for choice in choices(scope, found.element, "map", "velocity").choices]
     assert "velocity_state" in labels  # of the project
     assert "velocity_state_twist" in labels  # and of the library
     assert labels[0].startswith("velocity")  # what begins with it comes first
     assert not fields["map"].choices
-    peers = {each.label for each in choices(scope, found.element, "peers").choices}
+    peers = {choice.label for choice in choices(scope, found.element, "peers").choices}
     assert peers == {"vehicle", "operator_control_unit", "bridge"}
 
 
 def test_what_must_be_given_has_no_default_and_a_rate_is_that_of_its_bridge():
     scope = scope_of("library/jaus/mobility.xmi")
-    fields = {each.feature: each for each in form_of(scope, scale_of(scope), ()).fields}
+    fields = {field.feature: field for field in form_of(scope, scale_of(scope), ()).fields}
     assert (fields["lower"].required, fields["lower"].default) == (True, "")
     scope = scope_of(CAR)
-    used = next(each for each in scope.own(bridge.Connection) if not each.rate)
+    used = next(connection for connection in scope.own(bridge.Connection) if not connection.rate)
     rate = next(e for e in form_of(scope, used, ()).fields if e.feature == "rate")
     assert rate.default == f"{used.eContainer().frequency}"
 
@@ -113,10 +125,10 @@ def test_references_lead_to_what_the_model_allows():
     scope = scope_of(CAR)
     [pose, *_] = scope.model.instances(jaus.ServiceConnection)
     ref = scope.ref(pose)
-    messages = {each.label for each in choices(scope, ref, "message").choices}
+    messages = {choice.label for choice in choices(scope, ref, "message").choices}
     assert "LocalPoseSensor.ReportLocalPose" in messages
     assert "PrimitiveDriver.SetWrenchEffort" not in messages  # the vehicle takes it
-    providers = {each.label for each in choices(scope, ref, "provider").choices}
+    providers = {choice.label for choice in choices(scope, ref, "provider").choices}
     assert providers == {"vehicle", "operator_control_unit", "bridge"}
     with pytest.raises(AnswerError, match="has no reference 'name'"):
         choices(scope, ref, "name")
@@ -125,12 +137,14 @@ def test_references_lead_to_what_the_model_allows():
 def test_elements_of_the_library_are_not_changed():
     scope = scope_of(CAR)
     [message] = [
-        each for each in scope.model.instances(jaus.MessageDef) if each.name == "ReportLocalPose"
+        message_def
+        for message_def in scope.model.instances(jaus.MessageDef)
+        if message_def.name == "ReportLocalPose"
     ]
     found = form_of(scope, message)
     assert found.readonly
-    assert not any(each.changeable for each in found.fields)
-    assert not any(each.kinds for each in found.children)
+    assert not any(field.changeable for field in found.fields)
+    assert not any(child.kinds for child in found.children)
 
 
 def test_fields_tell_what_is_wrong_with_them():
@@ -140,7 +154,7 @@ def test_fields_tell_what_is_wrong_with_them():
     scope_ref = scope.ref(first)
     place, fragment = scope.model.location(first, "map"), scope.model.fragment(first)
     finding = Diagnostic("JML411", Severity.ERROR, place, "wrong", fragment=fragment)
-    fields = {each.feature: each for each in form(scope, scope_ref, [finding]).fields}
+    fields = {field.feature: field for field in form(scope, scope_ref, [finding]).fields}
     assert fields["map"].problems == ("wrong",)
     assert fields["rate"].problems == ()
 

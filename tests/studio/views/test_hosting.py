@@ -42,7 +42,7 @@ class Robot:
 
     def place(self, host, *names):
         known = self.elements()
-        option = hosted(self.scope, [known[each] for each in names], known.get(host))
+        option = hosted(self.scope, [known[name] for name in names], known.get(host))
         if option.commands:
             self.project.do(option.commands, option.label)
         return option

@@ -51,7 +51,7 @@ class Editor:
     def take(self, option):
         self.project.do(option.commands, option.label)
         found = check(self.project.model(FILE)).diagnostics
-        assert [each for each in found if each.severity.value == "error"] == []
+        assert [diagnostic for diagnostic in found if diagnostic.severity.value == "error"] == []
 
 
 @pytest.fixture
@@ -61,7 +61,7 @@ def editor(tmp_path):
 
 def test_a_line_between_states_offers_what_may_trigger_a_transition(editor):
     found = editor.lead(f"{READY}.Locked", f"{READY}.Moving.PayingIn")
-    labels = [each.label for each in found.options]
+    labels = [option.label for option in found.options]
     assert labels[0] == "transition on LockBrake"
     assert {
         "transition on EndStop",
@@ -72,13 +72,13 @@ def test_a_line_between_states_offers_what_may_trigger_a_transition(editor):
     assert {"transition on SetWinchCommand (again)", "transition on ReleaseBrake (again)"} == set(
         labels[-2:]
     )
-    first = next(each for each in found.options if "SetWinchCommand" in each.label)
+    first = next(option for option in found.options if "SetWinchCommand" in option.label)
     assert first.preview == (
         "{ message: SetWinchCommand  target: Moving.PayingIn  guard: isControllingClient }"
     )
     editor.take(first)
     edges = editor.graph("machine:ReceiveFSM").edges
-    ends = {(each.source.node, each.target.node) for each in edges}
+    ends = {(edge.source.node, edge.target.node) for edge in edges}
     assert (editor.box(f"{READY}.Locked"), editor.box(f"{READY}.Moving.PayingIn")) in ends
 
 
@@ -86,7 +86,9 @@ def test_a_state_that_the_machine_only_extends_is_added_with_its_transition(edit
     machine = editor.the(jaus.StateMachine)
     core = f"{editor.scope.model.fragment(machine)}!Receiving.Ready.NotControlled"
     found = lead(editor.scope, machine, core, editor.box(READY))
-    [added] = next(each for each in found.options if each.label == "transition on EndStop").commands
+    [added] = next(
+        option for option in found.options if option.label == "transition on EndStop"
+    ).commands
     assert added.values == {"name": ("Receiving.Ready.NotControlled",)}
 
 
@@ -101,21 +103,23 @@ def test_a_composite_state_gets_what_holds_in_all_states_inside(editor):
 
 
 def test_services_of_the_library_are_read_only(editor):
-    base = next(each for each in library().instances(jaus.Service) if each.inherits is not None)
+    base = next(
+        service for service in library().instances(jaus.Service) if service.inherits is not None
+    )
     ref = editor.scope.ref(base)
     assert "library" in join(editor.scope, (ref, ""), (ref, "")).refusal
 
 
 def test_the_form_of_a_transition_knows_its_states_and_events(editor):
     transition = next(e for e in editor.scope.model.instances(jaus.Transition) if e.target)
-    fields = {each.feature: each for each in form_of(editor.scope, transition).fields}
-    assert "Locked" in [each.value for each in fields["target"].choices]
-    assert {"EndStop", "Timedout"} <= {each.value for each in fields["event"].choices}
+    fields = {field.feature: field for field in form_of(editor.scope, transition).fields}
+    assert "Locked" in [choice.value for choice in fields["target"].choices]
+    assert {"EndStop", "Timedout"} <= {choice.value for choice in fields["event"].choices}
 
 
 def test_a_machine_that_is_made_by_clicks_alone_has_no_error(editor):
     def add(owner, name):
-        children = {each.feature: each for each in form_of(editor.scope, owner).children}
+        children = {child.feature: child for child in form_of(editor.scope, owner).children}
         [kind] = children[name].kinds
         add = Add(editor.scope.ref(owner), name, kind.kind, kind.values)
         editor.project.do([add], "add")
@@ -123,7 +127,10 @@ def test_a_machine_that_is_made_by_clicks_alone_has_no_error(editor):
     editor.project.do([Remove(editor.scope.ref(editor.the(jaus.StateMachine)))], "remove")
     add(editor.the(jaus.Service), "inputs")
     add(editor.the(jaus.Service), "outputs")
-    names = [each.name for each in editor.scope.model.instances(jaus.MessageDef, library=False)]
+    names = [
+        message_def.name
+        for message_def in editor.scope.model.instances(jaus.MessageDef, library=False)
+    ]
     assert {"Message", "Message2"} <= set(names)
     add(editor.the(jaus.Service), "machines")
     assert editor.the(jaus.StateMachine).name == "ReceiveFSM"
@@ -131,14 +138,14 @@ def test_a_machine_that_is_made_by_clicks_alone_has_no_error(editor):
     add(editor.the(jaus.State), "states")
     add(editor.the(jaus.StateMachine).states[0], "states")
     found = check(editor.project.model(FILE)).diagnostics
-    assert [each for each in found if each.severity.value == "error"] == []
+    assert [diagnostic for diagnostic in found if diagnostic.severity.value == "error"] == []
 
 
 def test_transitions_are_called_by_what_triggers_them_and_where_they_lead(editor):
     states = editor.scope.model.instances(jaus.State, library=False)
-    locked = next(each for each in states if each.name == "Locked")
-    held = {each.feature: each.elements for each in form_of(editor.scope, locked).children}
-    assert [each.label for each in held["transitions"]] == [
+    locked = next(state for state in states if state.name == "Locked")
+    held = {child.feature: child.elements for child in form_of(editor.scope, locked).children}
+    assert [child.label for child in held["transitions"]] == [
         "ReleaseBrake to Idle",
         "SetWinchCommand",
     ]
@@ -146,7 +153,7 @@ def test_transitions_are_called_by_what_triggers_them_and_where_they_lead(editor
 
 def test_a_service_comes_to_inherit_another_one_and_no_longer_does(editor):
     own = editor.scope.model.fragment(editor.the(jaus.Service))
-    bases = {each.label: each.value for each in heritage(editor.scope, own)}
+    bases = {choice.label: choice.value for choice in heritage(editor.scope, own)}
     assert "Winch" not in bases
     events = next(value for label, value in bases.items() if label.startswith("Events"))
     [option] = join(editor.scope, (own, ""), (events, "")).options
@@ -162,7 +169,7 @@ def test_a_service_comes_to_inherit_another_one_and_no_longer_does(editor):
 def test_a_query_gets_its_report_and_a_report_its_query(editor):
     service = editor.the(jaus.Service)
     [children] = [
-        each for each in form_of(editor.scope, service).children if each.feature == "inputs"
+        child for child in form_of(editor.scope, service).children if child.feature == "inputs"
     ]
     values = children.kinds[0].values
     assert values == {"name": ("Message",), "code": ("0xD000",)}
@@ -175,7 +182,7 @@ def test_a_query_gets_its_report_and_a_report_its_query(editor):
     assert "already" in answered.refusal
     assert "neither" in join(editor.scope, rows["LockBrake"], ("", "")).refusal
     messages = editor.scope.model.instances(jaus.MessageDef, library=False)
-    report = next(each for each in messages if each.name == "ReportWinchState")
+    report = next(message for message in messages if message.name == "ReportWinchState")
     editor.project.do([Rename(editor.scope.ref(report), "ReportOther")], "rename")
     rows = {p.label: (n.id, p.id) for n in editor.graph("service:Winch").nodes for p in n.ports}
     [option] = join(editor.scope, rows["QueryWinchState"], ("", "")).options

@@ -11,7 +11,7 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 
 
 def labels(found, group=None):
-    return [each.label for each in found if group in (None, each.group)]
+    return [entry.label for entry in found if group in (None, entry.group)]
 
 
 def test_words_of_names_find_services_types_and_maps():
@@ -44,11 +44,11 @@ def test_elements_are_not_found_by_the_name_of_their_owner_but_those_of_the_brid
 def test_kinds_and_limits_are_kept():
     scope = scope_of(CAR)
     found = palette(scope, "", kinds=["elements"])
-    assert {each.group for each in found} == {"elements"}
+    assert {palette_item.group for palette_item in found} == {"elements"}
     assert {"component", "bridge", "node", "host"} <= set(labels(found))
     assert labels(found).count("bridge") == 1
     assert len(palette(scope, "", limit=7)) == 7
-    ids = [each.id for each in palette(scope, "", limit=10_000)]
+    ids = [palette_item.id for palette_item in palette(scope, "", limit=10_000)]
     assert len(ids) > 300
 
 
@@ -59,7 +59,7 @@ def test_a_component_gets_a_free_name_and_address():
     assert isinstance(add, Add)
     assert (add.kind, add.feature) == ("jaus.Component", "components")
     assert scope.find(add.owner) is scope.model.root
-    taken = {each.address for each in scope.model.instances(jaus.Component)}
+    taken = {component.address for component in scope.model.instances(jaus.Component)}
     assert add.values["address"][0] not in taken
     assert add.values["address"][0].startswith("100.1.")
 
@@ -79,11 +79,11 @@ def test_a_service_dropped_on_a_component_is_provided_or_used():
     scope = scope_of(CAR)
     onto = named(scope, bridge.Bridge, "catvehicle.bridge")
     found = palette(scope, "GlobalPoseSensor", ["services"], 9, onto)
-    notes = {each.note.partition(",")[0]: each for each in found}
+    notes = {palette_item.note.partition(",")[0]: palette_item for palette_item in found}
     assert set(notes) == {"provides", "uses"}
     [command] = notes["provides"].drop.commands
     assert isinstance(command, Set)
-    provided = [scope.find(each).name for each in command.values]
+    provided = [scope.find(value).name for value in command.values]
     assert provided[-1] == "GlobalPoseSensor"
     assert len(provided) == 4
 
@@ -91,14 +91,14 @@ def test_a_service_dropped_on_a_component_is_provided_or_used():
 def test_nothing_is_offered_that_cannot_be_dropped():
     scope = scope_of("library/jaus/core-1.1.xmi")
     found = palette(scope, "", limit=10_000)
-    assert {each.group for each in found} <= {"elements"}
+    assert {palette_item.group for palette_item in found} <= {"elements"}
 
 
 @for_each("name", SHIPPED, shards=4, slow=True)
 def test_every_model_has_a_palette_whose_references_are_known(name):
     scope = scope_of(name)
-    for each in palette(scope, "pose", limit=20):
-        for command in each.drop.commands:
+    for palette_item in palette(scope, "pose", limit=20):
+        for command in palette_item.drop.commands:
             if isinstance(command, Add):
                 assert command.owner.startswith("new:") or scope.find(command.owner)
                 for value in command.values.get("map", command.values.get("provides", ())):
@@ -110,10 +110,12 @@ def test_what_moves_comes_before_what_every_component_has_and_new_before_old():
     assert found[0].label == "external component"
     services = found[1:]
     assert services[0].note.startswith("provides it, mobility")
-    core = [each.note for each in services if ", core" in each.note]
+    core = [service.note for service in services if ", core" in service.note]
     newest, oldest = core.index("provides it, core 1.1"), core.index("provides it, core 1.0")
     assert newest < oldest
-    assert [each.note for each in palette(scope_of(CAR), "Discovery", ["components"], 2)] == [
+    assert [
+        palette_item.note for palette_item in palette(scope_of(CAR), "Discovery", ["components"], 2)
+    ] == [
         "provides it, core 1.1",
         "provides it, core 1.0",
     ]
@@ -131,14 +133,16 @@ def test_what_fits_the_chosen_element_comes_first_and_leaves_room_for_the_rest()
     scope = scope_of(CAR)
     onto = named(scope, jaus.Component, "catvehicle.vehicle")
     found = palette(scope, "", onto=onto)
-    heads = [each.onto for each in found]
+    heads = [palette_item.onto for palette_item in found]
     assert heads == sorted(heads, reverse=True)
     assert set(heads) == {"vehicle", ""}
-    assert "service connection" in labels([each for each in found if each.onto], "elements")
+    assert "service connection" in labels(
+        [palette_item for palette_item in found if palette_item.onto], "elements"
+    )
     assert {"component", "bridge"} <= set(labels([e for e in found if not e.onto], "elements"))
-    for each in found:
-        owner = each.drop.commands[0]
-        if each.onto and isinstance(owner, Add):
+    for palette_item in found:
+        owner = palette_item.drop.commands[0]
+        if palette_item.onto and isinstance(owner, Add):
             assert owner.owner == onto
 
 
@@ -146,8 +150,11 @@ def test_words_look_in_both_and_what_takes_nothing_is_as_good_as_nothing():
     scope = scope_of(CAR)
     onto = named(scope, jaus.Component, "catvehicle.vehicle")
     found = palette(scope, "GlobalPoseSensor", onto=onto)
-    assert [each.note.partition(",")[0] for each in found if each.onto] == ["provides", "uses"]
-    assert "components" in {each.group for each in found if not each.onto}
+    assert [palette_item.note.partition(",")[0] for palette_item in found if palette_item.onto] == [
+        "provides",
+        "uses",
+    ]
+    assert "components" in {palette_item.group for palette_item in found if not palette_item.onto}
     whole = scope.ref(scope.model.root)
     service = scope.ref(scope.model.instances(jaus.Service)[0])
     for nothing in (whole, service, "catvehicle.xmi#//@nodes.99"):

@@ -33,8 +33,10 @@ def test_what_lies_between_elements_belongs_to_what_is_around_them(name):
     scope = scope_of(name)
     [whole] = scope.model.instances(bridge.Bridge, library=False)
     found = source(scope, scope.ref(whole))
-    inner = [source(scope, scope.ref(each)) for each in whole.bridgeConnections]
-    gap = max(each.end for each in inner)
+    inner = [
+        source(scope, scope.ref(bridge_connection)) for bridge_connection in whole.bridgeConnections
+    ]
+    gap = max(located.end for located in inner)
     assert found.start < gap < found.end
     between = found.text.index("\n", gap) + 1 if "\n" in found.text[gap:] else gap
     assert element_at(scope.model, between) is not None

@@ -20,7 +20,7 @@ def workspace(tmp_path_factory):
     """A generated workspace, which the tests in turn change and fix."""
     out = tmp_path_factory.mktemp("car") / "src"
     planned = plan(read(CAR), out)
-    assert {each.action for each in planned.files} == {"create"}
+    assert {file.action for file in planned.files} == {"create"}
     assert not out.exists()
     done = execute(read(CAR), out, planned.digest)
     assert done.written == len(planned.files)
@@ -29,7 +29,7 @@ def workspace(tmp_path_factory):
 
 
 def actions(planned):
-    return {each.path: each.action for each in planned.files}
+    return {file.path: file.action for file in planned.files}
 
 
 @pytest.mark.slow

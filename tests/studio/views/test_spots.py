@@ -13,9 +13,10 @@ from jausml.language.metamodel.classes import bridge
 def test_ids_of_the_map_view_name_members():
     scope = scope_of(CAR)
     [used] = [
-        each
-        for each in scope.model.instances(bridge.AttributeMap)
-        if each.name == "velocity_state" and scope.model.document_of(each).path.name in CAR
+        attribute_map
+        for attribute_map in scope.model.instances(bridge.AttributeMap)
+        if attribute_map.name == "velocity_state"
+        and scope.model.document_of(attribute_map).path.name in CAR
     ]
     identifier = scope.model.fragment(used)
     assert end_of(scope, used, f"{identifier}!jaus", "Velocity_X").is_jaus

@@ -32,7 +32,7 @@ class Editor:
 
     def one(self, kind, name):
         found = self.scope.model.instances(kind, library=False)
-        return next(each for each in found if name in each.name)
+        return next(element for element in found if name in element.name)
 
     def draw(self, source, target):
         best = connect(self.scope, source, target).options[0]
@@ -56,14 +56,17 @@ def test_a_system_is_made_from_nothing_without_a_finding(file, tmp_path):
     report = check(editor.project.model(file))
     assert report.diagnostics == ()
     [made] = report.model.instances(bridge.Bridge)
-    assert [each.map.name for each in made.bridgeConnections] == [
+    assert [bridge_connection.map.name for bridge_connection in made.bridgeConnections] == [
         "local_pose_stamped",
         "velocity_command",
     ]
-    assert [each.direction.name for each in made.bridgeConnections] == ["jausToRos", "rosToJaus"]
+    assert [bridge_connection.direction.name for bridge_connection in made.bridgeConnections] == [
+        "jausToRos",
+        "rosToJaus",
+    ]
     planned = plan(report, tmp_path / "ws")
     assert not planned.problems
-    assert {each.action for each in planned.files} == {"create"}
+    assert {planned_file.action for planned_file in planned.files} == {"create"}
     while editor.project.undo() is not None:
         pass
     assert not (tmp_path / file).exists()

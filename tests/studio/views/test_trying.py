@@ -47,17 +47,18 @@ def run(trials, name, values, *, to_ros, file=CAR):
 
 def shown(tried):
     assert not tried.error
-    return {each.path: each.value for each in tried.values}
+    return {value.path: value.value for value in tried.values}
 
 
 def test_the_inputs_are_the_members_that_assignments_read():
     found = {
-        each.path: each for each in inputs(map_of(scope_of(CAR), "velocity_state"), to_ros=True)
+        member.path: member
+        for member in inputs(map_of(scope_of(CAR), "velocity_state"), to_ros=True)
     }
     assert list(found) == ["TimeStamp", "Velocity_X", "Velocity_Y", "YawRate"]
     assert found["TimeStamp"].type == "time"
     assert (found["YawRate"].type, found["YawRate"].unit) == ("number", "radian per second")
-    back = [each.path for each in inputs(map_of(scope_of(CAR), "dead_reckoning"), to_ros=False)]
+    back = [member.path for member in inputs(map_of(scope_of(CAR), "dead_reckoning"), to_ros=False)]
     assert "pose.pose.orientation.w" in back
 
 
@@ -67,7 +68,7 @@ def test_values_become_those_of_ros_with_units_and_bytes(trials):
     assert float(values["twist.twist.linear.x"]) == pytest.approx(1.5, abs=1e-3)
     assert float(values["twist.twist.angular.z"]) == pytest.approx(-0.25, abs=2e-3)
     assert values["header.frame_id"] == "odom"
-    units = {each.path: each.unit for each in found.values}
+    units = {value.path: value.unit for value in found.values}
     assert units["twist.twist.linear.x"] == "m/s"
     assert bytes.fromhex(found.bytes)[:4] == b"\0\1\0\0"  # little-endian CDR
 
@@ -204,7 +205,7 @@ class InThisProcess:
         for path, text in code.files.items():
             (workspace / path).parent.mkdir(parents=True, exist_ok=True)
             (workspace / path).write_text(text, encoding="utf-8")
-        self._packages = {each.name: str(each) for each in workspace.iterdir()}
+        self._packages = {package.name: str(package) for package in workspace.iterdir()}
         sys.path[:0] = self._packages.values()
         self._translation = trial_worker.Translation()
 
@@ -213,9 +214,11 @@ class InThisProcess:
         return json.loads(json.dumps(answer))
 
     def close(self) -> None:
-        for name in [each for each in sys.modules if each.partition(".")[0] in self._packages]:
+        for name in [
+            module for module in sys.modules if module.partition(".")[0] in self._packages
+        ]:
             del sys.modules[name]
-        sys.path[:] = [each for each in sys.path if each not in self._packages.values()]
+        sys.path[:] = [path for path in sys.path if path not in self._packages.values()]
         self._folder.cleanup()
 
 
@@ -225,13 +228,15 @@ def _runtime_of_generated_code():
     if not before:
         load_runtime(Path(jausml.__file__).parent / "runtime")
     yield
-    for name in [each for each in sys.modules if each.partition(".")[0] == "jausml_runtime"]:
+    for name in [module for module in sys.modules if module.partition(".")[0] == "jausml_runtime"]:
         if name not in before:
             del sys.modules[name]
 
 
 @pytest.mark.usefixtures("_runtime_of_generated_code")
-@pytest.mark.parametrize("name", sweep((each for each in SHIPPED if "mappings" in each), every=14))
+@pytest.mark.parametrize(
+    "name", sweep((shipped for shipped in SHIPPED if "mappings" in shipped), every=14)
+)
 def test_every_ready_map_can_be_tried(name, monkeypatch):
     monkeypatch.setattr(trying, "_Process", InThisProcess)
     monkeypatch.setattr(trying, "_MOST_PROCESSES", 1)  # all have packages of the same names
@@ -241,7 +246,7 @@ def test_every_ready_map_can_be_tried(name, monkeypatch):
             for to_ros, assignments in ((True, used.toRos), (False, used.toJaus)):
                 if not assignments or scope.model.document_of(used) is not scope.model.documents[0]:
                     continue
-                given = {each.path: each.default for each in inputs(used, to_ros=to_ros)}
+                given = {member.path: member.default for member in inputs(used, to_ros=to_ros)}
                 found = trials.run(scope, used, given, to_ros=to_ros)
                 assert found.bytes or found.error, used.name
                 for word in ("Traceback", "Error(", "has no attribute", "failed", "no field"):

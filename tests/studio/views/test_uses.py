@@ -45,7 +45,7 @@ def test_a_row_of_a_use_goes_and_its_service_stays(name, way, tmp_path):
     others = {"VelocityStateSensor", "AccelerationStateSensor", "GlobalPoseSensor"} - {name}
     assert set(rows()) == others
     assert name not in project.text(FILE).decode()
-    services = {each.name for each in scope().model.instances(jaus.Service)}
+    services = {service.name for service in scope().model.instances(jaus.Service)}
     assert name in services
     with pytest.raises(AnswerError):
         cut(scope(), row)

@@ -70,14 +70,14 @@ def tidy(statements: Iterable[str]) -> tuple[str, ...]:
 
 def _tidied(statements: Iterable[str]) -> Iterator[str]:
     known: set[str] = set()
-    for each in statements:
-        if each.startswith("assert "):
-            if each in known:
+    for statement in statements:
+        if statement.startswith("assert "):
+            if statement in known:
                 continue
-            known.add(each)
-        elif _WHOLE_MESSAGE.match(each):
+            known.add(statement)
+        elif _WHOLE_MESSAGE.match(statement):
             known = set()
-        yield each
+        yield statement
 
 
 def store(place: str, code: str) -> str:
@@ -160,14 +160,14 @@ class Chain:
         """Whether all conversions make one number of numbers."""
         return all(
             step.conversion.outputs == (NUMBER,)
-            and {each.rstrip("+") for each in step.conversion.inputs} == {NUMBER}
+            and {kind.rstrip("+") for kind in step.conversion.inputs} == {NUMBER}
             for step in self.steps
         )
 
     @property
     def leads_back(self) -> bool:
         """Whether each result comes from one number of the source alone."""
-        return len(self.sources) == 1 and all(each.leads_back for each in self.steps)
+        return len(self.sources) == 1 and all(step.leads_back for step in self.steps)
 
     def results(self, values: Sequence[Any]) -> list[Any]:
         """Returns what the conversions make of the values of the sources, before other units.
@@ -207,4 +207,6 @@ class Chain:
 
 def quantities_of(owner: bridge.Bridge | None) -> dict[str, bridge.Quantity]:
     """Returns the quantities that a bridge states, by name."""
-    return {str(each.name): each for each in owner.quantities} if owner is not None else {}
+    return (
+        {str(quantity.name): quantity for quantity in owner.quantities} if owner is not None else {}
+    )

@@ -120,13 +120,15 @@ def _without(ends: Ends, sample: Sample) -> Iterator[tuple[str, dict[str, Scalar
             if source.field(path).is_optional:
                 yield path, sample.without(path)
         return
-    for path in dict.fromkeys(each for chain in ends.chains for each in chain.sources):
+    for path in dict.fromkeys(
+        source_path for chain in ends.chains for source_path in chain.sources
+    ):
         for marker in source.markers(path)[:1]:
             found = marker.settled(sample.values)
             if found is None:
                 continue
             values = {**sample.values, **found}
-            changed = [chain for each in found for chain in ends.reading(each)]
+            changed = [chain for source_path in found for chain in ends.reading(source_path)]
             lacking = ends.lacking(values)
             if all(chain in lacking for chain in changed):
                 yield path, values
@@ -156,10 +158,10 @@ def _kept(
     absent = [*ends.source.fill(values), *ends.translated()]
     if policy in {"unstated", "leave"}:
         outcome = ends.defaults(chain.targets)
-        for each in chain.targets:
-            said = ends.target.unknown(each) if policy == "unstated" else ""
-            known = ends.target.place(each)
-            outcome += has_value(known, known.parse(said)) if said else _as_made(ends, each)
+        for target_path in chain.targets:
+            said = ends.target.unknown(target_path) if policy == "unstated" else ""
+            known = ends.target.place(target_path)
+            outcome += has_value(known, known.parse(said)) if said else _as_made(ends, target_path)
         about = f"Without {path} {target} is as it is made, or says that it has no value."
     elif policy == "receptionTime":
         changed = holds(f"{place.code} != {ends.default(target)}")
@@ -250,7 +252,7 @@ def vectors(ends: Ends) -> Iterator[Check]:
 def _check(ends: Ends, vector: bridge.TestVector) -> Check:
     lines, joined = _given(ends, vector)
     lines += [f"bridge.{name} = {value!r}" for name, value in ends.overridden.items()]
-    if [each.path for each in vector.expected] == [WHOLE]:
+    if [vector_value.path for vector_value in vector.expected] == [WHOLE]:
         lines += ends.refused("JausError", given=joined)
         return _vector(ends, vector, lines)
     lines += ends.translated(joined)

@@ -92,7 +92,7 @@ class Ends:
             for assignment in self.assignments
             if isinstance(assignment, bridge.FieldAssignment)
         ]
-        return [each for each in chains if not any(map(self.join_of, each.sources))]
+        return [chain for chain in chains if not any(map(self.join_of, chain.sources))]
 
     def reading(self, path: str) -> Sequence[Chain]:
         """Returns the chains that read a source path."""
@@ -116,7 +116,7 @@ class Ends:
         Vectors are figures of the map as it stands.
         """
         maps = used_maps(self.map, to_ros=self.to_ros)
-        return self.uses.overridden(each for one in maps for each in one.quantities)
+        return self.uses.overridden(quantity for one in maps for quantity in one.quantities)
 
     def join_of(self, path: str) -> AnyJoin | None:
         """Returns the join that a path of the source starts with."""
@@ -158,7 +158,9 @@ class Ends:
         return [
             chain
             for chain in self.chains
-            if any(each.holds(values) for path in chain.sources for each in source.markers(path))
+            if any(
+                marker.holds(values) for path in chain.sources for marker in source.markers(path)
+            )
         ]
 
     @functools.cached_property
@@ -169,12 +171,12 @@ class Ends:
     def _targets(self) -> Iterator[str]:
         for assignment in self.assignments:
             if not isinstance(assignment, bridge.Ignore):
-                yield from (each.strip() for each in assignment.target.split(","))
+                yield from (word.strip() for word in assignment.target.split(","))
 
     @functools.cached_property
     def _made(self) -> set[object]:
         """What stands around the target paths that assignments write to."""
-        return {each for path in self._targets() for each in self.target.around(path)}
+        return {container for path in self._targets() for container in self.target.around(path)}
 
     def is_made(self, path: str) -> bool:
         """Whether all that stands around a target path is there, since assignments make it."""
@@ -257,11 +259,11 @@ class Ends:
     def _needed(self, join: AnyJoin) -> dict[str, Scalar]:
         """Returns values of what a joined report has to hold, so that nothing is refused."""
         found: dict[str, Scalar] = {}
-        for each in self.assignments:
-            is_needed = isinstance(each, bridge.FieldAssignment) and (
-                each.whenAbsent.name == "dropMessage" and isinstance(join, ReportJoinView)
+        for assignment in self.assignments:
+            is_needed = isinstance(assignment, bridge.FieldAssignment) and (
+                assignment.whenAbsent.name == "dropMessage" and isinstance(join, ReportJoinView)
             )
-            for path in source_paths(each) if is_needed else ():
+            for path in source_paths(assignment) if is_needed else ():
                 first, _, rest = path.partition(".")
                 if first == join.model_name:
                     found[rest] = _usual(self.joined_message(join).place(rest))
@@ -277,7 +279,7 @@ def _usual(place: Place) -> Scalar:
     if not place.is_number:
         return "" if place.kind == TEXT else PRESENT
     candidates = (0, *(low for low, _ in place.ranges), *place.limits)
-    return next(each for each in candidates if place.can_hold(each))
+    return next(candidate for candidate in candidates if place.can_hold(candidate))
 
 
 _STEP = re.compile(r"[.\[]")

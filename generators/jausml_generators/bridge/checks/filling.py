@@ -169,7 +169,9 @@ class JausMessage:
     def around(self, path: str) -> set[tuple[places.Place, Expression]]:
         """Returns what a new message lacks on the way to a path, with elements before others."""
         return {
-            (each, value) for place, value in self.field(path).containers for each in _up_to(place)
+            (outer_place, value)
+            for place, value in self.field(path).containers
+            for outer_place in _up_to(place)
         }
 
     def _step(self, path: str) -> float:
@@ -223,7 +225,7 @@ class Marker:
 
     def holds(self, values: Mapping[str, Scalar | None]) -> bool:
         """Tells whether it says in a message of some values, by path, that there is none."""
-        numbers = {name: self._number(values, each.path) for name, each in self.places.items()}
+        numbers = {name: self._number(values, place.path) for name, place in self.places.items()}
         return is_said(self.condition, numbers)
 
     def _number(self, values: Mapping[str, Scalar | None], path: str) -> float:
@@ -240,12 +242,12 @@ class Marker:
         Args:
             free: Paths whose values stay; with them, numbers with which it does not hold.
         """
-        places = {each.path: each for each in self.places.values()}
-        changed = [each for path, each in places.items() if free is None or path not in free]
-        trials = product(*([e for e in _TRIED if _may_be(each, e)] for each in changed))
+        places = {place.path: place for place in self.places.values()}
+        changed = [place for path, place in places.items() if free is None or path not in free]
+        trials = product(*([e for e in _TRIED if _may_be(place, e)] for place in changed))
         for numbers in islice(trials, _MOST_TRIALS):
             pairs = zip(changed, numbers, strict=True)
-            found = {each.path: int(e) if each.kind == INTEGER else e for each, e in pairs}
+            found = {place.path: int(e) if place.kind == INTEGER else e for place, e in pairs}
             if self.holds({**values, **found}) is (free is None):
                 return dict(found)
         return None
@@ -292,19 +294,23 @@ class RosMessage:
 
         Those that ask for the number of elements are left out: a path gives its list enough.
         """
-        marks = (each for each in self.field(path).conditions if isinstance(each, HasValue))
+        marks = (
+            condition
+            for condition in self.field(path).conditions
+            if isinstance(condition, HasValue)
+        )
         found = (m for m in marks if all(operand.type for _, operand in m.operands))
         return [
             Marker(
-                self.type, each.marker, {n: self.place(_path(e.place)) for n, e in each.operands}
+                self.type, mark.marker, {n: self.place(_path(e.place)) for n, e in mark.operands}
             )
-            for each in found
+            for mark in found
         ]
 
     def around(self, path: str) -> set[places.Place]:
         """Returns the elements of sequences on the way to a path, and those before them."""
         elements = self.field(path).elements
-        return {each for end, _ in elements for each in _up_to(end.place.at(end.than))}
+        return {place for end, _ in elements for place in _up_to(end.place.at(end.than))}
 
     def fill(self, values: Mapping[str, Scalar | None]) -> list[str]:
         """Returns the statements that make the message with some values.
@@ -381,7 +387,7 @@ def _made(place: places.Place, value: Expression, made: set[places.Place]) -> li
     text = expression_text(value)
     if isinstance(place.steps[-1], str):
         return [store(place_text(place), text)]
-    missing = [each for each in _up_to(place)[:-1] if each not in made]
+    missing = [outer_place for outer_place in _up_to(place)[:-1] if outer_place not in made]
     made.update(missing)
     held = replace(place, steps=place.steps[:-1])
     return [call(f"{place_text(held)}.append", text)] * (len(missing) + 1)
@@ -424,16 +430,16 @@ def is_absent(place: Place) -> list[str]:
 
 def is_there(place: Place) -> list[str]:
     """Returns the assertions that an attribute is there."""
-    return [holds(each) for each in place.conditions]
+    return [holds(condition) for condition in place.conditions]
 
 
 def has_place(place: Place) -> list[str]:
     """Returns the assertions that what an attribute stands in is there, be it left out or not."""
-    return [holds(each) for each in _around(place)]
+    return [holds(expression) for expression in _around(place)]
 
 
 def _around(place: Place) -> list[str]:
-    return [each for each in place.conditions if each != _own(place)]
+    return [condition for condition in place.conditions if condition != _own(place)]
 
 
 def _own(place: Place) -> str:

@@ -98,7 +98,7 @@ class TestModule:
         packages = ["python3-pytest"]
         # A translation that cannot be written is reported by the template that it stands in.
         with suppress(AssignmentError, PathError):
-            if any(each.decorators for each in self.checks):
+            if any(check.decorators for check in self.checks):
                 packages.insert(0, "python3-hypothesis")
         return tuple(packages)
 
@@ -148,8 +148,8 @@ class TestModule:
             yield from safe_values(ends)
         yield from round_trips(sampled, self.class_name)
         yield from times(self.bridge.connections)
-        for each in self.bridge.calls:
-            for half in each.halves.values():
+        for call_view in self.bridge.calls:
+            for half in call_view.halves.values():
                 yield from self._translation(self._ends(half, half.name))[1]
 
     def _ends(self, view: ConnectionView, name: str) -> Ends:
@@ -236,8 +236,8 @@ def _is_asked(back: Ends, chain: Chain, paths: Container[str]) -> bool:
     source = back.source
     if not isinstance(source, RosMessage):
         return False
-    markers = [each for path in chain.sources for each in source.markers(path)]
-    return any(place.path in paths for each in markers for place in each.places.values())
+    markers = [marker for path in chain.sources for marker in source.markers(path)]
+    return any(place.path in paths for marker in markers for place in marker.places.values())
 
 
 def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
@@ -250,16 +250,18 @@ def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
         for homeward in homewards[tuple(outward.sources), tuple(outward.targets)]:
             if homeward in lacking or _is_asked(back, homeward, outward.targets):
                 continue
-            for each in (*_number(there, outward, homeward), *_angles(there, outward, homeward)):
-                if each.place.path in sample.values:
-                    found.setdefault(each.place.path, each)
+            for angle in (*_number(there, outward, homeward), *_angles(there, outward, homeward)):
+                if angle.place.path in sample.values:
+                    found.setdefault(angle.place.path, angle)
     return list(found.values())
 
 
 def _number(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning]:
-    both = [each.conversion for each in (*outward.steps, *homeward.steps)]
-    is_angle = any(each.is_of_turns for each in both)
-    if is_angle and not all(each.is_of_turns or each.changes_nothing for each in both):
+    both = [step.conversion for step in (*outward.steps, *homeward.steps)]
+    is_angle = any(conversion.is_of_turns for conversion in both)
+    if is_angle and not all(
+        conversion.is_of_turns or conversion.changes_nothing for conversion in both
+    ):
         return
     if not is_angle and not (outward.leads_back and homeward.leads_back):
         return
@@ -296,7 +298,7 @@ def _angles(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning
     if len(outward.steps) != 1:
         return
     conversion = outward.steps[0].conversion
-    is_undone = conversion.inverse in [each.name for each in homeward.steps]
+    is_undone = conversion.inverse in [step.name for step in homeward.steps]
     if conversion.outputs != (QUATERNION,) or not is_undone:
         return
     for path, axis in zip(outward.sources, conversion.takes_axes, strict=True):
@@ -317,9 +319,12 @@ def _check(
 ) -> Check:
     source = JausMessage(there.map.message, there.view.message, "source")
     scope = Scope(frozenset(_NOTHING))
-    names = [scope.claim(short_name(each.place.path)) for each in returning]
+    names = [scope.claim(short_name(returned_value.place.path)) for returned_value in returning]
     jaus = there.view.source_name
-    varied = {each.place.path: Code(name) for name, each in zip(names, returning, strict=True)}
+    varied = {
+        returned_value.place.path: Code(name)
+        for name, returned_value in zip(names, returning, strict=True)
+    }
     lines = [f"bridge = {class_name}()", *source.fill({**sample.values, **varied})]
     lines += [
         f"source = {jaus}.decode(source.encode())",
@@ -330,34 +335,37 @@ def _check(
         f"assert isinstance(back, {jaus})",
         f"back = {jaus}.decode(back.encode())",
     ]
-    for name, each in zip(names, returning, strict=True):
-        place = back.message("back", is_ros=False).place(each.place.path)
-        lines += [*is_there(place), _returned(place.code, name, each)]
-    strategies = tuple(_strategy(name, each) for name, each in zip(names, returning, strict=True))
+    for name, returned_value in zip(names, returning, strict=True):
+        place = back.message("back", is_ros=False).place(returned_value.place.path)
+        lines += [*is_there(place), _returned(place.code, name, returned_value)]
+    strategies = tuple(
+        _strategy(name, returned_value)
+        for name, returned_value in zip(names, returning, strict=True)
+    )
     decorators = (
         f"@settings(deadline=None, derandomize=True, database=None, max_examples={_EXAMPLES})",
         f"@{call('given', *strategies)}",
     )
     parameters = tuple(
-        f"{name}: {'int' if each.place.kind == INTEGER else 'float'}"
-        for name, each in zip(names, returning, strict=True)
+        f"{name}: {'int' if returned_value.place.kind == INTEGER else 'float'}"
+        for name, returned_value in zip(names, returning, strict=True)
     )
     about = f"What {there.name} gives to ROS comes back by {back.name}, within a step."
     return Check(f"{there.name}_and_back", about, tidy(lines), decorators, parameters)
 
 
-def _strategy(name: str, each: _Returning) -> str:
-    if each.place.kind == INTEGER:
-        return call(f"{name}=st.integers", str(int(each.low)), str(int(each.high)))
-    ends = (python_literal(float(end)) for end in (each.low, each.high))
+def _strategy(name: str, returned: _Returning) -> str:
+    if returned.place.kind == INTEGER:
+        return call(f"{name}=st.integers", str(int(returned.low)), str(int(returned.high)))
+    ends = (python_literal(float(end)) for end in (returned.low, returned.high))
     return call(f"{name}=st.floats", *ends)
 
 
-def _returned(code: str, name: str, each: _Returning) -> str:
-    if each.place.kind == INTEGER:
+def _returned(code: str, name: str, value: _Returning) -> str:
+    if value.place.kind == INTEGER:
         return f"assert {code} == {name}"
-    tolerance = python_literal(float(each.tolerance))
-    if each.is_angle:
+    tolerance = python_literal(float(value.tolerance))
+    if value.is_angle:
         return f"assert abs(math.remainder({code} - {name}, math.tau)) <= {tolerance}"
     approx = call("pytest.approx", name, "rel=0.0", f"abs={tolerance}")
     return f"assert {code} == {approx}"

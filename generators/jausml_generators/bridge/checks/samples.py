@@ -58,7 +58,9 @@ class Sample:
 
     def without(self, path: str) -> dict[str, filling.Scalar]:
         """Returns the values but for one."""
-        return {each: value for each, value in self.values.items() if each != path}
+        return {
+            source_path: value for source_path, value in self.values.items() if source_path != path
+        }
 
 
 class _NoSampleError(Exception):
@@ -67,7 +69,7 @@ class _NoSampleError(Exception):
 
 def sample_of(ends: Ends) -> Sample | None:
     """Returns a source message for a connection; None when none is known to pass."""
-    if any(each.eClass.name not in _KINDS for each in ends.assignments):
+    if any(assignment.eClass.name not in _KINDS for assignment in ends.assignments):
         return None
     try:
         return _Sampler(ends).sample()
@@ -76,7 +78,7 @@ def sample_of(ends: Ends) -> Sample | None:
 
 
 def _is_look_up(chain: Chain) -> bool:
-    return [type(each.conversion) for each in chain.steps] == [LookUp]
+    return [type(step.conversion) for step in chain.steps] == [LookUp]
 
 
 class _Sampler:
@@ -104,9 +106,9 @@ class _Sampler:
             return
         paths = [path for chain in self._ends.chains for path in chain.sources]
         given = frozenset(values)
-        for each in (each for path in paths for each in source.markers(path)):
-            if each.holds(values):
-                values.update(each.settled(values, given) or {})
+        for marker in (path_marker for path in paths for path_marker in source.markers(path)):
+            if marker.holds(values):
+                values.update(marker.settled(values, given) or {})
         if self._ends.lacking(values):
             raise _NoSampleError
 
@@ -126,7 +128,9 @@ class _Sampler:
         elif place.kind == expressions.BITS:
             self._sample.values[path] = filling.PRESENT
         elif place.is_number or place.kind in {expressions.BOOLEAN, expressions.OCTETS}:
-            tried = (each for each in self._candidates(place) if self._fits(place, each))
+            tried = (
+                candidate for candidate in self._candidates(place) if self._fits(place, candidate)
+            )
             value = next(tried, None)
             if value is None:
                 raise _NoSampleError
@@ -150,8 +154,8 @@ class _Sampler:
         low, high = place.limits
         if place.kind == expressions.INTEGER:
             yield from (first for first, _ in place.ranges)
-            yield from (number, *(int(each) for each in (low,) if math.isfinite(each)))
-            yield from (*(int(each) for each in _OTHERS if each >= 1), 0)
+            yield from (number, *(int(bound) for bound in (low,) if math.isfinite(bound)))
+            yield from (*(int(other) for other in _OTHERS if other >= 1), 0)
             return
         yield number / 8
         yield from map(float, _OTHERS)
@@ -161,7 +165,7 @@ class _Sampler:
         """Whether a source may have a value, and all that is made of it alone has a place."""
         if isinstance(value, bytes):
             takers = [chain.targets[0] for chain in self._ends.reading(place.path)]
-            limits = [place.limits, *(self._ends.target.place(each).limits for each in takers)]
+            limits = [place.limits, *(self._ends.target.place(taker).limits for taker in takers)]
             return all(fewest <= len(value) <= most for fewest, most in limits)
         if place.is_number and not place.can_hold(float(value)):
             return False
@@ -178,7 +182,7 @@ class _Sampler:
     def _result(self, chain: Chain, values: list[Any]) -> filling.Scalar | None:
         if _is_look_up(chain):
             return self._looked_up(chain, values[0])
-        return chain.forward([float(each) for each in values])
+        return chain.forward([float(value) for value in values])
 
     def _carries(self, chain: Chain, values: list[Any]) -> bool:
         result = self._result(chain, values)
@@ -220,8 +224,8 @@ class _Sampler:
 
     def _expect_parts(self, chain: Chain, values: list[filling.Scalar | None]) -> None:
         """Notes angles, the parts of an orientation or those of a TimeStamp."""
-        known = [each.conversion for each in chain.steps]
-        if any(each.needs_clock for each in known):
+        known = [step.conversion for step in chain.steps]
+        if any(conversion.needs_clock for conversion in known):
             # The TimeStamp names neither month nor year: when it was is told by the clock.
             self._sample.changed += filter(self._ends.is_alone, chain.targets)
             return

@@ -93,7 +93,7 @@ class Chain:
         """
         current, paths = list(values), list(source_paths)
         if not self._keeps_integers(conversions):
-            current = [_real(each) for each in current]
+            current = [_real(value) for value in current]
         for position, conversion in enumerate(conversions):
             is_last = position == len(conversions) - 1
             before = len(current)
@@ -116,16 +116,16 @@ class Chain:
             return list(values)
         factor, offset = step
         known, given = (numbers.Linear, (factor, offset)) if offset else (numbers.Scale, (factor,))
-        arguments = tuple(Constant(each, REAL) for each in given)
+        arguments = tuple(Constant(number, REAL) for number in given)
         return [
             replace(
-                each,
-                expression=Convert(known.name, (each.expression,), arguments),
+                value,
+                expression=Convert(known.name, (value.expression,), arguments),
                 limits=None,
                 known=(),
                 is_computed=True,
             )
-            for each in values
+            for value in values
         ]
 
     def _keeps_integers(self, conversions: Sequence[Any]) -> bool:
@@ -134,12 +134,14 @@ class Chain:
         So they may before what gives real numbers anyway, and where all of their digits go to other
         integers.
         """
-        known = [conversion_of(each) for each in conversions]
-        first = next((each for each in known if not each.changes_nothing), None)
+        known = [conversion_of(conversion) for conversion in conversions]
+        first = next((conversion for conversion in known if not conversion.changes_nothing), None)
         if first is None or not first.keeps_integers:
             return True
         kinds = {self._target.kind(path) for path in self._target_paths}
-        return kinds == {INTEGER} and all(each.keeps_integers and each.keeps_size for each in known)
+        return kinds == {INTEGER} and all(
+            conversion.keeps_integers and conversion.keeps_size for conversion in known
+        )
 
     # -- one conversion --------------------------------------------------------------------------
 
@@ -163,7 +165,7 @@ class Chain:
         if len(values) != len(known.inputs):
             raise AssignmentError(f"{known.name} does not take {len(values)} values")
         arguments: tuple[Expression, ...] = tuple(
-            Constant(float(each), REAL) for each in conversion.arguments
+            Constant(float(argument), REAL) for argument in conversion.arguments
         )
         if conversion.quantity is not None:
             is_maximum = MAXIMUM in known.arguments
@@ -172,7 +174,7 @@ class Chain:
         kinds = [_RESULTS[output] for output in known.outputs]
         if isinstance(known, numbers.Clamp | numbers.Limit):
             return self._results(self._limited(values[0], arguments), kinds, values)
-        inputs = tuple(each.expression for each in values)
+        inputs = tuple(value.expression for value in values)
         near = Now() if known.needs_clock else None
         return self._results(Convert(known.name, inputs, arguments, near, kinds[0]), kinds, values)
 
@@ -219,7 +221,7 @@ class Chain:
     def _expression(self, conversion: Any, values: list[Value], paths: list[str]) -> Value:
         expression = parse_expression(conversion.expression or "")
         names = source_names(paths)
-        used = dict.fromkeys(each.name for each in occurrences(expression))
+        used = dict.fromkeys(occurrence.name for occurrence in occurrences(expression))
         by_index = {
             at: self._operand(values[at], paths[at])
             for at in dict.fromkeys(names[name] for name in used)
@@ -248,7 +250,7 @@ class Chain:
         outputs = [PYTHON_TYPES.get(kind, "Any") for kind in kinds]
         output = outputs[0] if len(outputs) == 1 else f"tuple[{', '.join(outputs)}]"
         method = self._surroundings.user_method(conversion.method or "", types, output)
-        inputs = tuple(each.expression for each in values)
+        inputs = tuple(value.expression for value in values)
         return self._results(UserCall(method, inputs, kinds[0]), kinds, values)
 
 

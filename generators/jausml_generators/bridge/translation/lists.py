@@ -91,7 +91,7 @@ class _ListSteps:
 
     def _all_conditions(self) -> tuple[Way, ...]:
         others = [self._outer.source.value(path, NO_POLICY) for path in self._paths[1:]]
-        conditions = [*self._many.conditions, *(c for each in others for c in each.conditions)]
+        conditions = [*self._many.conditions, *(c for other in others for c in other.conditions)]
         return joined(conditions)
 
     # -- what is gone through --------------------------------------------------------------------
@@ -101,7 +101,7 @@ class _ListSteps:
         first = Read(self._many.place, LIST)
         made: Expression = first
         others = (self._outer.source.value(path, NO_POLICY) for path in self._paths[1:])
-        inputs: tuple[Expression, ...] = (first, *(each.expression for each in others))
+        inputs: tuple[Expression, ...] = (first, *(other.expression for other in others))
         for conversion in self._assignment.conversions:
             known = conversion_of(conversion)
             if isinstance(known, User):

@@ -162,12 +162,14 @@ def joined(conditions: Iterable[Way]) -> tuple[Way, ...]:
     """Returns conditions without those that others imply."""
     unique = tuple(dict.fromkeys(conditions))
     longest: dict[Place, int] = {}
-    for each in unique:
-        if isinstance(each, Longer):
-            longest[each.place] = max(each.than, longest.get(each.place, 0))
+    for condition in unique:
+        if isinstance(condition, Longer):
+            longest[condition.place] = max(condition.than, longest.get(condition.place, 0))
     kept = (
-        replace(each, than=longest[each.place]) if isinstance(each, Longer) else each
-        for each in unique
+        replace(condition, than=longest[condition.place])
+        if isinstance(condition, Longer)
+        else condition
+        for condition in unique
     )
     return tuple(dict.fromkeys(kept))
 
@@ -260,7 +262,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         current = field.messageType if isinstance(field, ros.MessageField) else None
     primitive = field if current is None and isinstance(field, ros.PrimitiveField) else None
     return RosField(
-        ".".join(each for each in (begin.label, path) if each not in ("", ".")),
+        ".".join(segment for segment in (begin.label, path) if segment not in ("", ".")),
         primitive.type.name if primitive is not None else full_name(current or message_type),
         is_array,
         place,
@@ -298,7 +300,7 @@ def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> MarkerO
         if not isinstance(end, RosPlace) or end.field is None:
             raise PathError(f"'{name}' does not lead to a number of {full_name(holder)}")
         parts = parse_path(name)
-        steps = [int(each[1:-1]) if each.startswith("[") else each for each in parts]
+        steps = [int(part[1:-1]) if part.startswith("[") else part for part in parts]
         if end.is_count:
             return MarkerOperand(owner.at(*steps[:-1]), "")
         field, found = end.field, owner.at(*steps)

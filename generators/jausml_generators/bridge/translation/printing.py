@@ -214,13 +214,15 @@ class _Printer:
     def place(self, place: Place) -> str:
         """Returns a place."""
         root = place.root if isinstance(place.root, str) else self._claim(place.root)
-        steps = (f"[{each}]" if isinstance(each, int) else f".{each}" for each in place.steps)
+        steps = (f"[{step}]" if isinstance(step, int) else f".{step}" for step in place.steps)
         return root + "".join(steps)
 
     def _all(self, conditions: Sequence[Condition]) -> str:
         """Returns the test that conditions hold."""
         are_several = len(conditions) > 1
-        return " and ".join(self.holds(each, is_joined=are_several) for each in conditions)
+        return " and ".join(
+            self.holds(condition, is_joined=are_several) for condition in conditions
+        )
 
     def holds(self, condition: Condition, *, is_joined: bool = False) -> str:
         """Returns the test that a condition holds, which may be joined to others by `and`."""
@@ -290,7 +292,7 @@ class _Printer:
                 return f"{self.text(inner)} if {test} else {self.text(otherwise)}"
             case New(class_name=name, parts=parts, is_spread=is_spread):
                 texts = map(self.text, parts)
-                return call(name, *(f"*{each}" if is_spread else each for each in texts))
+                return call(name, *(f"*{text}" if is_spread else text for text in texts))
             case values.NewList():
                 return "[]"
             case values.IfKept(kept=kept, made=made):
@@ -325,7 +327,7 @@ class _Printer:
 
     def _authored(self, value: values.Authored) -> str:
         names = dict(value.operands)
-        times = Counter(id(names[each.name]) for each in occurrences(value.expression))
+        times = Counter(id(names[occurrence.name]) for occurrence in occurrences(value.expression))
         texts: dict[int, str] = {}
         for operand in names.values():
             if id(operand) in texts:

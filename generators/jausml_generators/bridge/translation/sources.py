@@ -123,7 +123,7 @@ class JausSource:
         if found.is_float and not found.is_scaled:
             # The codec hands on what a peer sends; only here is it known what becomes of the rest.
             value = real(policy, value, found.path, found.limits)
-        listed = tuple((name, str(each)) for name, each in found.listed)
+        listed = tuple((name, str(number)) for name, number in found.listed)
         return Value(value, found.conditions, found.units, limits, policy, listed)
 
     def many(self, path: str) -> Many:
@@ -208,7 +208,7 @@ class RosSource:
         """Returns an element of an array as a source."""
         start: RosStart = replace(many.start, root=root)
         if start.field is not None:
-            marks = [each for each in marks_of(start.field) if each.is_of_elements]
+            marks = [mark for mark in marks_of(start.field) if mark.is_of_elements]
             own = markers(marks, start.field, Place(root), start.owner)
             conditions = (*conditions, *own)
         return RosSource(self.type, start, self.joins, self.top or self, counters, conditions)

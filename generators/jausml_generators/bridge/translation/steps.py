@@ -121,7 +121,7 @@ Step: TypeAlias = Let | Write | Keep | Append | Require | Choose | WhereKept | E
 
 def gives(steps: tuple[Step, ...], place: Place) -> bool:
     """Tells whether steps give a place a value whatever holds."""
-    return any(isinstance(each, Write) and each.place == place for each in steps)
+    return any(isinstance(step, Write) and step.place == place for step in steps)
 
 
 @dataclass
@@ -208,8 +208,10 @@ class Body:
     @contextmanager
     def given(self, ways: Sequence[Way]) -> Iterator[None]:
         """Puts what is added meanwhile under the condition that values are there."""
-        wanted = [each for each in ways if each not in self._required]
-        first = next((at for at, each in enumerate(wanted) if isinstance(each, Named)), None)
+        wanted = [requirement for requirement in ways if requirement not in self._required]
+        first = next(
+            (at for at, requirement in enumerate(wanted) if isinstance(requirement, Named)), None
+        )
         if first is not None:
             with self.given(wanted[:first]):
                 self._name(wanted[first])
@@ -230,16 +232,16 @@ class Body:
 
     def require(self, ways: Sequence[Way], path: str) -> None:
         """Adds the refusal of messages that lack a field."""
-        for each in ways:
-            if each in self._required:
+        for requirement in ways:
+            if requirement in self._required:
                 continue
-            self._required.append(each)
-            if isinstance(each, Named):
-                self._name(each)
+            self._required.append(requirement)
+            if isinstance(requirement, Named):
+                self._name(requirement)
             else:
-                self.add(Require(each, "AbsentFieldError", (path,)))
+                self.add(Require(requirement, "AbsentFieldError", (path,)))
 
 
 def conditions(ways: Sequence[Way]) -> tuple[Condition, ...]:
     """Returns the conditions alone."""
-    return tuple(each for each in ways if not isinstance(each, Named))
+    return tuple(condition for condition in ways if not isinstance(condition, Named))

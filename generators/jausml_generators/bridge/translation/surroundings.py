@@ -291,11 +291,14 @@ class BaseModule:
     def attributes(self) -> tuple[str, ...]:
         """Statements that give the attributes of the class their first values."""
         quantities = [
-            f"self.{each.name} = {python_literal(each.value)}{_unit_comment(each.units)}"
-            for each in self.quantities
+            f"self.{quantity.name} = {python_literal(quantity.value)}"
+            f"{_unit_comment(quantity.units)}"
+            for quantity in self.quantities
         ]
-        frames = [f"self.{each.name} = {python_string(each.value)}" for each in self.frames]
-        memories = [f"self.{each.name}: {each.annotation} = None" for each in self.uses.memories]
+        frames = [f"self.{frame.name} = {python_string(frame.value)}" for frame in self.frames]
+        memories = [
+            f"self.{memory.name}: {memory.annotation} = None" for memory in self.uses.memories
+        ]
         return (*quantities, *frames, *memories)
 
     @property

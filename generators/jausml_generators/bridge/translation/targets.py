@@ -148,13 +148,13 @@ class RosTarget:
     def unset(self, taken: Iterable[str]) -> Iterator[str]:
         """Yields the paths of what says that it has no value where no path that is taken leads."""
         if self.start.type is not None:
-            yield from marked_paths(self.start.type, {parse_path(each) for each in taken})
+            yield from marked_paths(self.start.type, {parse_path(path) for path in taken})
 
     def unlimited(self, path: str) -> Iterator[HasValue]:
         """Yields what must hold so that a field does not say that nothing limits it."""
         found = self.field(path)
         if found.field is not None and not found.is_array:
-            marks = [each for each in marks_of(found.field) if each.is_unlimited]
+            marks = [mark for mark in marks_of(found.field) if mark.is_unlimited]
             yield from markers(marks, found.field, found.place, found.owner)
 
     def many(self, path: str, type_name: str | None) -> ManyTarget:
@@ -195,13 +195,13 @@ def marked_paths(
         taken: Paths that are left out with all that is in them.
         around: The path to the message.
     """
-    for name, each in fields_by_name(message).items():
+    for name, member in fields_by_name(message).items():
         path = (*around, name)
-        if each.arrayKind.name != "single" or path in taken:
+        if member.arrayKind.name != "single" or path in taken:
             continue
-        if isinstance(each, ros.MessageField):
-            yield from marked_paths(each.messageType, taken, path)
-        elif unknown(each):
+        if isinstance(member, ros.MessageField):
+            yield from marked_paths(member.messageType, taken, path)
+        elif unknown(member):
             yield ".".join(path)
 
 

@@ -88,15 +88,18 @@ class SharedTranslations:
             self._once.add(key)
             return make(name, self._uses)
         if key not in self._shared:
-            known = {each.name: getattr(self._uses, each.name) for each in fields(self._uses)}
+            known = {
+                attribute.name: getattr(self._uses, attribute.name)
+                for attribute in fields(self._uses)
+            }
             around = _Unnamed(**known)
             self._shared[key] = make(_NAME, around), around
         shared, around = self._shared[key]
         claimed = [claim(self._uses, name, frames) for claim in around.claims]
 
         def named(text: str) -> str:
-            for number, each in enumerate(claimed):
-                text = text.replace(_mark(number), each)
+            for number, claimed_name in enumerate(claimed):
+                text = text.replace(_mark(number), claimed_name)
             return text.replace(_NAME, name)
 
         lines = tuple(named("\n".join(shared.lines)).split("\n"))
@@ -143,7 +146,7 @@ class AlikeMaps:
             if name == "value" and element in self._frames:
                 continue
             value = getattr(element, name)
-            said = [self._said(element, each) for each in (value if is_many else [value])]
+            said = [self._said(element, item) for item in (value if is_many else [value])]
             found.append(tuple(said))
         return tuple(found)
 
@@ -244,21 +247,25 @@ def translate(
 ) -> Translations:
     """Translates the connections of a bridge."""
     ros_classes = RosClasses(taken)
-    overrides = {str(each.name): each for each in element.quantities}
+    overrides = {str(quantity.name): quantity for quantity in element.quantities}
     attributes = Scope(_TAKEN_ATTRIBUTES)
     uses = Surroundings(view_of, ros_classes.name_of, overrides, attributes)
     named = [
-        (each, attributes.claim(snake_case(each.name)), ros_classes.name_of(each.map.type))
-        for each in connections
+        (
+            connection,
+            attributes.claim(snake_case(connection.name)),
+            ros_classes.name_of(connection.map.type),
+        )
+        for connection in connections
     ]
     core = Core(light, ros_classes, uses)
     around = _Around(uses, SharedTranslations(uses), AlikeMaps(), core)
-    translated = tuple(_translated(*each, around) for each in named)
+    translated = tuple(_translated(*entry, around) for entry in named)
     calling = [
-        (each, attributes.claim(snake_case(each.name)), ros_classes)
-        for each in element.serviceConnections
+        (service_connection, attributes.claim(snake_case(service_connection.name)), ros_classes)
+        for service_connection in element.serviceConnections
     ]
-    of_calls = tuple(_translated_call(*each, around) for each in calling)
+    of_calls = tuple(_translated_call(*entry, around) for entry in calling)
     return Translations(translated, of_calls, uses, ros_classes, core)
 
 
@@ -285,13 +292,15 @@ def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[Translate
     if connection.direction.name == "jausToRos":
         return tuple(
             TranslatedJoin(
-                each, scope.claim(snake_case(each.name)), uses.view_of(each.message).class_name
+                report_join,
+                scope.claim(snake_case(report_join.name)),
+                uses.view_of(report_join.message).class_name,
             )
-            for each in used.reportJoins
+            for report_join in used.reportJoins
         )
     return tuple(
-        TranslatedJoin(each, scope.claim(snake_case(each.name)), uses.type_name(each.type))
-        for each in used.joins
+        TranslatedJoin(join, scope.claim(snake_case(join.name)), uses.type_name(join.type))
+        for join in used.joins
     )
 
 
@@ -304,28 +313,28 @@ def _translated(
     joins = _joins(connection, uses)
 
     def make(name: str, surroundings: Surroundings) -> _Made:
-        parameters = [each.name for each in joins]
+        parameters = [join.name for join in joins]
         function = f"{snake_case(used.name)}_to_{'ros' if is_to_ros else 'jaus'}"
         if is_to_ros:
             reports = {
-                str(join.name): (each.name, uses.view_of(join.message))
-                for each in joins
-                if isinstance(join := each.join, bridge.ReportJoin)
+                str(join.name): (translated_join.name, uses.view_of(join.message))
+                for translated_join in joins
+                if isinstance(join := translated_join.join, bridge.ReportJoin)
             }
             steps = to_ros(connection, message, name, ros_name, reports, surroundings).steps
             ends = Ends(message, used.type, dict(reports.values()), to_ros=True)
             return _Made(printed(steps, parameters), around.core.add(function, steps, ends))
         types = {
-            str(join.name): (each.name, join.type)
-            for each in joins
-            if isinstance(join := each.join, bridge.Join)
+            str(join.name): (translated_join.name, join.type)
+            for translated_join in joins
+            if isinstance(join := translated_join.join, bridge.Join)
         }
         steps = to_jaus(connection, message, name, types, surroundings).steps
         ends = Ends(message, used.type, dict(types.values()), to_ros=False)
         return _Made(printed(steps, parameters), around.core.add(function, steps, ends))
 
     alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
-    if any(each is not used for each in used_maps(used, to_ros=is_to_ros)):
+    if any(attribute_map is not used for attribute_map in used_maps(used, to_ros=is_to_ros)):
         # Each connection has its own methods for the messages inside its message.
         made = make(name, uses)
     else:

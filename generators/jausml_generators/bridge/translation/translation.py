@@ -82,7 +82,10 @@ Frames: TypeAlias = "Mapping[str, str]"
 
 def frames_of(attribute_map: bridge.AttributeMap) -> Frames:
     """Returns the names of frames that a map sets, which nothing but a parameter tells apart."""
-    return {str(each.target): str(each.value) for each in frame_assignments(attribute_map)}
+    return {
+        str(frame_assignment.target): str(frame_assignment.value)
+        for frame_assignment in frame_assignments(attribute_map)
+    }
 
 
 def frame_assignments(attribute_map: bridge.AttributeMap) -> list[bridge.ConstantAssignment]:
@@ -91,13 +94,13 @@ def frame_assignments(attribute_map: bridge.AttributeMap) -> list[bridge.Constan
     Paths in lists may be those of the message: a map with lists has none.
     """
     assignments = list(attribute_map.toRos)
-    if any(isinstance(each, bridge.ListAssignment) for each in assignments):
+    if any(isinstance(assignment, bridge.ListAssignment) for assignment in assignments):
         return []
     return [
-        each
-        for each in assignments
-        if isinstance(each, bridge.ConstantAssignment)
-        and _is_frame(str(each.target), _kind(attribute_map.type, str(each.target)))
+        assignment
+        for assignment in assignments
+        if isinstance(assignment, bridge.ConstantAssignment)
+        and _is_frame(str(assignment.target), _kind(attribute_map.type, str(assignment.target)))
     ]
 
 
@@ -185,9 +188,9 @@ class Translation(ABC):
         """Adds what says of the fields that no assignment sets that they have no value."""
         taken = [
             path
-            for each in assignments
-            if not isinstance(each, bridge.Ignore)
-            for path in paths_of(str(each.target))
+            for assignment in assignments
+            if not isinstance(assignment, bridge.Ignore)
+            for path in paths_of(str(assignment.target))
         ]
         for path in self.target.unset(taken):
             self._store_constant(path, self.target.unknown(path))
@@ -231,8 +234,8 @@ class Translation(ABC):
         if not knows_unknown(assignment):
             return values
         return [
-            replace(each, conditions=tuple(w for w in each.conditions if not _is_marker(w)))
-            for each in values
+            replace(value, conditions=tuple(w for w in value.conditions if not _is_marker(w)))
+            for value in values
         ]
 
     def _policy_of(self, assignment: bridge.FieldAssignment) -> Policy:
@@ -259,7 +262,7 @@ class Translation(ABC):
         if policy == "useDefault" and len(values) > 1:
             self._field_of_some(assignment)
             return
-        ways = joined(each for value in values for each in value.conditions)
+        ways = joined(condition for value in values for condition in value.conditions)
         chosen = self._chosen(assignment, values, ways) if policy == "useDefault" else None
         if chosen is not None:
             self._put(assignment, [chosen])
@@ -285,7 +288,11 @@ class Translation(ABC):
             return None
         marks = [way for way in ways if isinstance(way, HasValue)]
         asked = dict(operand for mark in marks for operand in mark.operands)
-        is_clear = all(asked[name] == each for mark in marks for name, each in mark.operands)
+        is_clear = all(
+            asked[name] == marker_operand
+            for mark in marks
+            for name, marker_operand in mark.operands
+        )
         if not is_clear:
             return None
         value, *more = self.results_of(assignment, [replace(values[0], conditions=())])
@@ -295,10 +302,13 @@ class Translation(ABC):
         default = Number(float(assignment.defaultValue or 0))
         expression = Conditional(condition, default, Variable(_RESULT))
         operands: dict[str, Expression] = {}
-        operands.update((name, marker_value(each)) for name, each in asked.items())
+        operands.update(
+            (name, marker_value(marker_operand)) for name, marker_operand in asked.items()
+        )
         operands[_RESULT] = value.expression
         given = tuple(
-            (name, Operand(each, name, is_computed=False)) for name, each in operands.items()
+            (name, Operand(operand_value, name, is_computed=False))
+            for name, operand_value in operands.items()
         )
         return replace(value, expression=Authored(expression, given), is_computed=True)
 
@@ -320,9 +330,9 @@ class Translation(ABC):
         if all(tests):
             self._store_absent(assignment, "unstated")
             with self.body.where(*dict.fromkeys(tests)):
-                self._store(assignment, [self._or_default(assignment, each) for each in values])
+                self._store(assignment, [self._or_default(assignment, value) for value in values])
         else:
-            self._store(assignment, [self._or_default(assignment, each) for each in values])
+            self._store(assignment, [self._or_default(assignment, value) for value in values])
 
     def _or_default(self, assignment: bridge.FieldAssignment, value: Value) -> Value:
         if not value.conditions:
@@ -367,8 +377,8 @@ class Translation(ABC):
     def _put(self, assignment: bridge.FieldAssignment, results: Sequence[Value]) -> None:
         remark = self._unit_remark(assignment)
         # A conversion may make another quantity of the source, in a unit that nobody states.
-        effects = [conversion_of(each).units for each in assignment.conversions]
-        keeps_units = all(each is UnitEffect.SAME for each in effects)
+        effects = [conversion_of(conversion).units for conversion in assignment.conversions]
+        keeps_units = all(effect is UnitEffect.SAME for effect in effects)
         for path, value in zip(paths_of(assignment.target), results, strict=True):
             words = remark or (value.units if self.to_ros and keeps_units else "")
             self.target.put(self.body, path, self.target.fitted(path, value), words)
@@ -377,9 +387,9 @@ class Translation(ABC):
     def _refuse_unlimited(self, path: str, policy: Policy) -> None:
         """Adds the refusal of a value by which the target would say that nothing limits it."""
         word = {"clamp": "not_clampable"}.get(policy.name, policy.name)
-        for each in self.target.unlimited(path):
+        for has_value in self.target.unlimited(path):
             texts = (path, "the value would say that nothing limits it", word)
-            self.body.add(Require(each, "OutOfRangeError", texts))
+            self.body.add(Require(has_value, "OutOfRangeError", texts))
 
     def _unit_remark(self, assignment: bridge.FieldAssignment) -> str:
         """Both units, where the units of source and target differ."""
@@ -390,7 +400,7 @@ class Translation(ABC):
             raise AssignmentError(f"{assignment.target}: its map does not have it")
         given = getattr(result_measure(placed), "text", "")
         wanted = [attribute_measure(found) for _, found in placed.targets]
-        return f"{given} to {next(each.text for each in wanted if each is not None)}"
+        return f"{given} to {next(measure.text for measure in wanted if measure is not None)}"
 
 
 def _hint(value: Expression) -> str:

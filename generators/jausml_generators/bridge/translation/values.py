@@ -58,7 +58,7 @@ INPUT_TYPES = {
 
 UNLIMITED = (-math.inf, math.inf)
 
-_SINGLE, _DOUBLE = ((-each.largest, each.largest) for each in REALS.values())
+_SINGLE, _DOUBLE = ((-real_type.largest, real_type.largest) for real_type in REALS.values())
 _COUNTED_BY_32_BITS = 2**32 - 1
 _ROS_KINDS = {
     "geometry_msgs/Quaternion": QUATERNION,
@@ -101,7 +101,7 @@ class Policy:
         Args:
             how: What keeps it there; empty for two numbers.
         """
-        constants = tuple(number(each) for each in bounds)
+        constants = tuple(number(bound) for bound in bounds)
         return Limit(self.owner, self.name, how, path, value, constants)
 
 
@@ -207,7 +207,7 @@ def _integer(value: Value, policy: Policy, path: str, limits: Limits) -> Express
 
 
 def _listed(value: Value, target: JausField) -> Expression:
-    legal = (any(low <= each <= high for low, high in target.values) for each in value.known)
+    legal = (any(low <= integer <= high for low, high in target.values) for integer in value.known)
     if value.known and all(legal):
         return value.expression
     policy, ranges = value.policy, Ranges(target.values)

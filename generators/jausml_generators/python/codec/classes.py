@@ -212,7 +212,7 @@ class ContainerClass:
     @cached_property
     def by_jaus_name(self) -> Mapping[str, Member]:
         """The members by their names in the model."""
-        return {each.jaus_name: each for each in reversed(self.members)}
+        return {member.jaus_name: member for member in reversed(self.members)}
 
     @property
     def min_size(self) -> int:

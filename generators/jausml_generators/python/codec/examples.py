@@ -33,12 +33,12 @@ _LONGEST_EXAMPLE = 16_384  # bytes
 def examples(messages: Iterable[MessageView]) -> tuple[str, ...]:
     """Returns tuples of class name and bytes, without those that nobody could read in a test."""
     found = ((view.class_name, example_bytes(view)) for view in messages)
-    return tuple(_example(*each) for each in found if len(each[1]) <= _LONGEST_EXAMPLE)
+    return tuple(_example(*example) for example in found if len(example[1]) <= _LONGEST_EXAMPLE)
 
 
 def numbers(messages: Iterable[MessageView]) -> tuple[str, ...]:
     """Returns tuples of class name and what the scaled fields of the example hold."""
-    found = ((each.class_name, example_numbers(each)) for each in messages)
+    found = ((message.class_name, example_numbers(message)) for message in messages)
     return tuple(_numbers(name, held) for name, held in found if held)
 
 
@@ -54,8 +54,8 @@ def _example(name: str, data: bytes) -> str:
     if len(_MARGIN + line) <= LINE_WIDTH:
         return _MARGIN + line
     digits = textwrap.wrap(data.hex(" ", -4), LINE_WIDTH - 2 * len(_MARGIN))
-    lines = ["(", *(_MARGIN + each for each in (f'"{name}",', '"""', *digits, '""",')), "),"]
-    return "\n".join(_MARGIN + each for each in lines)
+    lines = ["(", *(_MARGIN + row for row in (f'"{name}",', '"""', *digits, '""",')), "),"]
+    return "\n".join(_MARGIN + row for row in lines)
 
 
 def example_bytes(view: MessageView) -> bytes:

@@ -192,7 +192,7 @@ class _Walk:
         found = _INDEXED.fullmatch(step)
         if found is None or step in self._names():
             return step, []
-        return found["name"], [int(each) for each in re.findall("[0-9]+", found["indices"])]
+        return found["name"], [int(match) for match in re.findall("[0-9]+", found["indices"])]
 
     def _names(self) -> Container[str]:
         if isinstance(self._at, VariantValue):
@@ -204,12 +204,12 @@ class _Walk:
         if at is None and self._end is None:
             return self._message.body.by_jaus_name
         if isinstance(at, Bits):
-            return {each.jaus_name: each for each in self._sub_fields(at)}
+            return {sub_field.jaus_name: sub_field for sub_field in self._sub_fields(at)}
         if isinstance(at, PartValue) and isinstance(at.part, VariableFieldClass):
-            return {each.jaus_name: each for each in at.part.alternatives}
+            return {alternative.jaus_name: alternative for alternative in at.part.alternatives}
         if isinstance(at, PartValue) and isinstance(at.part, ContainerClass):
             if at.part.is_format:
-                return {each.jaus_name: each for each in at.part.formats}
+                return {data_format.jaus_name: data_format for data_format in at.part.formats}
             return at.part.by_jaus_name
         return {}
 
@@ -244,7 +244,10 @@ class _Walk:
 
     def _choose(self, variant: VariantValue, name: str) -> None:
         """Goes on to an option of a variant, whose members then follow."""
-        option = next((each for each in variant.options if each.part.jaus_name == name), None)
+        option = next(
+            (part_value for part_value in variant.options if part_value.part.jaus_name == name),
+            None,
+        )
         if option is None:
             raise PathError(f"{self._message.jaus_name} has no field '{self._path}'")
         if len(variant.options) > 1:
@@ -310,7 +313,9 @@ class _Walk:
         """Returns where the walk has led."""
         self._make_last()
         end = self._end
-        label = ".".join(each for each in (self._start.label, self._path) if each not in ("", "."))
+        label = ".".join(
+            segment for segment in (self._start.label, self._path) if segment not in ("", ".")
+        )
         return JausField(
             label,
             self._place,

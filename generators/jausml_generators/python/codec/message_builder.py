@@ -234,14 +234,14 @@ class MessageBuilder:
     def _variable(
         self, jaus_name: str, kind: wire.VariableNumber, name: str, summary: str
     ) -> VariableFieldClass:
-        numbers = [scalars.number(each.number) for each in kind.alternatives]
+        numbers = [scalars.number(alternative.number) for alternative in kind.alternatives]
         python_type = "float" if any(n.python_type == "float" for n in numbers) else "int"
         alternatives = []
-        for each, value in zip(kind.alternatives, numbers, strict=True):
+        for alternative, value in zip(kind.alternatives, numbers, strict=True):
             self._scope.use(value.format)
             number = scalars.as_real(value) if python_type == "float" else value
-            units = docs.clean(each.number.units)
-            alternatives.append(Alternative(each.index, number, each.name, units))
+            units = docs.clean(alternative.number.units)
+            alternatives.append(Alternative(alternative.index, number, alternative.name, units))
         self._scope.use("B")
         path = self._scope.path(name)
         return VariableFieldClass(name, path, summary, python_type, tuple(alternatives), jaus_name)
@@ -250,7 +250,7 @@ class MessageBuilder:
         self, jaus_name: str, kind: wire.FormattedOctets, name: str, summary: str
     ) -> ContainerClass:
         """Builds the class of bytes with a format: the index of the format, and the bytes."""
-        indices = [(each.index, each.name) for each in kind.formats]
+        indices = [(data_format.index, data_format.name) for data_format in kind.formats]
         enumeration = self._scope.listed(f"{name}Format", docs.clean(jaus_name), indices)
         ranges = wire.merged((index, index) for index, _ in indices)
         index = Member(
@@ -264,7 +264,7 @@ class MessageBuilder:
         members = (index, Member("hex", "data", blob, blob.default))
         segments = self._segments(members, "")
         path = self._scope.path(name)
-        formats = tuple(Format(at, blob, each) for at, each in indices)
+        formats = tuple(Format(at, blob, format_name) for at, format_name in indices)
         return ContainerClass(
             name, path, summary, (), members, segments, jaus_name=jaus_name, formats=formats
         )

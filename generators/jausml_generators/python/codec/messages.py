@@ -137,7 +137,7 @@ class MessagesModule:
     @property
     def is_complex(self) -> bool:
         """Whether a method has more branches than the style allows."""
-        classes = [item for each in self.messages for item in (each.body, *each.nested)]
+        classes = [item for message in self.messages for item in (message.body, *message.nested)]
         return any(getattr(item, "is_complex", False) for item in classes)
 
     def has_late_names(self, body: str) -> bool:
@@ -206,7 +206,7 @@ class MessageScope:
         """Returns the class of a bit field; equal ones of one name (time stamps) share it."""
         scope = names.Scope(names.RESERVED_ATTRIBUTES | {"bits"})
         with self.inside(names.class_name(field.name)):
-            subs = tuple(self._sub_field(each, scope) for each in kind.groups)
+            subs = tuple(self._sub_field(group, scope) for group in kind.groups)
         key = (field.name, subs)
         if key not in self.known:
             name = self.claim(names.class_name(field.name))
@@ -220,8 +220,10 @@ class MessageScope:
 
     def is_inherited(self, path: str) -> bool:
         """Returns whether the base of the message brings a class."""
-        bit_fields = (each for each in self.classes if isinstance(each, BitFieldClass))
-        return any(each.is_inherited and each.path == path for each in bit_fields)
+        bit_fields = (
+            nested_class for nested_class in self.classes if isinstance(nested_class, BitFieldClass)
+        )
+        return any(bit_field.is_inherited and bit_field.path == path for bit_field in bit_fields)
 
     def _sub_field(self, bits: wire.Bits, scope: names.Scope) -> SubField:
         return SubField(
@@ -236,7 +238,7 @@ class MessageScope:
 
     def enumeration(self, field: str, listed: Iterable[wire.Listed]) -> str:
         """Returns the name of the class of the listed values of a field, or nothing."""
-        pairs = [(each.value, each.name) for each in listed]
+        pairs = [(listed_value.value, listed_value.name) for listed_value in listed]
         return self.listed(names.class_name(field), docs.clean(field), pairs)
 
     def listed(self, name: str, of: str, listed: Sequence[tuple[int, str]]) -> str:

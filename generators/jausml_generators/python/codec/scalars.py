@@ -20,8 +20,11 @@ _TYPES: tuple[wire.IntegerType | wire.RealType, ...] = (
     *wire.REALS.values(),
 )
 _WORDS = {
-    each.format: each.name.upper().replace("UINT", "U").replace("INT", "I").replace("FLOAT", "F")
-    for each in _TYPES
+    number_type.format: number_type.name.upper()
+    .replace("UINT", "U")
+    .replace("INT", "I")
+    .replace("FLOAT", "F")
+    for number_type in _TYPES
 }
 
 
@@ -196,7 +199,7 @@ def legal_integer(struct_format: str, kind: wire.Integer | wire.Bits) -> Fixed:
     legal = kind.legal
     return replace(
         integer(struct_format, legal.ranges),
-        listed=tuple((each.name, each.value) for each in legal.listed),
+        listed=tuple((listed_value.name, listed_value.value) for listed_value in legal.listed),
         offset=legal.offset,
         back=f"{{}}{_plus(legal.offset)}",
         reach=kind.reach,

@@ -75,7 +75,7 @@ class Blocks:
         self.gone: set[int] = set()
         self.placed: ElementCopy | None = None
         roots = context.working_copy.roots[context.file]
-        self.implied = [each for each in roots if self.part(each) is None]
+        self.implied = [root for root in roots if self.part(root) is None]
 
     def part_of(self, obj: EObject) -> Part | None:
         """Returns what stands for an element in the tree, None if nothing does."""
@@ -173,8 +173,8 @@ class Blocks:
         """Tells whether the one word before a block is the name of the element."""
         node = self._context.model.node_of(cast("EObject", copy.obj))
         children = node.children if node is not None else ()
-        spans = [self.written.value_span(each) for each in children if each.tag == "name"]
-        return part.name is not None and any(each is part.name.span for each in spans)
+        spans = [self.written.value_span(child) for child in children if child.tag == "name"]
+        return part.name is not None and any(span is part.name.span for span in spans)
 
     def _document(self, item: Item, copy: ElementCopy, part: Item) -> None:
         if "documentation" in self.changed.get(copy, {}) and not _says(part, "documentation"):
@@ -198,7 +198,7 @@ class Blocks:
             if len(new.conversions) < len(owned):
                 return None
             pairs = zip(owned, new.conversions, strict=True)
-            found.conversions = [self._call(each, call) for each, call in pairs]
+            found.conversions = [self._call(conversion, call) for conversion, call in pairs]
         return found
 
     def _call(self, copy: ElementCopy, new: Call) -> Call:
@@ -208,7 +208,7 @@ class Blocks:
     def _has_blocks(self, copy: ElementCopy) -> bool:
         """Tells whether conversions stand in blocks, and not behind the arrow."""
         owned = copy.owned.get("conversions", ())
-        return any(isinstance(self.part(each), Element) for each in owned)
+        return any(isinstance(self.part(conversion), Element) for conversion in owned)
 
     def _pairs(self, part: Table | Vector, copy: ElementCopy) -> Item | None:
         """Returns a table or a vector as it will be, None where it must be written otherwise."""
@@ -229,13 +229,13 @@ class Blocks:
 
     def _entries(self, copy: ElementCopy, feature: str, new: Sequence[Item]) -> list[Any]:
         found = []
-        for each, item in zip(copy.owned.get(feature, ()), new, strict=True):
-            part = self.part(each)
+        for value_copy, item in zip(copy.owned.get(feature, ()), new, strict=True):
+            part = self.part(value_copy)
             if not isinstance(part, Entry | VectorEntry):
                 found.append(item)
                 continue
             merged = replace(part)
-            for name in self.changed.get(each, ()):
+            for name in self.changed.get(value_copy, ()):
                 setattr(merged, name, getattr(item, name))
             found.append(merged)
         return found
@@ -247,7 +247,7 @@ class Blocks:
         is_assignment = isinstance(self.part(copy), Assignment)
         if is_assignment and name in _BY_ARROW:
             return
-        old = [each for each in found if _is_of(each.item, name, copy.table)]
+        old = [piece for piece in found if _is_of(piece.item, name, copy.table)]
         if name in IN_THE_HEAD and not old:
             text = next(iter(copy.values.get(name, ())), None)
             is_sayable = is_name(text) if name == "name" else is_comment(text)
@@ -258,7 +258,7 @@ class Blocks:
         elif item is not None:
             self._insert(found, Piece(item), copy, rank_of(item, copy.table, {}))
         kept = old[:1] if item is not None else []
-        found[:] = [each for each in found if each in kept or each not in old]
+        found[:] = [piece for piece in found if piece in kept or piece not in old]
 
     def _said(self, copy: ElementCopy, name: str, old: Sequence[Piece]) -> Item:
         is_end = copy.table.qualified_name == MAP and name in _ENDS
@@ -279,9 +279,9 @@ class Blocks:
         if is_conversion and not self._has_blocks(owner):
             return  # it stands behind the arrow
         piece = self._coming(copy, owner)
-        places = {id(each.part): at for at, each in enumerate(found)}
+        places = {id(present.part): at for at, present in enumerate(found)}
         earlier, later = (
-            [places[at] for each in some if (at := id(self.part(each))) in places]
+            [places[at] for sibling in some if (at := id(self.part(sibling))) in places]
             for some in copy.siblings
         )
         is_way = owner.table.qualified_name == MAP and copy.feature in ("toRos", "toJaus")
@@ -325,9 +325,9 @@ class Blocks:
         if before is not None or behind is not None:
             found.insert(before + 1 if before is not None else cast("int", behind), piece)
             return
-        for at, each in enumerate(found):
-            if isinstance(each.item, Direction) and each.item.to_ros == to_ros:
-                piece.origin = each.item
+        for at, present in enumerate(found):
+            if isinstance(present.item, Direction) and present.item.to_ros == to_ros:
+                piece.origin = present.item
                 found.insert(at + 1, piece)
                 return
         owner = cast("ElementCopy", copy.owner)
@@ -353,12 +353,14 @@ class Blocks:
     def _insert(self, found: list[Piece], piece: Piece, owner: ElementCopy, wanted: int) -> None:
         """Puts a piece behind the last that does not come after it by the metamodel."""
         owned = {id(self.part(e)): e.feature for some in owner.owned.values() for e in some}
-        ranks = (rank_of(each.item, owner.table, owned, each.part) for each in found)
-        at = max((i + 1 for i, each in enumerate(ranks) if each <= wanted), default=0)
+        ranks = (rank_of(present.item, owner.table, owned, present.part) for present in found)
+        at = max((i + 1 for i, rank in enumerate(ranks) if rank <= wanted), default=0)
         self._insert_at(found, at, piece, is_top=False)
 
     def _insert_at(self, found: list[Piece], at: int, piece: Piece, *, is_top: bool) -> None:
-        before = [each.origin if each.origin is not None else each.item for each in found[:at]]
+        before = [
+            present.origin if present.origin is not None else present.item for present in found[:at]
+        ]
         if is_top:
             piece.item.spaced = bool(at)
         else:
@@ -374,7 +376,7 @@ class Blocks:
 def _says(part: Item, name: str) -> bool:
     """Tells whether a feature of a block says a name or a documentation."""
     items = part.items if isinstance(part, Element | Assignment) else ()
-    return any(isinstance(each, Feature) and each.name.text == name for each in items)
+    return any(isinstance(item, Feature) and item.name.text == name for item in items)
 
 
 def _is_of(item: Item, name: str, table: ClassTable) -> bool:

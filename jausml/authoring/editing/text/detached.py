@@ -44,11 +44,11 @@ def detached(
             set_value(made, feature, values[0])
     for name, targets in copy.references.items():
         if features[name].settable:
-            for each in targets:
-                point(made, features[name], find(each))
+            for target in targets:
+                point(made, features[name], find(target))
     for name, owned in copy.owned.items() if is_whole else ():
-        for each in owned:
-            link(made, features[name], detached(each, find))
+        for owned_copy in owned:
+            link(made, features[name], detached(owned_copy, find))
     return made  # type: ignore[no-any-return]
 
 
@@ -58,7 +58,10 @@ def settle_new(made: EObject, copy: ElementCopy) -> None:
     So the text leaves it open too.
     """
     if isinstance(made, bridge.Connection) and copy.open:
-        stated = [None if each in copy.open else getattr(made, each).name for each in FEATURES]
+        stated = [
+            None if feature_name in copy.open else getattr(made, feature_name).name
+            for feature_name in FEATURES
+        ]
         inferred = infer(made, *stated)
         for name in FEATURES:
             feature = copy.table.features[name]
@@ -66,7 +69,7 @@ def settle_new(made: EObject, copy: ElementCopy) -> None:
             set_value(made, feature, literals[getattr(inferred, name)])
     for name, owned in copy.owned.items():
         elements = getattr(made, name)
-        for each, inner in zip(
+        for element, inner in zip(
             elements if copy.table.features[name].many else [elements], owned, strict=True
         ):
-            settle_new(each, inner)
+            settle_new(element, inner)

@@ -43,7 +43,7 @@ def words_for(
         if obj is not None and isinstance(command, Rename):
             named[obj] = command.name
     words: dict[int, Name | Href] = {}
-    old = {step for each in named for step in _steps(name_of(each))}
+    old = {step for element in named for step in _steps(name_of(element))}
     written = cast("TextDocument", context.document.written)
     for node, child in named_references(context.document) if named else ():
         text = child.get(BY_NAME)
@@ -62,7 +62,7 @@ def _target(node: Node, child: Node, context: Context, names: Naming) -> EObject
     value: Any = getattr(node.obj, feature.name)
     if not feature.many:
         return cast("EObject | None", value)
-    alike = [each for each in node.children if each.tag == child.tag]
+    alike = [node_child for node_child in node.children if node_child.tag == child.tag]
     targets = list(value)
     if len(targets) == len(alike):
         return cast("EObject", targets[next(i for i, e in enumerate(alike) if e is child)])
@@ -77,43 +77,43 @@ def with_words(value: Any, words: Mapping[int, Name | Href]) -> Any:
     if isinstance(value, Name):
         return words.get(id(value.span), value)
     if isinstance(value, list | tuple):
-        found = [with_words(each, words) for each in value]
+        found = [with_words(element, words) for element in value]
         is_same = all(one is other for one, other in zip(value, found, strict=True))
         return value if is_same else tuple(found) if isinstance(value, tuple) else found
     if not isinstance(value, Item | Call):
         return value
     kind: Any = type(value)
     parts = {name: getattr(value, name) for name in _parts(kind)}
-    new = {name: with_words(each, words) for name, each in parts.items()}
-    changed = {name: each for name, each in new.items() if each is not parts[name]}
+    new = {name: with_words(part, words) for name, part in parts.items()}
+    changed = {name: part for name, part in new.items() if part is not parts[name]}
     return replace(value, **changed) if changed else value
 
 
 @cache
 def _parts(kind: Any) -> tuple[str, ...]:
-    beside = {each.name for each in fields(Item)} | {"closing"}
-    return tuple(each.name for each in fields(kind) if each.name not in beside)
+    beside = {field.name for field in fields(Item)} | {"closing"}
+    return tuple(field.name for field in fields(kind) if field.name not in beside)
 
 
 def renamed(text: str, target: EObject, named: dict[EObject, str]) -> str:
     """Returns the name of an element once elements have other names."""
     parts = _PARTING.split(text)  # steps, with what parts them between
     end = len(parts)
-    each: EObject | None = target
-    while each is not None and end > 0:
-        name = _PARTING.split(name_of(each))
+    element: EObject | None = target
+    while element is not None and end > 0:
+        name = _PARTING.split(name_of(element))
         start = end - len(name)
         if name != [""] and parts[max(start, 0) : end] == name:
-            if each in named:
-                parts[start:end] = [named[each], *[""] * (len(name) - 1)]
+            if element in named:
+                parts[start:end] = [named[element], *[""] * (len(name) - 1)]
             end = start - 1
             if end > 0 and parts[end - 1] in _FOLDERS and parts[end] == "/":
                 end -= 2
-        elif name != [""] and each is target and parts[-1] in _ROLES:
+        elif name != [""] and element is target and parts[-1] in _ROLES:
             end -= 2
         elif name != [""]:
             return text
-        each = each.eContainer()
+        element = element.eContainer()
     return "".join(parts)
 
 

@@ -94,9 +94,9 @@ class Naming(DocumentNames):
         """
         classes = self._model.metamodels
         names = {
-            getattr(each, "name", None)
+            getattr(element, "name", None)
             for root in self._document.imports[-1].roots
-            for each in (root, *root.eAllContents())
+            for element in (root, *root.eAllContents())
         }
         for node, child in named_references(self._home_document):
             text = child.get(BY_NAME) or ""

@@ -47,8 +47,8 @@ def pieces_of(items: Iterable[Item]) -> Iterator[Piece]:
     for item in items:
         if isinstance(item, Direction):
             yield Piece(item, item, item)
-            yield from (Piece(each, each, item) for each in item.assignments)
-        elif isinstance(item, Feature) and any(isinstance(each, Element) for each in item.values):
+            yield from (Piece(assignment, assignment, item) for assignment in item.assignments)
+        elif isinstance(item, Feature) and any(isinstance(value, Element) for value in item.values):
             yield from _values(item)
         else:
             yield Piece(item, item)
@@ -111,7 +111,7 @@ def list_of(pieces: Iterable[Piece]) -> list[Item]:
             found.append(item)
         origin = piece.origin
     emptied = {id(new) for old, new in heads if old.assignments and _says_nothing(new)}
-    return [each for each in found if id(each) not in emptied]
+    return [entry for entry in found if id(entry) not in emptied]
 
 
 def _says_nothing(item: Direction) -> bool:
@@ -134,16 +134,16 @@ def set_apart(before: Sequence[Item], item: Item) -> None:
 
 def heading_of(item: Item) -> list[str]:
     """Returns the comments before an item that an empty line parts from it."""
-    ends = [at + 1 for at, each in enumerate(item.comments) if not each]
+    ends = [at + 1 for at, comment in enumerate(item.comments) if not comment]
     return item.comments[: ends[-1]] if ends else []
 
 
 def comments_in(item: Item) -> Iterator[str]:
     """Yields the comments within an item, without those at itself."""
     for items, closing in lists_of(item):
-        for each in items:
-            yield from (*filter(None, each.comments), *filter(None, [each.trailing]))
-            yield from comments_in(each)
+        for inner_item in items:
+            yield from (*filter(None, inner_item.comments), *filter(None, [inner_item.trailing]))
+            yield from comments_in(inner_item)
         yield from filter(None, closing or ())
 
 

@@ -61,17 +61,17 @@ class _Plan:
 
     def tree(self, commands: Sequence[ElementCommand]) -> SyntaxTree | None:
         """Returns the tree as commands leave it, None where they do not concern the text."""
-        for each in commands:
-            self._note(each)
+        for command in commands:
+            self._note(command)
         words = words_for(commands, self._context, self._names)
         if not self._is_touched and not words:
             return None
         tree = self._blocks.written.tree
         items: list[Any] = self._blocks.top(tree.items) if self._is_touched else [*tree.items]
         self._keep_roots(items)
-        imports = [Import(each) for each in self._names.imports]
+        imports = [Import(location) for location in self._names.imports]
         if imports:
-            at = max((i + 1 for i, each in enumerate(items) if isinstance(each, Import)), default=0)
+            at = max((i + 1 for i, item in enumerate(items) if isinstance(item, Import)), default=0)
             behind = items[at : at + 1]
             if behind:
                 # What a text begins with stays at its head.
@@ -95,7 +95,9 @@ class _Plan:
             if not self._is_so(obj, command):
                 self._change(copy, command.feature, is_said=bool(command.values))
         elif isinstance(command, Add):
-            [made] = [each for each in copy.owned[command.feature] if each.obj is None]
+            [made] = [
+                owned_copy for owned_copy in copy.owned[command.feature] if owned_copy.obj is None
+            ]
             self._place(made)
         elif isinstance(command, Move):
             self._move(copy, obj, command)
@@ -111,11 +113,11 @@ class _Plan:
         """Tells whether the text says already what a command sets."""
         table = self._context.model.metamodels.class_of(obj)
         feature, node = table.features[command.feature], self._context.model.node_of(obj)
-        is_said = node is not None and any(each.tag == feature.name for each in node.children)
+        is_said = node is not None and any(child.tag == feature.name for child in node.children)
         if not command.values:
             return not is_said
         if feature.is_reference:
-            values: list[Any] = [self._names.find(each) for each in command.values]
+            values: list[Any] = [self._names.find(value) for value in command.values]
         else:
             values = converted(command.values, feature)
         old = list(contents(obj, feature)) if feature.many else [getattr(obj, feature.name)]
@@ -173,8 +175,8 @@ class _Plan:
         for root in self._blocks.implied:
             owned = self._context.model.owned(cast("EObject", root.obj))
             before = [part for part in map(self._blocks.part_of, owned) if part is not None]
-            left = [each for some in root.owned.values() for each in some]
-            if before and all(each.obj and self._blocks.part(each) is None for each in left):
+            left = [copy for some in root.owned.values() for copy in some]
+            if before and all(copy.obj and self._blocks.part(copy) is None for copy in left):
                 items.append(Element(Name(snake_case(root.table.name)), Name(root.name)))
 
 
@@ -182,8 +184,8 @@ def _check_names(obj: EObject, owner: EObject) -> None:
     """Refuses a move to a map where the names of conversions mean other quantities and tables."""
     if not isinstance(owner, bridge.AttributeMap) or obj.eContainer() is owner:
         return
-    there = {str(each.name): each for each in (*owner.quantities, *owner.tables)}
-    for each in getattr(obj, "conversions", ()):
-        for used in (each.quantity, each.table):
+    there = {str(quantity.name): quantity for quantity in (*owner.quantities, *owner.tables)}
+    for conversion in getattr(obj, "conversions", ()):
+        for used in (conversion.quantity, conversion.table):
             if used is not None and there.get(str(used.name), used) is not used:
                 raise EditError(f"'{used.name}' is another one in map '{owner.name}'")

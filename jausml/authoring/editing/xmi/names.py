@@ -65,7 +65,7 @@ class Names:
         target = self._resolver.resolve(uri, context.document)
         if isinstance(target, UriFault):
             return None
-        known = (each for each in context.model.documents if each.path == target.path)
+        known = (document for document in context.model.documents if document.path == target.path)
         return next(known, None)
 
     def _uri(self, file: str) -> str:

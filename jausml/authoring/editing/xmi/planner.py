@@ -86,8 +86,8 @@ class _Touch:
         if any(map(self._changes, commands)):
             return True
         before, after = self._context.paths, self._working_copy.paths()
-        shifted = {each for each, path in before.items() if after.get(each) != path}
-        shifted |= {each for each in after if each.root.file != each.file}
+        shifted = {copy for copy, path in before.items() if after.get(copy) != path}
+        shifted |= {copy for copy in after if copy.root.file != copy.file}
         return bool(shifted) and any(
             copy.file == self._context.file for copy, _ in self._working_copy.referrers(shifted)
         )
@@ -128,9 +128,9 @@ class _Printer(DocumentPrinter[Target]):
         self._comments: dict[str, Comments] = {}
         self._given: dict[str, str] = {}
         self._set = {
-            (context.working_copy.find(each.element), each.feature)
-            for each in commands
-            if isinstance(each, Set)
+            (context.working_copy.find(command.element), command.feature)
+            for command in commands
+            if isinstance(command, Set)
         }
 
     def lines(self) -> list[str]:
@@ -203,7 +203,11 @@ class _Printer(DocumentPrinter[Target]):
             for uri, place in known.items()
             if uri in packages and place.endswith(file := f"{packages[uri].name}.ecore")
         ]
-        used = {each.ns_uri: each.name for each in packages.values() if each.name in self.prefixes}
+        used = {
+            package.ns_uri: package.name
+            for package in packages.values()
+            if package.name in self.prefixes
+        }
         new = used.keys() - known.keys() - set(self._root.prefixes.values())
         if not folders or not new:
             return text
@@ -217,8 +221,12 @@ class _Printer(DocumentPrinter[Target]):
         node = self._node(element)
         if node is None or not isinstance(element, ElementCopy):
             return lines
-        unknown = [each for each in node.children if each.tag not in element.table.features]
-        inner = [line for each in unknown for line in self._raw(each, element.file, f"{indent}  ")]
+        unknown = [child for child in node.children if child.tag not in element.table.features]
+        inner = [
+            line
+            for unknown_node in unknown
+            for line in self._raw(unknown_node, element.file, f"{indent}  ")
+        ]
         attributes = "".join(self._unknown_attributes(node, element.table))
         if attributes:
             lines = super().lines_of(element, tag, head + attributes, indent)
@@ -245,12 +253,12 @@ class _Printer(DocumentPrinter[Target]):
             return
         is_unread = self._unread(element, feature) is not None
         lines = iter(() if is_unread else super().children(element, feature, indent))
-        for each in plain:
+        for child_node in plain:
             if is_unread:
-                yield from self._raw(each, element.file, indent)
+                yield from self._raw(child_node, element.file, indent)
             else:
                 found = (line for line in (next(lines, None),) if line is not None)
-                yield from self._commented(each, element.file, found, indent)
+                yield from self._commented(child_node, element.file, found, indent)
         yield from lines
 
     def _mixed(self, copy: ElementCopy, feature: FeatureTable, indent: str) -> Iterator[str]:
@@ -268,16 +276,18 @@ class _Printer(DocumentPrinter[Target]):
                 plain = []
         apart = iter(copy.references.get(feature.name, ()))
         is_unread = self._unread(copy, feature) is not None
-        for each in (*owned, None):
-            for child in before[each] if each is not None else plain:
+        for owned_copy in (*owned, None):
+            for child in before[owned_copy] if owned_copy is not None else plain:
                 if is_unread:
                     yield from self._raw(child, copy.file, indent)
                 elif (target := next(apart, None)) is not None:
                     href = attribute_text(self.href_of(target))
                     line = f'{indent}<{self.child_tag(target, feature)} href="{href}"/>'
                     yield from self._commented(child, copy.file, [line], indent)
-            if each is not None:
-                yield from self.lines_of(each, self.child_tag(each, feature), "", indent)
+            if owned_copy is not None:
+                yield from self.lines_of(
+                    owned_copy, self.child_tag(owned_copy, feature), "", indent
+                )
 
     def _homeless(self, copy: ElementCopy, node: Node, indent: str) -> Iterator[str]:
         """Yields the comments at child elements that an XML attribute takes the place of."""
@@ -368,21 +378,26 @@ class _Printer(DocumentPrinter[Target]):
         `inner`: further lines, to stand before its end tag.
         """
         comments, at = self._comments_of(file), node.offset
-        yield from (f"{indent}{each}" for each in comments.before.get(at, ()))
-        closing = [*inner, *(f"{indent}  {each}" for each in comments.closing.get(at, ()))]
+        yield from (f"{indent}{comment}" for comment in comments.before.get(at, ()))
+        closing = [*inner, *(f"{indent}  {comment}" for comment in comments.closing.get(at, ()))]
         trailing = comments.trailing.get(at, ())
         if not closing and not trailing:
             yield from lines
             return
         whole = list(lines)
         if not whole:
-            yield from (f"{indent}{each}" for each in (*comments.closing.get(at, ()), *trailing))
+            yield from (
+                f"{indent}{comment}" for comment in (*comments.closing.get(at, ()), *trailing)
+            )
             return
         if closing and len(whole) == 1 and whole[0].endswith("/>"):
             tag = re.split(r"[\s/>]", whole[0].strip()[1:], maxsplit=1)[0]
             whole = [f"{whole[0][:-2]}>", f"{indent}</{tag}>"]
         elif closing and len(whole) == 1:
-            whole = [*(each.strip() and f"{indent}{each.strip()}" for each in closing), *whole]
+            whole = [
+                *(comment.strip() and f"{indent}{comment.strip()}" for comment in closing),
+                *whole,
+            ]
             closing = []
         whole[-1:] = [*closing, "  ".join((whole[-1], *trailing))]
         yield from whole
@@ -391,7 +406,7 @@ class _Printer(DocumentPrinter[Target]):
 def _plain(node: Node | None, tag: str) -> list[Node]:
     """Returns the child elements of a feature that are no elements of the model."""
     children = node.children if node is not None else ()
-    return [each for each in children if each.tag == tag and each.obj is None]
+    return [child for child in children if child.tag == tag and child.obj is None]
 
 
 def _attributes(node: Node) -> Iterator[tuple[str, str]]:

@@ -64,7 +64,7 @@ _WITHOUT = {
 """What is said of a target without its source."""
 
 _MANY = (LIST, NUMBERS)
-_SIMPLE = [each for each in CONVERSIONS.values() if not each.arguments]
+_SIMPLE = [conversion for conversion in CONVERSIONS.values() if not conversion.arguments]
 _TO_ROS, _TO_JAUS = "toRos", "toJaus"
 
 
@@ -94,13 +94,13 @@ def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Memb
     if not found.candidates:
         return Options(refusal=found.refusal)
     options = []
-    for index, each in enumerate(found.candidates):
-        table = tabled(used, [each.assignment])
+    for index, candidate in enumerate(found.candidates):
+        table = tabled(used, [candidate.assignment])
         [made] = table.assignments
         ends = found.source, found.target
         option = Option(
             label=_label(made),
-            why=_why(each, made, found.plain, *ends),
+            why=_why(candidate, made, found.plain, *ends),
             preview=statement(made),
             commands=filling(scope, used, made, *ends, made.feature, table.tables),
             is_best=index == 0 and not set(steps(made)) & set(OF_AUTHORS),
@@ -156,17 +156,17 @@ class _Found:
 
 def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> _Found:
     own = (source.inner,), (target.inner,)
-    direct = [_Draft(*own, (), tuple(each.items())) for each in _policies(target)]
+    direct = [_Draft(*own, (), tuple(policy.items())) for policy in _policies(target)]
     judged = _judged(scope, used, source, target, direct)
-    plain, accepted = judged[0], [each for each in judged if each.is_accepted]
+    plain, accepted = judged[0], [candidate for candidate in judged if candidate.is_accepted]
     if accepted:
         if source.attribute.kind == NUMBER and _may_be_turned(source, target):
-            turned = [_Draft(*own, (NEGATION.name,), tuple(each.items())) for each in _POLICIES]
+            turned = [_Draft(*own, (NEGATION.name,), tuple(policy.items())) for policy in _POLICIES]
             accepted += _judged(scope, used, source, target, turned)
-        return _Found(plain, [each for each in accepted if each.is_accepted])
+        return _Found(plain, [candidate for candidate in accepted if candidate.is_accepted])
     judged += _judged(scope, used, source, target, list(_drafts(used, source, target)))
-    good = [each for each in judged if each.is_accepted]
-    return _Found(plain, good or [each for each in judged if each.is_possible])
+    good = [candidate for candidate in judged if candidate.is_accepted]
+    return _Found(plain, good or [candidate for candidate in judged if candidate.is_possible])
 
 
 def _policies(target: Member) -> tuple[Mapping[str, str], ...]:
@@ -206,8 +206,8 @@ def _judged(
     """Has drafts judged where they would stand, in a list if their members lie in one."""
     feature = _TO_ROS if source.is_jaus else _TO_JAUS
     children = [
-        _in_list(each, source, target, feature) if source.outer else each.child(feature)
-        for each in drafts
+        _in_list(draft, source, target, feature) if source.outer else draft.child(feature)
+        for draft in drafts
     ]
     return judge(scope.model.metamodels, used, children)
 
@@ -221,7 +221,7 @@ def _drafts(used: bridge.AttributeMap, source: Member, target: Member) -> Iterat
     """Yields what might do with conversions, the simplest first."""
     own = (source.inner,), (target.inner,)
     for chain, policy in product(_chains(source, target), _policies(target)):
-        yield _Draft(*own, tuple(each.name for each in chain), tuple(policy.items()))
+        yield _Draft(*own, tuple(step.name for step in chain), tuple(policy.items()))
     for conversion in _SIMPLE:
         for sources, targets in _with_siblings(used, source, target, conversion):
             is_angle = bool(conversion.takes_axes) and source.attribute.optional
@@ -234,19 +234,19 @@ def _chains(source: Member, target: Member) -> Iterator[tuple[Conversion, ...]]:
 
     What is known of the unit of both ends shall not be lost on the way.
     """
-    own, other = (attribute_measure(each.attribute) for each in (source, target))
-    of_authors = [CONVERSIONS[each] for each in OF_AUTHORS]
-    is_of_ratios = any(each is None or not each.unit.dimension for each in (own, other))
-    chains: list[tuple[Conversion, ...]] = [(each,) for each in _SIMPLE]
+    own, other = (attribute_measure(end.attribute) for end in (source, target))
+    of_authors = [CONVERSIONS[author] for author in OF_AUTHORS]
+    is_of_ratios = any(measure is None or not measure.unit.dimension for measure in (own, other))
+    chains: list[tuple[Conversion, ...]] = [(conversion,) for conversion in _SIMPLE]
     chains += [pair for pair in product(_SIMPLE, _SIMPLE) if _may_follow(*pair)]
     for chain in chains:
-        forgets = any(each.units is UnitEffect.ANY for each in chain)
+        forgets = any(conversion.units is UnitEffect.ANY for conversion in chain)
         fitting = chain[0].takes([source.attribute.kind]) and len(chain[-1].outputs) == 1
         if fitting and not (forgets and own is not None and other is not None):
             yield chain
     if source.attribute.kind == target.attribute.kind == NUMBER and is_of_ratios:
-        yield from ((each,) for each in of_authors)
-        yield from ((NEGATION, each) for each in of_authors)
+        yield from ((author,) for author in of_authors)
+        yield from ((NEGATION, author) for author in of_authors)
 
 
 def _may_follow(first: Conversion, second: Conversion) -> bool:
@@ -283,7 +283,9 @@ def _along(used: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple
     """Returns the members beside one that are the angles about some axes; none if one lacks."""
     before, dot, _ = one.inner.rpartition(".")
     place = outer_scope(used, to_ros=one.is_jaus).find_source(before or ".")
-    names = [str(each.name) for each in getattr(place, "members", list)() or () if each.name]
+    names = [
+        str(sibling.name) for sibling in getattr(place, "members", list)() or () if sibling.name
+    ]
     found: dict[str, str] = {}
     for name in names:
         path = f"{before}{dot}{name}"
@@ -293,22 +295,24 @@ def _along(used: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple
             continue
         if axis is not None and axis.is_angle and axis.name:
             found.setdefault(axis.name, path)
-    paths = tuple(found[each] for each in axes if each in found)
+    paths = tuple(found[axis_name] for axis_name in axes if axis_name in found)
     return paths if len(paths) == len(axes) and one.inner in paths else ()
 
 
 def _distinct(found: Iterable[Judged]) -> list[Judged]:
     """Returns what was found with one policy for each chain, plain ones first."""
     kept: dict[tuple[object, ...], Judged] = {}
-    for each in found:
-        kept.setdefault((steps(each.assignment), statement(each.assignment).count(",")), each)
+    for candidate in found:
+        kept.setdefault(
+            (steps(candidate.assignment), statement(candidate.assignment).count(",")), candidate
+        )
     return sorted(kept.values(), key=_effort)
 
 
 def _effort(found: Judged) -> tuple[int, int]:
     own = steps(found.assignment)
-    odd = sum(_is_last_choice(CONVERSIONS[each]) for each in own)
-    return odd + 2 * sum(each in OF_AUTHORS for each in own), len(own)
+    odd = sum(_is_last_choice(CONVERSIONS[step]) for step in own)
+    return odd + 2 * sum(step in OF_AUTHORS for step in own), len(own)
 
 
 def _label(made: Child) -> str:
@@ -322,14 +326,14 @@ def _why(found: Judged, made: Child, plain: Judged | None, source: Member, targe
     reasons = [plain.said.partition("; ")[0]] if plain is not None and is_other else []
     if names != steps(found.assignment):
         reasons.append(f"'{source.path}' and '{target.path}' number what they name alike otherwise")
-    reasons += [f"{each}: {CONVERSIONS[each].documentation}" for each in names]
-    own, other = (attribute_measure(each.attribute) for each in (source, target))
+    reasons += [f"{name}: {CONVERSIONS[name].documentation}" for name in names]
+    own, other = (attribute_measure(end.attribute) for end in (source, target))
     if not names and own is not None and other is not None:
         if own.unit != other.unit:
             reasons.append(f"{own.text} becomes {other.text} without being asked")
         else:
             reasons.append(f"both are in {other.text}, along the same axis")
-    if any(each in OF_AUTHORS for each in names):
+    if any(name in OF_AUTHORS for name in names):
         reasons.append(f"write the number of your vehicle in the place of {UNKNOWN}")
     inner = innermost(found.assignment)
     [absent] = inner.values.get("whenAbsent", ("",))
@@ -352,28 +356,28 @@ def _conversion(name: str) -> Child:
 def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tuple[Member, str]]:
     """Returns the members of the other side to which a member may be assigned, with how."""
     others = [
-        each
-        for each in leaves(used, is_jaus=not source.is_jaus)
-        if bool(each.outer) is bool(source.outer)
+        leaf
+        for leaf in leaves(used, is_jaus=not source.is_jaus)
+        if bool(leaf.outer) is bool(source.outer)
     ]
     own, feature = source.inner, _TO_ROS if source.is_jaus else _TO_JAUS
     plain = [
-        _in_list(draft, source, each, feature) if source.outer else draft.child(feature)
-        for each in others
-        for draft in [_Draft((own,), (each.inner,))]
+        _in_list(draft, source, other, feature) if source.outer else draft.child(feature)
+        for other in others
+        for draft in [_Draft((own,), (other.inner,))]
     ]
     found = []
-    for each, judged in zip(others, judge(scope.model.metamodels, used, plain), strict=True):
+    for partner, judged in zip(others, judge(scope.model.metamodels, used, plain), strict=True):
         if judged.is_possible:
-            found.append((each, "as it is"))
-        elif conversions_between([source.attribute.kind], each.attribute.kind) and _may_become(
-            source, each
+            found.append((partner, "as it is"))
+        elif conversions_between([source.attribute.kind], partner.attribute.kind) and _may_become(
+            source, partner
         ):
-            found.append((each, "by a conversion"))
+            found.append((partner, "by a conversion"))
     return sorted(found, key=lambda pair: pair[1])
 
 
 def _may_become(source: Member, target: Member) -> bool:
     """Tells whether the units of two members do not stand against it."""
-    own, other = (attribute_measure(each.attribute) for each in (source, target))
+    own, other = (attribute_measure(end.attribute) for end in (source, target))
     return own is None or other is None or own.unit.is_compatible(other.unit)

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.mapping.members import Member
 
 _WITH_FACTOR = [
-    each
-    for each in CONVERSIONS.values()
-    if each.effect is Effect.LINEAR and len(each.arguments) == 1
+    conversion
+    for conversion in CONVERSIONS.values()
+    if conversion.effect is Effect.LINEAR and len(conversion.arguments) == 1
 ]
 
 _POLICIES = ("whenAbsent", "defaultValue", "outOfRange")
@@ -28,7 +28,10 @@ UNKNOWN = "1"
 """The number that stands for one that the author knows."""
 
 OF_AUTHORS = tuple(
-    each.name for each in sorted(_WITH_FACTOR, key=lambda each: each.units is UnitEffect.ANY)
+    conversion.name
+    for conversion in sorted(
+        _WITH_FACTOR, key=lambda conversion: conversion.units is UnitEffect.ANY
+    )
 )
 """Conversions whose argument the author knows, with 1 in its place: proposed behind all others.
 
@@ -54,40 +57,40 @@ def filling(
         around = _list_of(used, source, target, feature)
         if around is not None:
             owner, child, feature = around, innermost(child), "assignments"
-    known = [(name_of(each), scope.ref(each)) for each in used.tables]
+    known = [(name_of(table), scope.ref(table)) for table in used.tables]
     adds = additions(scope.ref(owner), tables, [child], known, 0)
-    filled = {parse_path(each) for each in child.values["target"][0].split(", ")}
+    filled = {parse_path(word) for word in child.values["target"][0].split(", ")}
     gone = [
-        each
-        for each in getattr(owner, feature)
-        if any(parse_path(path) in filled for path in target_paths(each))
+        assignment
+        for assignment in getattr(owner, feature)
+        if any(parse_path(path) in filled for path in target_paths(assignment))
     ]
     # What is added stands behind what goes, whose places so stay until it goes.
-    return (*adds, *(Remove(scope.ref(each)) for each in reversed(gone)))
+    return (*adds, *(Remove(scope.ref(assignment)) for assignment in reversed(gone)))
 
 
 def _list_of(
     used: bridge.AttributeMap, source: Member, target: Member, feature: str
 ) -> bridge.ListAssignment | None:
     """Returns the assignment of the lists in which two members lie, if there is one."""
-    for each in getattr(used, feature):
-        if isinstance(each, bridge.ListAssignment):
-            ends = source_paths(each)[:1], target_paths(each)[:1]
+    for assignment in getattr(used, feature):
+        if isinstance(assignment, bridge.ListAssignment):
+            ends = source_paths(assignment)[:1], target_paths(assignment)[:1]
             if ends == ([source.outer], [target.outer]):
-                return each
+                return assignment
     return None
 
 
 def innermost(child: Child) -> Child:
     """Returns the assignment itself: of one of lists, that of their elements."""
-    nested = [each for each in child.children if each.feature == "assignments"]
+    nested = [assignment for assignment in child.children if assignment.feature == "assignments"]
     return nested[0] if nested else child
 
 
 def steps(child: Child) -> tuple[str, ...]:
     """Returns the names of the conversions of an assignment."""
     inner = innermost(child)
-    return tuple(each.values["kind"][0] for each in inner.children if "kind" in each.values)
+    return tuple(step.values["kind"][0] for step in inner.children if "kind" in step.values)
 
 
 def statement(child: Child) -> str:
@@ -102,10 +105,10 @@ def statement(child: Child) -> str:
         return f"{_literal(values['value'])} -> {target}"
     head = f"{values['source']} -> {target}"
     if child.kind == "bridge.ListAssignment":
-        inner = (each for each in child.children if each.feature == "assignments")
+        inner = (assignment for assignment in child.children if assignment.feature == "assignments")
         return f"{head} {{ {'  '.join(map(statement, inner))} }}"
     more = [f"{name}: {values[name]}" for name in _POLICIES if name in values]
-    calls = [_call(each) for each in child.children if "kind" in each.values]
+    calls = [_call(step) for step in child.children if "kind" in step.values]
     head += f" : {', '.join(calls)}" if calls else ""
     return f"{head} {{ {'  '.join(more)} }}" if more else head
 

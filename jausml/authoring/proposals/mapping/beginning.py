@@ -75,7 +75,7 @@ class Wish:
 
     def with_answer(self, doubt: Doubt, words: str) -> Wish:
         """Returns the wish with the answer to a doubt, in the place of what was said before."""
-        kept = tuple(each for each in self.said(to_ros=doubt.to_ros) if each[0] != doubt.target)
+        kept = tuple(pair for pair in self.said(to_ros=doubt.to_ros) if pair[0] != doubt.target)
         said = (*kept, (doubt.target, words))
         return replace(self, to_ros=said) if doubt.to_ros else replace(self, to_jaus=said)
 
@@ -138,7 +138,9 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         take(_said(scope, made, wish, doubts, to_ros=way))
     filled = found(scope, made, wish.ways)
     take(filled.assignments)
-    found_of = [way for way in wish.ways if any(each.feature == FEATURES[way] for each in children)]
+    found_of = [
+        way for way in wish.ways if any(child.feature == FEATURES[way] for child in children)
+    ]
     begun = found_of or list(wish.ways)
     for way in begun:
         take(completed(scope, made, to_ros=way, ignores=way in found_of))
@@ -146,10 +148,10 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     doubts += _of_values(made, found_of)
     by_zeros = stops_by_zeros(made, found_of)
     for way in by_zeros if wish.zeros_stop else ():
-        take([zeros([each for each in children if each.feature == FEATURES[way]], to_ros=way)])
+        take([zeros([child for child in children if child.feature == FEATURES[way]], to_ros=way)])
     left = (*opens(made, children, begun), *map(blocking, wish.taken), *_as_opens(made, doubts))
-    by_tables = [each for each in children if any(map(table_of, each.children))]
-    plain = [each for each in children if each not in by_tables]
+    by_tables = [child for child in children if any(map(table_of, child.children))]
+    plain = [child for child in children if child not in by_tables]
     values = {
         "name": (wish.name,),
         "message": (scope.ref(wish.message),),
@@ -161,13 +163,13 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         ),
         tuple(additions(f"{NEW}0", tables, by_tables, (), 1)),
         {
-            way: tuple(statement(each) for each in children if each.feature == FEATURES[way])
+            way: tuple(statement(child) for child in children if child.feature == FEATURES[way])
             for way in begun
-            if any(each.feature == FEATURES[way] for each in children)
+            if any(child.feature == FEATURES[way] for child in children)
         },
         left,
         tuple(doubts),
-        tuple(f"{rule.id} {each.message}" for rule, each in findings(metamodels, made)),
+        tuple(f"{rule.id} {finding.message}" for rule, finding in findings(metamodels, made)),
         tuple(by_zeros),
     )
 
@@ -175,10 +177,10 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
 def _as_opens(used: bridge.AttributeMap, doubts: Collection[Doubt]) -> Iterator[OpenPoint]:
     """Yields what doubts leave open, which of required fields a rule reports by itself."""
     left = unfilled(used, to_ros=False) if doubts else ()
-    required = {each.path for each in left if each.is_required}
-    for each in doubts:
-        text = f"{each.target} may come from {' or '.join(map(shown, each.choices[:_MOST]))}"
-        is_reported = not each.to_ros and each.target in required
+    required = {field.path for field in left if field.is_required}
+    for doubt in doubts:
+        text = f"{doubt.target} may come from {' or '.join(map(shown, doubt.choices[:_MOST]))}"
+        is_reported = not doubt.to_ros and doubt.target in required
         yield OpenPoint(text, "JML416") if is_reported else blocking(text)
 
 
@@ -199,16 +201,16 @@ def _alike(
     """Yields the targets to which several sources are equally alike, and none that is in a list."""
     for sources, target in doubtful:
         if not target.outer and (not target.is_jaus) in ways:
-            yield Doubt(not target.is_jaus, target.path, tuple(each.path for each in sources))
+            yield Doubt(not target.is_jaus, target.path, tuple(source.path for source in sources))
 
 
 def _of_values(used: bridge.AttributeMap, ways: Collection[bool]) -> Iterator[Doubt]:
     """Yields the unfilled fields that the message always has and whose values have names."""
-    for each in unfilled(used, to_ros=False) if False in ways else ():
-        names = each.leaves[0].attribute.constants if each.leaves[0].path == each.path else ()
-        if each.is_required and names:
+    for field in unfilled(used, to_ros=False) if False in ways else ():
+        names = field.leaves[0].attribute.constants if field.leaves[0].path == field.path else ()
+        if field.is_required and names:
             yield Doubt(
-                to_ros=False, target=each.path, choices=tuple(f'"{name}"' for name, _ in names)
+                to_ros=False, target=field.path, choices=tuple(f'"{name}"' for name, _ in names)
             )
 
 
@@ -217,11 +219,11 @@ def assignments_of(
 ) -> list[Child]:
     """Returns the ways to fill a target as words say, the likeliest first."""
     feature = "toRos" if to_ros else "toJaus"
-    path, colon, chain = (each.strip() for each in source.partition(":"))
+    path, colon, chain = (part.strip() for part in source.partition(":"))
     if not colon and (plain := _sourceless(feature, target, source)) is not None:
         return [_allowed(scope, used, plain)]
     found = _ways(scope, used, target, path.partition(",")[0], to_ros=to_ros)
-    known = [] if found is None else [each.assignment for each in found.candidates]
+    known = [] if found is None else [candidate.assignment for candidate in found.candidates]
     if not colon and "," not in path:
         if found is not None and not known:
             raise AnswerError(f"{source} -> {target}: {found.refusal}")
@@ -229,7 +231,7 @@ def assignments_of(
             return known
     values = {"target": (target,), "source": (path,)}
     child = Child(feature, _FIELD, values, _conversions(chain))
-    alike = (each for each in known if words_of(each) == words_of(child))
+    alike = (candidate for candidate in known if words_of(candidate) == words_of(child))
     return [next(alike, None) or _allowed(scope, used, child)]
 
 
@@ -237,8 +239,8 @@ def words_of(child: Child) -> str:
     """Returns the words by which `assignments_of` gives an assignment of a field again."""
     inner = innermost(child)
     calls = []
-    for each in inner.children:
-        name, arguments = each.values["kind"][0], each.values.get("arguments", ())
+    for step in inner.children:
+        name, arguments = step.values["kind"][0], step.values.get("arguments", ())
         calls.append(f"{name}({', '.join(arguments)})" if arguments else name)
     return f"{inner.values['source'][0]} : {', '.join(calls)}".rstrip()
 
@@ -276,7 +278,7 @@ def _conversions(text: str) -> tuple[Child, ...]:
             hint = suggest(name, CONVERSIONS)
             raise AnswerError(f"there is no conversion {name!a}{f'; {hint}' if hint else ''}")
         values: dict[str, tuple[str, ...]] = {"kind": (call["name"],)}
-        if arguments := tuple(each.strip() for each in (call["arguments"] or "").split(",")):
+        if arguments := tuple(word.strip() for word in (call["arguments"] or "").split(",")):
             values |= {"arguments": arguments} if any(arguments) else {}
         found.append(Child("conversions", "bridge.Conversion", values))
         rest = rest[call.end() :].lstrip(", ")

@@ -63,7 +63,7 @@ def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
     directions = _directions(scope, used)
     tables = tabled(used, found(scope, used, directions).assignments)
     good = tables.assignments
-    known = [(name_of(each), scope.ref(each)) for each in used.tables]
+    known = [(name_of(table), scope.ref(table)) for table in used.tables]
     return Filling(
         label,
         tuple(additions(scope.ref(used), tables.tables, good, known, 0)),
@@ -99,14 +99,16 @@ def found(scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]) -
         children += variances(scope, used, sources, targets)
         doubtful += alike.doubtful
     judged = judge_together(scope.model.metamodels, used, children)
-    good = tuple(each.assignment for each in judged if each.is_possible)
+    good = tuple(candidate.assignment for candidate in judged if candidate.is_possible)
     return Found(good, tuple(doubtful))
 
 
 def _directions(scope: Scope, used: bridge.AttributeMap) -> list[bool]:
     """Returns the directions in which a map is used, both where it is not yet."""
     connections = scope.model.instances(bridge.Connection, library=False)
-    wanted = {each.direction.name == TO_ROS for each in connections if each.map is used}
+    wanted = {
+        connection.direction.name == TO_ROS for connection in connections if connection.map is used
+    }
     return sorted(wanted or {True, False}, reverse=True)
 
 
@@ -114,7 +116,7 @@ def _unfilled(used: bridge.AttributeMap, *, to_ros: bool) -> list[Member]:
     """Returns the members of a direction that nothing fills."""
     filled = filled_paths(used, to_ros=to_ros)
     targets = leaves(used, is_jaus=not to_ros)
-    return [each for each in targets if not is_filled(each.outer or each.path, filled)]
+    return [target for target in targets if not is_filled(target.outer or target.path, filled)]
 
 
 def _assignments(
@@ -139,10 +141,12 @@ def _proposed(
 
     Those with a number that only the author knows are left out.
     """
-    children = [each.assignment for each in candidates(scope, used, source, target).candidates]
-    own = [each for each in children if not set(steps(each)) & set(OF_AUTHORS)]
+    children = [
+        candidate.assignment for candidate in candidates(scope, used, source, target).candidates
+    ]
+    own = [child for child in children if not set(steps(child)) & set(OF_AUTHORS)]
     judged = judge(scope.model.metamodels, used, own)
-    accepted = [each.assignment for each in judged if each.is_accepted]
+    accepted = [candidate.assignment for candidate in judged if candidate.is_accepted]
     return max(accepted, key=_size, default=None)
 
 
@@ -159,14 +163,14 @@ def _joined(one: Child, other: Child) -> Child:
 def filled_paths(used: bridge.AttributeMap, *, to_ros: bool) -> list[_Steps]:
     """Returns the paths that something fills, or that are left out on purpose."""
     assignments = getattr(used, FEATURES[to_ros])
-    return [parse_path(path) for each in assignments for path in target_paths(each)]
+    return [parse_path(path) for assignment in assignments for path in target_paths(assignment)]
 
 
 def targets_of(child: Child) -> Iterator[_Steps]:
     """Yields the paths that an assignment fills."""
     for path in map(parse_path, child.values["target"][0].split(", ")):
-        inner = [each for each in child.children if each.feature == "assignments"]
-        yield from ((*path, *own) for each in inner for own in targets_of(each))
+        inner = [assignment for assignment in child.children if assignment.feature == "assignments"]
+        yield from ((*path, *own) for assignment in inner for own in targets_of(assignment))
         if not inner:
             yield path
 
@@ -174,20 +178,23 @@ def targets_of(child: Child) -> Iterator[_Steps]:
 def is_filled(path: str, filled: Iterable[_Steps]) -> bool:
     """Tells whether a member, something around it or something in it is filled."""
     own = parse_path(path)
-    return any(each[: len(own)] == own or own[: len(each)] == each for each in filled)
+    return any(
+        filled_path[: len(own)] == own or own[: len(filled_path)] == filled_path
+        for filled_path in filled
+    )
 
 
 def _left(used: bridge.AttributeMap, good: Sequence[Child], *, to_ros: bool) -> tuple[str, ...]:
     """Returns the members that nothing fills once assignments are added, wholes without parts."""
     filled = filled_paths(used, to_ros=to_ros)
     filled += [
-        path for each in good if each.feature == FEATURES[to_ros] for path in targets_of(each)
+        path for child in good if child.feature == FEATURES[to_ros] for path in targets_of(child)
     ]
     left: list[str] = []
-    for each in leaves(used, is_jaus=not to_ros):
-        is_part = bool(left) and each.path.startswith(f"{left[-1]}.")
-        if each.attribute.kind != LIST and not is_part and not is_filled(each.path, filled):
-            left.append(each.path)
+    for leaf in leaves(used, is_jaus=not to_ros):
+        is_part = bool(left) and leaf.path.startswith(f"{left[-1]}.")
+        if leaf.attribute.kind != LIST and not is_part and not is_filled(leaf.path, filled):
+            left.append(leaf.path)
     return tuple(left)
 
 
@@ -209,21 +216,23 @@ def variances(
 ) -> list[Child]:
     """Returns assignments between root mean squares and diagonals, where units leave one each."""
     both = [*sources, *targets]
-    deviations = [each for each in both if each.is_jaus and _is_deviation(each)]
-    diagonals = [each for one in both if not one.is_jaus for each in _diagonals(used, one)]
-    to_ros = any(each.is_jaus for each in sources)
+    deviations = [member for member in both if member.is_jaus and _is_deviation(member)]
+    diagonals = [diagonal for one in both if not one.is_jaus for diagonal in _diagonals(used, one)]
+    to_ros = any(source.is_jaus for source in sources)
     found: list[Child] = []
     for deviation in deviations:
-        [*own] = (each for each in diagonals if each.is_of(deviation))
-        if len(own) == 1 and sum(own[0].is_of(each) for each in deviations) == 1:
+        [*own] = (diagonal for diagonal in diagonals if diagonal.is_of(deviation))
+        if len(own) == 1 and sum(own[0].is_of(member) for member in deviations) == 1:
             found += _diagonal_assignments(deviation, own[0].paths, to_ros=to_ros)
     return [
-        each.assignment for each in judge(scope.model.metamodels, used, found) if each.is_accepted
+        candidate.assignment
+        for candidate in judge(scope.model.metamodels, used, found)
+        if candidate.is_accepted
     ]
 
 
 def _is_deviation(one: Member) -> bool:
-    last = [each.lower() for each in words(one.path.rpartition(".")[2])]
+    last = [word.lower() for word in words(one.path.rpartition(".")[2])]
     return not one.outer and one.attribute.kind == NUMBER and last[-1:] == [_RMS]
 
 
@@ -234,7 +243,7 @@ def _diagonals(used: bridge.AttributeMap, one: Member) -> Iterator[_Diagonal]:
         return
     ends = outer_scope(used, to_ros=one.is_jaus)
     for cells in _DIAGONALS.get(one.attribute.count or 0, ()):
-        paths = tuple(f"{one.path}[{each}]" for each in cells)
+        paths = tuple(f"{one.path}[{cell}]" for cell in cells)
         place = ends.find_source(paths[0])
         measure = attribute_measure(place.attribute()) if isinstance(place, RosPlace) else None
         if measure is not None:
@@ -247,8 +256,8 @@ def _diagonal_assignments(
     kind = "bridge.FieldAssignment"
     if to_ros:
         absent = {"whenAbsent": ("leave",)} if deviation.attribute.optional else {}
-        for each in cells:
-            values = {"target": (each,), "source": (deviation.path,), **absent}
+        for cell in cells:
+            values = {"target": (cell,), "source": (deviation.path,), **absent}
             yield Child("toRos", kind, values, (_conversion(Square),))
         return
     values = {"target": (deviation.path,), "source": (", ".join(cells),)}

@@ -72,11 +72,11 @@ def leaves(used: bridge.AttributeMap, *, is_jaus: bool) -> list[Member]:
     found = []
     for path in _paths(scope.source, "", 0):
         try:
-            each = member(used, path, is_jaus=is_jaus)
+            leaf = member(used, path, is_jaus=is_jaus)
         except AnswerError:
             continue
-        if each.attribute.kind:
-            found.append(each)
+        if leaf.attribute.kind:
+            found.append(leaf)
     return found
 
 
@@ -86,9 +86,11 @@ def _paths(place: PathPlace, before: str, depth: int) -> Iterator[str]:
     if inner is None or depth > _DEEPEST:
         return
     if isinstance(inner, JausPlace):
-        names = [str(each.name) for each in inner.members() or () if each.name]
+        names = [
+            str(inner_member.name) for inner_member in inner.members() or () if inner_member.name
+        ]
     else:
-        names = [str(each.name) for each in inner.type.fields] if inner.type is not None else []
+        names = [str(field.name) for field in inner.type.fields] if inner.type is not None else []
     for name in names:
         found = inner.step(name)
         if isinstance(found, JausPlace | RosPlace):
@@ -151,7 +153,7 @@ def corresponding(sources: Iterable[Member], targets: Iterable[Member]) -> Corre
     An orientation stands in a pair with the angle about z, whose siblings are found from there. A
     member for which several are equally alike stands in none.
     """
-    starts, ends = ([_known(each) for each in side] for side in (sources, targets))
+    starts, ends = ([_known(side_member) for side_member in side] for side in (sources, targets))
     likeness = [[_likeness(start, end) for start in starts] for end in ends]
     best = [_best(row) for row in likeness]
     back = [_best([row[at] for row in likeness]) for at in range(len(starts))]
@@ -172,7 +174,7 @@ def corresponding(sources: Iterable[Member], targets: Iterable[Member]) -> Corre
 
 
 def _known(one: Member) -> _Known:
-    steps = [tuple(each.lower() for each in words(step)) for step in one.path.split(".")]
+    steps = [tuple(word.lower() for word in words(step)) for step in one.path.split(".")]
     path = frozenset(word for step in steps for word in step)
     return _Known(one, steps[-1], path, axis_of(one.attribute), attribute_measure(one.attribute))
 
@@ -227,7 +229,7 @@ def _orientation(
     """Yields the only orientation and the only angle about z at the other end, in their order."""
     for is_given, wholes, angles in ((True, starts, ends), (False, ends, starts)):
         found = [list(_turns(wholes, "")), list(_turns(angles, "z"))]
-        if [len(each) for each in found] == [1, 1]:
+        if [len(group) for group in found] == [1, 1]:
             [whole], [angle] = found
             yield (whole, angle) if is_given else (angle, whole)
             return
@@ -235,11 +237,14 @@ def _orientation(
 
 def _lone(starts: Sequence[_Known], ends: Sequence[_Known]) -> Iterator[tuple[_Known, _Known]]:
     """Yields the only values of both ends besides headers, where they are of one kind."""
-    alone = [[each for each in side if not _is_header(each)] for side in (starts, ends)]
-    if [len(each) for each in alone] == [1, 1]:
+    alone = [
+        [known_member for known_member in side if not _is_header(known_member)]
+        for side in (starts, ends)
+    ]
+    if [len(group) for group in alone] == [1, 1]:
         [start], [end] = alone
         is_outside = not start.member.outer and not end.member.outer
-        is_whole = [each.member.attribute.integral for each in (start, end)]
+        is_whole = [known_member.member.attribute.integral for known_member in (start, end)]
         is_like = start.kind == end.kind != LIST and is_whole[0] is is_whole[1]
         if is_outside and is_like and _is_measured_alike(start, end):
             yield start, end
@@ -251,7 +256,7 @@ def _is_header(known: _Known) -> bool:
 
 def _turns(known: Iterable[_Known], name: str) -> Iterator[_Known]:
     """Yields the angles about an axis, or the orientations without a name; none of lists."""
-    for each in known:
-        axis = None if each.member.outer else each.axis
+    for candidate in known:
+        axis = None if candidate.member.outer else candidate.axis
         if axis is not None and axis.is_angle and axis.name == name:
-            yield each
+            yield candidate

@@ -41,7 +41,7 @@ def opens(
 ) -> Iterator[OpenPoint]:
     """Yields what is left to the author of a new map."""
     for to_ros in ways:
-        own = [each for each in assignments if each.feature == FEATURES[to_ros]]
+        own = [assignment for assignment in assignments if assignment.feature == FEATURES[to_ros]]
         ends = [name_of(used.message), ros_name(used.type)]
         source, target = ends if to_ros else reversed(ends)
         yield from _unfilled(used, own, source, target, to_ros=to_ros)
@@ -53,17 +53,17 @@ def opens(
 def _unfilled(
     used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
 ) -> Iterator[OpenPoint]:
-    if ignored := [each.values["target"][0] for each in own if each.kind == "bridge.Ignore"]:
+    if ignored := [child.values["target"][0] for child in own if child.kind == "bridge.Ignore"]:
         text = f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
         # A field of JAUS is absent then, a member of ROS is 0.
         yield pending(text) if to_ros else OpenPoint(text)
     left = unfilled(used, to_ros=to_ros)
     # Of a header without a frame a rule tells.
-    paths = [each.path for each in left if not each.is_required and each.path != _FRAME_ID]
+    paths = [field.path for field in left if not field.is_required and field.path != _FRAME_ID]
     if paths:
         text = f"nothing is assigned to {_listed(paths)} of {target}"
         yield blocking(text) if own else OpenPoint(text, _empty(used))
-    if missing := [each.path for each in left if each.is_required]:
+    if missing := [field.path for field in left if field.is_required]:
         text = f"assign or ignore {_listed(missing)}: {target} always contains it"
         yield OpenPoint(text, "JML416" if own else _empty(used))
 
@@ -78,13 +78,13 @@ def _untaken(
 ) -> Iterator[OpenPoint]:
     read = [
         parse_path(path)
-        for each in own
-        for path in each.values.get("source", ("",))[0].split(", ")
+        for child in own
+        for path in child.values.get("source", ("",))[0].split(", ")
         if path
     ]
     left: list[str] = []
-    for each in leaves(used, is_jaus=to_ros):
-        path = each.outer or each.path
+    for leaf in leaves(used, is_jaus=to_ros):
+        path = leaf.outer or leaf.path
         is_part = bool(left) and path.startswith(f"{left[-1]}.")
         if path not in left and not is_part and not is_filled(path, read):
             left.append(path)
@@ -94,12 +94,12 @@ def _untaken(
 
 def _decisions(own: Iterable[Child]) -> Iterator[OpenPoint]:
     """Yields what was decided for the author, who may know better."""
-    inner = [innermost(each) for each in own]
+    inner = [innermost(child) for child in own]
     frames = [
-        f'"{each.values["value"][0]}"'
-        for each in inner
-        if each.kind == "bridge.ConstantAssignment"
-        and each.values["target"][0].rpartition(".")[2] in FRAME_IDS
+        f'"{child.values["value"][0]}"'
+        for child in inner
+        if child.kind == "bridge.ConstantAssignment"
+        and child.values["target"][0].rpartition(".")[2] in FRAME_IDS
     ]
     if frames:
         yield pending(f"state the frames of your vehicle instead of {' and '.join(frames)}")
@@ -107,15 +107,15 @@ def _decisions(own: Iterable[Child]) -> Iterator[OpenPoint]:
         yield OpenPoint(f"if {dropped} is absent, the message is dropped (whenAbsent: dropMessage)")
     if clamped := _stating(inner, "outOfRange", "clamp", "target"):
         yield pending(f"values that {clamped} cannot carry become the nearest one")
-    for each in inner:
-        if any(step.values.get("arguments") == (UNKNOWN,) for step in each.children):
-            target = each.values["target"][0]
+    for child in inner:
+        if any(step.values.get("arguments") == (UNKNOWN,) for step in child.children):
+            target = child.values["target"][0]
             yield blocking(f"state the number of your vehicle instead of {UNKNOWN} for {target}")
 
 
 def _stating(own: Iterable[Child], policy: str, value: str, end: str) -> str:
     """Lists one end of the assignments that state a policy."""
-    return _listed([each.values[end][0] for each in own if each.values.get(policy) == (value,)])
+    return _listed([child.values[end][0] for child in own if child.values.get(policy) == (value,)])
 
 
 def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[OpenPoint]:
@@ -163,14 +163,14 @@ def completed(
     """Returns what completes a direction of a map."""
     feature = FEATURES[to_ros]
     made = list(_header(used)) if to_ros else []
-    named = {parse_path(each.values["target"][0]) for each in made}
+    named = {parse_path(child.values["target"][0]) for child in made}
     ignored = [
-        Child(feature, "bridge.Ignore", {"target": (each.path,)})
-        for each in unfilled(used, named, to_ros=to_ros)
-        if ignores and not each.is_required
+        Child(feature, "bridge.Ignore", {"target": (field.path,)})
+        for field in unfilled(used, named, to_ros=to_ros)
+        if ignores and not field.is_required
     ]
     judged = judge(scope.model.metamodels, used, [*made, *ignored])
-    return [each.assignment for each in judged if each.is_possible]
+    return [candidate.assignment for candidate in judged if candidate.is_possible]
 
 
 def unfilled(
@@ -182,10 +182,10 @@ def unfilled(
     """
     taken = [*filled_paths(used, to_ros=to_ros), *filled]
     found: dict[str, list[Member]] = {}
-    for each in leaves(used, is_jaus=not to_ros):
-        if not is_filled(each.outer or each.path, taken):
-            steps = parse_path(each.outer or each.path)
-            found.setdefault(_widest(steps, taken), []).append(each)
+    for leaf in leaves(used, is_jaus=not to_ros):
+        if not is_filled(leaf.outer or leaf.path, taken):
+            steps = parse_path(leaf.outer or leaf.path)
+            found.setdefault(_widest(steps, taken), []).append(leaf)
     return list(_bare(used, found.items(), to_ros=to_ros))
 
 
@@ -206,7 +206,7 @@ def _bare(
 def _widest(steps: Sequence[str], taken: Sequence[tuple[str, ...]]) -> str:
     """Returns the shortest beginning of a path below which nothing is filled."""
     for length in range(1, len(steps) + 1):
-        if not any(each[:length] == tuple(steps[:length]) for each in taken):
+        if not any(taken_path[:length] == tuple(steps[:length]) for taken_path in taken):
             return ".".join(steps[:length])
     return ".".join(steps)
 
@@ -215,10 +215,10 @@ def _header(used: bridge.AttributeMap) -> Iterator[Child]:
     """Yields the time and the frames of a ROS message, as far as nothing fills them."""
     filled = filled_paths(used, to_ros=True)
     members = leaves(used, is_jaus=False)
-    known = {each.path for each in members if not is_filled(each.path, filled)}
+    known = {member.path for member in members if not is_filled(member.path, filled)}
     if _STAMP in known:
         yield Child(FEATURES[True], "bridge.ClockAssignment", {"target": (_STAMP,)})
-    frames = {each.attribute.frame for each in members}
+    frames = {member.attribute.frame for member in members}
     names = [name for frame, name in _FRAMES.items() if frame in frames]
     for path, name in zip((_FRAME_ID, _CHILD_FRAME_ID), names, strict=False):
         if path in known:
@@ -243,8 +243,8 @@ def zeros(assignments: Sequence[Child], *, to_ros: bool) -> Child:
 
 
 def _zeros(assignments: Sequence[Child]) -> Iterator[Child]:
-    for each in map(innermost, assignments):
-        if each.kind == "bridge.FieldAssignment":
-            for target in each.values["target"][0].split(", "):
+    for child in map(innermost, assignments):
+        if child.kind == "bridge.FieldAssignment":
+            for target in child.values["target"][0].split(", "):
                 values = {"target": (target,), "value": ("0",)}
                 yield Child("values", "bridge.ConstantAssignment", values)

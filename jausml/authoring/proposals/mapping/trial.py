@@ -55,22 +55,22 @@ def tabled(used: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
 
     `assignments`: those that are to be. What lies in lists, or has conversions, stays as it is.
     """
-    names = {each.name: _pairs_of(each) for each in used.tables}
+    names = {table.name: _pairs_of(table) for table in used.tables}
     found, made = [], []
-    for each in assignments:
-        pairs = _needed(used, each)
+    for assignment in assignments:
+        pairs = _needed(used, assignment)
         if not pairs:
-            made.append(each)
+            made.append(assignment)
             continue
         name = next((name for name, known in names.items() if known == pairs), "")
         if not name:
-            jaus = "source" if each.feature == "toRos" else "target"
-            name = free_name(each.values[jaus][0].rpartition(".")[2], names)
+            jaus = "source" if assignment.feature == "toRos" else "target"
+            name = free_name(assignment.values[jaus][0].rpartition(".")[2], names)
             names[name] = pairs
             found.append(_table(name, pairs))
         values = {"kind": (LookUp.name,), _TABLE: (name,)}
         conversion = Child("conversions", "bridge.Conversion", values)
-        made.append(replace(each, children=(conversion,)))
+        made.append(replace(assignment, children=(conversion,)))
     return Tabled(tuple(found), tuple(made))
 
 
@@ -91,17 +91,19 @@ def additions(
     `first`: how many elements the batch of commands has made before.
     """
     refs = dict(known)
-    refs |= {each.values["name"][0]: f"{NEW}{first + at}" for at, each in enumerate(tables)}
-    children = (*tables, *(_referring(each, refs) for each in assignments))
-    return [Add(owner, each.feature, each.kind, each.values, each.children) for each in children]
+    refs |= {child.values["name"][0]: f"{NEW}{first + at}" for at, child in enumerate(tables)}
+    children = (*tables, *(_referring(assignment, refs) for assignment in assignments))
+    return [
+        Add(owner, child.feature, child.kind, child.values, child.children) for child in children
+    ]
 
 
 def _referring(child: Child, refs: dict[str, Ref]) -> Child:
     steps = tuple(
-        replace(each, values={**each.values, _TABLE: (refs[name],)})
-        if (name := table_of(each))
-        else each
-        for each in child.children
+        replace(step, values={**step.values, _TABLE: (refs[name],)})
+        if (name := table_of(step))
+        else step
+        for step in child.children
     )
     return replace(child, children=steps)
 
@@ -122,12 +124,12 @@ def _compared(
 ) -> Comparison | None:
     scope = outer_scope(used, to_ros=to_ros)
     ends = [scope.find_source(source), scope.find_target(target)]
-    places = [each for each in ends if isinstance(each, JausPlace | RosPlace)]
-    return compared(*(each.attribute() for each in places)) if len(places) == len(ends) else None
+    places = [end for end in ends if isinstance(end, JausPlace | RosPlace)]
+    return compared(*(place.attribute() for place in places)) if len(places) == len(ends) else None
 
 
 def _pairs_of(table: bridge.ValueTable) -> Pairs:
-    return tuple((each.jaus, each.ros) for each in table.entries)
+    return tuple((entry.jaus, entry.ros) for entry in table.entries)
 
 
 def _table(name: str, pairs: Pairs) -> Child:
@@ -164,12 +166,12 @@ class Judged:
     @property
     def is_accepted(self) -> bool:
         """Whether no rule finds an error or a warning."""
-        return not any(_severity(each) != "info" for each in self.findings)
+        return not any(_severity(finding) != "info" for finding in self.findings)
 
     @property
     def is_possible(self) -> bool:
         """Whether no rule finds an error."""
-        return not any(_severity(each) == "error" for each in self.findings)
+        return not any(_severity(finding) == "error" for finding in self.findings)
 
     @property
     def said(self) -> str:
@@ -188,8 +190,8 @@ def judge(
     """
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     made: list[EObject] = []
-    for each in assignments:
-        made += with_assignments(metamodels, _map_like(metamodels, used, library), [each])
+    for assignment in assignments:
+        made += with_assignments(metamodels, _map_like(metamodels, used, library), [assignment])
     return _judged(metamodels, library, assignments, made, _RULES)
 
 
@@ -200,8 +202,8 @@ def judge_together(
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     whole = _map_like(metamodels, used, library)
     for name in ("toRos", "toJaus"):
-        for each in getattr(used, name):
-            link(whole, metamodels.class_of(whole).features[name], _copied(metamodels, each))
+        for assignment in getattr(used, name):
+            link(whole, metamodels.class_of(whole).features[name], _copied(metamodels, assignment))
     made = with_assignments(metamodels, whole, assignments)
     return _judged(metamodels, library, assignments, made, _TOGETHER)
 
@@ -224,8 +226,8 @@ def findings(metamodels: Metamodels, made: bridge.AttributeMap) -> list[tuple[Ru
     """Returns what all rules say of a map that `fresh_map` made, errors first, notes left out."""
     subject = Subject(made_model(metamodels, made.eContainer() or made))
     with remembering():
-        said = [(rule, each) for rule in all_rules() for each in rule.findings(subject)]
-    return sorted((each for each in said if _severity(each) != "info"), key=_gravity)
+        said = [(rule, finding) for rule in all_rules() for finding in rule.findings(subject)]
+    return sorted((pair for pair in said if _severity(pair) != "info"), key=_gravity)
 
 
 def _judged(
@@ -237,7 +239,7 @@ def _judged(
 ) -> list[Judged]:
     """Returns what rules say of elements that were made of assignments."""
     subject = Subject(made_model(metamodels, library))
-    found: dict[EObject, list[tuple[Rule, Finding]]] = {each: [] for each in made}
+    found: dict[EObject, list[tuple[Rule, Finding]]] = {made_element: [] for made_element in made}
     with remembering():
         for rule in all_rules():
             for finding in rule.findings(subject) if rule.id in rules else ():
@@ -247,8 +249,8 @@ def _judged(
                 if element is not None:
                     found[element].append((rule, finding))
     return [
-        Judged(each, tuple(sorted(found[own], key=_gravity)))
-        for each, own in zip(assignments, made, strict=True)
+        Judged(child, tuple(sorted(found[own], key=_gravity)))
+        for child, own in zip(assignments, made, strict=True)
     ]
 
 
@@ -283,16 +285,16 @@ def with_assignments(
     `assignments`: each with the feature of the map that shall own it; tables come before what names
     them.
     """
-    made = [made_of(metamodels, each) for each in assignments]
-    for each, element in zip(assignments, made, strict=True):
-        link(whole, metamodels.class_of(whole).features[each.feature], element)
-        _refer_to_tables(metamodels, whole, each, element)
+    made = [made_of(metamodels, assignment) for assignment in assignments]
+    for child, element in zip(assignments, made, strict=True):
+        link(whole, metamodels.class_of(whole).features[child.feature], element)
+        _refer_to_tables(metamodels, whole, child, element)
     return made
 
 
 def _refer_to_tables(metamodels: Metamodels, whole: Any, child: Child, made: Any) -> None:
     """Lets conversions refer to tables of the map, which they name."""
-    named = [table_of(each) for each in child.children]
+    named = [table_of(step) for step in child.children]
     for name, conversion in zip(named, made.conversions if any(named) else (), strict=False):
         for table in whole.tables if name else ():
             if table.name == name:
@@ -308,11 +310,11 @@ def _copied(metamodels: Metamodels, element: EObject) -> EObject:
             continue
         values = contents(element, feature)
         if feature.kind is FeatureKind.CROSS_REFERENCE:
-            for each in values:
-                point(made, feature, each)
+            for value in values:
+                point(made, feature, value)
         elif feature.kind is FeatureKind.CONTAINMENT:
-            for each in values:
-                link(made, feature, _copied(metamodels, each))
+            for value in values:
+                link(made, feature, _copied(metamodels, value))
         elif feature.many:
             set_values(made, feature, values)
         elif feature.kind is FeatureKind.ATTRIBUTE and values:
@@ -326,8 +328,8 @@ def made_of(metamodels: Metamodels, child: Child) -> EObject:
     made: EObject = new_object(table)
     for name, texts in child.values.items():
         _set(made, table.features[name], texts)
-    for each in child.children:
-        link(made, table.features[each.feature], made_of(metamodels, each))
+    for inner_child in child.children:
+        link(made, table.features[inner_child.feature], made_of(metamodels, inner_child))
     return made
 
 

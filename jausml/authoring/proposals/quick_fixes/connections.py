@@ -40,19 +40,21 @@ def stop(found: Found) -> Iterator[QuickFix]:
     zeros = [{"target": (path,), "value": ("0",)} for path in _filled(used, to_ros=to_ros)]
     if not found.scope.model.is_library(used) and (to_ros or zeros):
         # Of ROS all is zero that a stop does not name.
-        inner = () if to_ros else tuple(Child("values", kind, each) for each in zeros)
+        inner = () if to_ros else tuple(Child("values", kind, zero) for zero in zeros)
         add = Add(found.scope.ref(used), feature, "bridge.Stop", {}, inner)
         yield QuickFix(f"give the map a {feature} of zeros", (add,))
     elif zeros:
-        adds = tuple(Add(found.ref, "safeValue", kind, each) for each in zeros)
+        adds = tuple(Add(found.ref, "safeValue", kind, zero) for zero in zeros)
         yield QuickFix("give it a safe value of zeros", adds)
 
 
 def _filled(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
     """Yields the members that assignments fill with numbers, where 0 is legal."""
     scope = outer_scope(used, to_ros=to_ros)
-    for each in used.toRos if to_ros else used.toJaus:
-        for path in target_paths(each) if isinstance(each, bridge.FieldAssignment) else ():
+    for assignment in used.toRos if to_ros else used.toJaus:
+        for path in (
+            target_paths(assignment) if isinstance(assignment, bridge.FieldAssignment) else ()
+        ):
             place = scope.find_target(path)
             if isinstance(place, JausPlace | RosPlace) and _has_zero(place.attribute()):
                 yield path
@@ -93,12 +95,15 @@ def control(found: Found) -> Iterator[QuickFix]:
 def service(found: Found) -> Iterator[QuickFix]:
     """Lets the component that is named provide the service that has the message."""
     match = re.search(r"add (\w+) to what it provides", found.hint)
-    owner = next((each for each in _components(found) if name_of(each) in found.quoted[:1]), None)
+    owner = next(
+        (component for component in _components(found) if name_of(component) in found.quoted[:1]),
+        None,
+    )
     message = _message(found)
     offered = message.eContainer() if message is not None else None
     if match is None or owner is None or offered is None or offered.name != match[1]:
         return
-    known = tuple(found.scope.ref(each) for each in owner.provides)
+    known = tuple(found.scope.ref(provide) for provide in owner.provides)
     commands = (Set(found.scope.ref(owner), "provides", (*known, found.scope.ref(offered))),)
     yield QuickFix(f"let {name_of(owner)} provide {match[1]}", commands)
 
@@ -110,10 +115,10 @@ def peer(found: Found) -> Iterator[QuickFix]:
         return
     to_ros = connection.direction.name == "jausToRos"
     fits = [
-        each
-        for each in _components(found)
-        if not isinstance(each, bridge.Bridge)
-        and find_same(message, outputs(each) if to_ros else inputs(each)) is not None
+        component
+        for component in _components(found)
+        if not isinstance(component, bridge.Bridge)
+        and find_same(message, outputs(component) if to_ros else inputs(component)) is not None
     ]
     if len(fits) == 1:
         name = name_of(fits[0])
@@ -135,10 +140,10 @@ def success(found: Found) -> Iterator[QuickFix]:
     response = found.element.type.response if found.element.type is not None else None
     fields = response.fields if response is not None else ()
     bools = [
-        each
-        for each in fields
-        if getattr(getattr(each, "type", None), "name", "") == "bool"
-        and each.arrayKind.name == "single"
+        field
+        for field in fields
+        if getattr(getattr(field, "type", None), "name", "") == "bool"
+        and field.arrayKind.name == "single"
     ]
     if len(bools) == 1:
         name = name_of(bools[0])
@@ -151,7 +156,7 @@ def allowed_hosts(found: Found) -> Iterator[QuickFix]:
     for wrong in found.quoted[:1]:
         if "not the network" in found.message and wrong in hosts:
             network = str(ipaddress.ip_network(wrong, strict=False))
-            values = [network if each == wrong else each for each in hosts]
+            values = [network if host == wrong else host for host in hosts]
             yield found.set(f"write {network}", "allowedHosts", *values)
 
 

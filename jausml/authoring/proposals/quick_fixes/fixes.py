@@ -109,21 +109,21 @@ def guard(found: Found) -> Iterator[QuickFix]:
 def authority(found: Found) -> Iterator[QuickFix]:
     """Raises the authority of who controls."""
     match = re.match(r"'.*' obeys authority (\d+) and above, '(.*)' has", found.message)
-    for each in found.scope.model.instances(jaus.Component, library=False) if match else ():
-        if match is not None and name_of(each) == match[2]:
-            commands = (Set(found.scope.ref(each), "authority", (match[1],)),)
+    for component in found.scope.model.instances(jaus.Component, library=False) if match else ():
+        if match is not None and name_of(component) == match[2]:
+            commands = (Set(found.scope.ref(component), "authority", (match[1],)),)
             yield QuickFix(f"give {match[2]} the authority {match[1]}", commands)
 
 
 def twice(found: Found) -> Iterator[QuickFix]:
     """Leaves out the older ones of a service in several versions."""
     kept: dict[str, jaus.Service] = {}
-    for each in found.element.provides:
-        best = kept.get(str(each.urn))
-        if best is None or version_of(each) > version_of(best):
-            kept[str(each.urn)] = each
+    for provide in found.element.provides:
+        best = kept.get(str(provide.urn))
+        if best is None or version_of(provide) > version_of(best):
+            kept[str(provide.urn)] = provide
     if len(kept) < len(found.element.provides):
-        refs = [found.scope.ref(each) for each in kept.values()]
+        refs = [found.scope.ref(service) for service in kept.values()]
         yield found.set("provide the newest version alone", "provides", *refs)
 
 
@@ -131,9 +131,9 @@ def placed_twice(found: Found) -> Iterator[QuickFix]:
     """Takes what is placed twice out of one of its places."""
     for feature in ("components", "nodes"):
         values = list(getattr(found.element, feature, ()))
-        others = [each for each in values if name_of(each) not in found.quoted[:1]]
+        others = [value for value in values if name_of(value) not in found.quoted[:1]]
         if "is placed twice" in found.message and len(others) < len(values):
-            refs = [found.scope.ref(each) for each in others]
+            refs = [found.scope.ref(other) for other in others]
             yield found.set("place it here no more", feature, *refs)
 
 
@@ -143,9 +143,9 @@ def meant_element(found: Found) -> Iterator[QuickFix]:
     if feature is None or not feature.is_reference:
         return
     choices = everywhere(found.scope, feature.target, found.element)
-    known = [found.scope.ref(each) for each in values_of(found.element, feature)]
+    known = [found.scope.ref(value) for value in values_of(found.element, feature)]
     for wanted in found.meant:
-        named = [each for each in choices if re.split(r"[./]", each.label)[-1] == wanted]
+        named = [choice for choice in choices if re.split(r"[./]", choice.label)[-1] == wanted]
         if len(named) == 1:
             values = [*known, named[0].value] if feature.many else [named[0].value]
             yield found.set(f"refer to {named[0].label}", feature.name, *values)

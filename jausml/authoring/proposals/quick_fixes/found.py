@@ -64,7 +64,7 @@ class Found:
         if place == model.location(self.element):
             return ""
         names = self.table.features
-        return next((each for each in names if model.location(self.element, each) == place), "")
+        return next((name for name in names if model.location(self.element, name) == place), "")
 
     @cached_property
     def quoted(self) -> list[str]:
@@ -77,7 +77,7 @@ class Found:
         match = re.fullmatch(r"did you mean (.+)\?", self.hint)
         if match is None:
             return []
-        return [each.strip("'") for each in match[1].split(" or ")]
+        return [word.strip("'") for word in match[1].split(" or ")]
 
     def set(self, label: str, feature: str, *values: str, element: Any = None) -> QuickFix:
         """Returns the quick fix that gives a feature values; without any it is unset."""
@@ -117,10 +117,10 @@ def renamed_as_meant(found: Found) -> Iterator[QuickFix]:
     feature = found.table.features.get(found.feature)
     if feature is None or feature.is_reference:
         return
-    values = [literal(each) for each in values_of(found.element, feature)]
+    values = [literal(value) for value in values_of(found.element, feature)]
     if len(values) != 1:
         return
-    wrong = next((each for each in reversed(found.quoted) if each and each in values[0]), "")
+    wrong = next((word for word in reversed(found.quoted) if word and word in values[0]), "")
     for meant in found.meant:
         text = _replaced(values[0], wrong, meant) if wrong else meant
         yield found.set(f"write {meant}", feature.name, text)

@@ -42,7 +42,7 @@ def path(found: Found) -> Iterator[QuickFix]:
     fitting = _with_step(own[1], wrong[1], found.meant[0])
     if not _is_found(found.element, fitting, is_source=side == "source"):
         return
-    paths = [fitting if each.strip() == own[1] else each.strip() for each in text.split(",")]
+    paths = [fitting if word.strip() == own[1] else word.strip() for word in text.split(",")]
     yield found.set(f"write {found.meant[0]}", side, ", ".join(paths))
 
 
@@ -77,7 +77,7 @@ def _to_ros(assignment: bridge.Assignment) -> bool:
 
 def conversion(found: Found) -> Iterator[QuickFix]:
     """Adds, leaves out or exchanges the conversion that the rule names."""
-    names = [each for each in re.findall(r"\w+", found.hint) if each in CONVERSIONS]
+    names = [match for match in re.findall(r"\w+", found.hint) if match in CONVERSIONS]
     if isinstance(found.element, bridge.Conversion):
         if found.hint.startswith("use ") and names:
             yield found.set(f"use {names[0]}", "kind", names[0])
@@ -86,7 +86,7 @@ def conversion(found: Found) -> Iterator[QuickFix]:
         return
     [name] = names
     if found.hint.startswith("leave out"):
-        gone = [each for each in found.element.conversions if each.kind.name == name]
+        gone = [step for step in found.element.conversions if step.kind.name == name]
         if gone:
             yield QuickFix(f"leave out {name}", (Remove(found.scope.ref(gone[-1])),))
     elif found.hint.startswith(("add the conversion", "convert it by")):
@@ -173,11 +173,11 @@ def unused_join(found: Found) -> Iterator[QuickFix]:
     if found.message.startswith("no assignment takes anything of"):
         feeding = (
             topic
-            for each in found.scope.model.instances(bridge.Connection, library=False)
-            for topic in each.topics
+            for connection in found.scope.model.instances(bridge.Connection, library=False)
+            for topic in connection.topics
             if topic.join is found.element
         )
-        topics = (Remove(found.scope.ref(each)) for each in feeding)
+        topics = (Remove(found.scope.ref(topic)) for topic in feeding)
         yield QuickFix("take the join away", (*topics, Remove(found.ref)))
     elif isinstance(found.element, bridge.Connection) and found.hint.startswith("add a topic"):
         name = found.quoted[-1]

@@ -85,7 +85,7 @@ def _edit(
 
 
 def _commands(given: tuple[Mapping[str, object], ...]) -> list[Command]:
-    return [command(each, f"commands[{i}]") for i, each in enumerate(given)]
+    return [command(description, f"commands[{i}]") for i, description in enumerate(given)]
 
 
 def _carried_out(
@@ -117,7 +117,7 @@ def _carried_out(
 
 
 def _kept(context: StudioContext) -> dict[str, Any]:
-    return {"edits": [each.as_json() for each in context.kept.all]}
+    return {"edits": [edit.as_json() for edit in context.kept.all]}
 
 
 def _again(context: StudioContext, number: int) -> dict[str, Any]:
@@ -184,7 +184,7 @@ def _done(context: StudioContext, made: Entry | None) -> dict[str, Any]:
 
 def _log(context: StudioContext) -> dict[str, Any]:
     done, undone = context.project.log, context.project.undone
-    return {"entries": [entry_as_json(each) for each in (*done, *undone)], "at": len(done)}
+    return {"entries": [entry_as_json(entry) for entry in (*done, *undone)], "at": len(done)}
 
 
 def _write(context: StudioContext, file: str, text: str, base: int) -> dict[str, Any]:
@@ -207,15 +207,15 @@ def _arrange(
 def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add | Set]:
     """Returns what was copied with JAUS ids of its own, where those that it has are in use."""
     components = model.instances(jaus.Component, library=False)
-    used = {str(each.address) for each in components if each.address}
+    used = {str(component.address) for component in components if component.address}
     found: list[Add | Set] = []
-    for each in commands:
-        own = each.values.get(_ADDRESS, ()) if isinstance(each, Add) else ()
-        if isinstance(each, Add) and own and own[0] in used:
+    for change in commands:
+        own = change.values.get(_ADDRESS, ()) if isinstance(change, Add) else ()
+        if isinstance(change, Add) and own and own[0] in used:
             own = (free_address(model, used),)
-            found.append(replace(each, values={**each.values, _ADDRESS: own}))
+            found.append(replace(change, values={**change.values, _ADDRESS: own}))
         else:
-            found.append(each)
+            found.append(change)
         used.update(own)
     return found
 

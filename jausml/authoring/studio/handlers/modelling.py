@@ -121,17 +121,21 @@ def _ends(context: StudioContext, file: str, view: str, node: str, port: str = "
         start = end_of(scope, used, node, port)
         box = f"{ids.id_of(used)}{ROS_END if start.is_jaus else JAUS_END}"
         members = partners(scope, used, start)
-        return {"ends": [_end(box, each.path, why, each.path) for each, why in members]}
+        return {"ends": [_end(box, member.path, why, member.path) for member, why in members]}
     shown = element_shown(scope, view)
     if isinstance(shown, jaus.StateMachine):
         return {"ends": list(_states(scope, view, node))}
     if isinstance(shown, jaus.Service):
         choices = heritage(scope, port or node)
-        return {"ends": [_end(each.value, each.label, each.documentation) for each in choices]}
+        return {
+            "ends": [_end(choice.value, choice.label, choice.documentation) for choice in choices]
+        }
     found = []
     for end, why in ends(scope, spot(scope, node, port)):
         row = ids.id_of(end.element) if end.element is not None else ""
-        label = " ".join(label_of(each) for each in (end.owner, end.element) if each is not None)
+        label = " ".join(
+            label_of(element) for element in (end.owner, end.element) if element is not None
+        )
         found.append(_end(ids.id_of(end.owner), label, why, row))
     return {"ends": found}
 
@@ -142,9 +146,9 @@ def _end(node: str, label: str, why: str, port: str = "") -> dict[str, str]:
 
 def _states(scope: Scope, view: str, start: str) -> Iterator[dict[str, str]]:
     """Yields the states of a machine, with that where a line starts."""
-    for each in graph_of(scope.model, view, root=scope.root).nodes:
-        again = "left and entered again" if each.id == start else each.subtitle
-        yield _end(each.id, each.title, again)
+    for node in graph_of(scope.model, view, root=scope.root).nodes:
+        again = "left and entered again" if node.id == start else node.subtitle
+        yield _end(node.id, node.title, again)
 
 
 def _unlink(context: StudioContext, file: str, line: str) -> Options:
@@ -154,7 +158,7 @@ def _unlink(context: StudioContext, file: str, line: str) -> Options:
 def _host(context: StudioContext, file: str, nodes: tuple[str, ...], host: str = "") -> object:
     """Returns how boxes come to run on a host, into whose frame they were dragged."""
     scope = context.scope_of(file)
-    boxes = [spot(scope, each, "").owner for each in nodes]
+    boxes = [spot(scope, node, "").owner for node in nodes]
     frame = element_of(scope, host) if host else None
     if not boxes or (frame is not None and not isinstance(frame, system.Host)):
         raise AnswerError("components and nodes run on hosts; drag some into the frame of one")

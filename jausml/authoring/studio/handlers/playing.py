@@ -51,7 +51,7 @@ class _Requests:
             "damage": system.damage,
             "sources": {name: fault for name, fault in system.sources.items() if fault},
             "unreadable": system.unreadable,
-            "marks": [_mark(each) for each in system.marks],
+            "marks": [_mark(mark) for mark in system.marks],
             "unlisted": system.unlisted,
         }
         return {"share": 1.0, "fault": "", "read": read}

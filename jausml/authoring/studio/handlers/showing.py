@@ -134,7 +134,10 @@ def view(
     if before is None:
         return answer
     changed = {"base": base, **difference(before, answer["graph"])}
-    return {**{name: each for name, each in answer.items() if name != "graph"}, "changes": changed}
+    return {
+        **{name: value for name, value in answer.items() if name != "graph"},
+        "changes": changed,
+    }
 
 
 def _drawn(context: StudioContext, file: str, view: str, opened: tuple[str, ...]) -> dict[str, Any]:
@@ -199,7 +202,7 @@ def problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
 
 def _problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
     scope = Scope(verdict.report.model, context.project.root)
-    documents = {each.display: each for each in scope.model.documents}
+    documents = {document.display: document for document in scope.model.documents}
     found = verdict.report.diagnostics
     return {
         "revision": verdict.revision,
@@ -207,8 +210,13 @@ def _problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
         "elapsed_ms": round(verdict.elapsed_ms, 1),
         "files": [verdict.file],
         "problems": [
-            _problem(scope, documents.get(each.location.path), each, is_fixed=index < _MOST_CURED)
-            for index, each in enumerate(found)
+            _problem(
+                scope,
+                documents.get(diagnostic.location.path),
+                diagnostic,
+                is_fixed=index < _MOST_CURED,
+            )
+            for index, diagnostic in enumerate(found)
         ],
     }
 
@@ -282,7 +290,7 @@ def _source(context: StudioContext, element: str) -> dict[str, Any]:
 
 
 def _is_stale(context: StudioContext, file: str) -> bool:
-    return any(each.is_stale for each in context.project.files if each.path == file)
+    return any(file_info.is_stale for file_info in context.project.files if file_info.path == file)
 
 
 def _at(context: StudioContext, file: str, offset: int) -> dict[str, Any]:
@@ -310,16 +318,16 @@ def _members(context: StudioContext, file: str, view: str) -> dict[str, Any]:
 
 
 def _rows(members: Iterable[Member]) -> Iterator[dict[str, Any]]:
-    for each in members:
-        port = each.port
+    for member in members:
+        port = member.port
         yield {
-            "path": each.path,
+            "path": member.path,
             "label": port.label,
             "note": port.note,
             "mark": port.mark,
             "depth": port.depth,
         }
-        yield from _rows(each.inner)
+        yield from _rows(member.inner)
 
 
 class LiveRequests:

@@ -61,12 +61,12 @@ def _step(
         "beside": list(machine.beside),
         "conditions": product.own_conditions(),
         "initial": product.initial().path,
-        "taken": [_as_json(ids, each) for each in taken],
+        "taken": [_as_json(ids, choice) for choice in taken],
         "fault": fault,
         "state": state.path,
         "status": state.core.status,
         "controller": state.core.controller,
-        "choices": [_as_json(ids, each) for each in choices(product, state, said)],
+        "choices": [_as_json(ids, choice) for choice in choices(product, state, said)],
     }
 
 

@@ -20,25 +20,28 @@ if TYPE_CHECKING:
 def offers_of(operator: Operator, sticks: Sticks, target: JausAddress) -> dict[str, Any]:
     """Returns the services of a component, the commands that it takes, the reports it gives."""
     provided = operator.services(target)
-    labels = {f"{each.urn}/{each.major}.{each.minor}" for each in provided}
+    labels = {f"{identity.urn}/{identity.major}.{identity.minor}" for identity in provided}
     commands: dict[str, dict[str, Any]] = {}
     reports: dict[str, str] = {}
     for service in operator.catalogue.services.values():
-        for each in service.lineage if service.label in labels else ():
-            for entry in each.inputs:
+        for owner in service.lineage if service.label in labels else ():
+            for entry in owner.inputs:
                 if entry.name.startswith("Query"):
-                    reports.setdefault(entry.name.removeprefix("Query"), each.name)
+                    reports.setdefault(entry.name.removeprefix("Query"), owner.name)
                 elif entry.is_command and entry.name not in commands:
                     commands[entry.name] = {
                         "name": entry.name,
-                        "service": each.name,
+                        "service": owner.name,
                         "documentation": str(entry.definition.documentation or ""),
                         "stick": _stick(sticks, target, entry),
                     }
     return {
-        "services": sorted({each.urn.rpartition(":")[2] for each in provided}),
+        "services": sorted({identity.urn.rpartition(":")[2] for identity in provided}),
         "commands": [commands[name] for name in sorted(commands)],
-        "reports": [{"name": name, "service": each} for name, each in sorted(reports.items())],
+        "reports": [
+            {"name": name, "service": service_name}
+            for name, service_name in sorted(reports.items())
+        ],
     }
 
 
@@ -54,7 +57,7 @@ def _stick(sticks: Sticks, target: JausAddress, entry: MessageEntry) -> dict[str
 
 def form_of(entry: MessageEntry) -> list[dict[str, Any]]:
     """Returns the fields of a message, from the outermost inwards."""
-    return [_field(each) for each in entry.record.members]
+    return [_field(member) for member in entry.record.members]
 
 
 def _field(field: wire.Field) -> dict[str, Any]:
@@ -72,13 +75,13 @@ def _kind(kind: wire.Kind) -> dict[str, Any]:
             return {"kind": "number", **_number(kind)}
         case wire.BitField():
             members = [
-                {"name": each.name, "documentation": each.documentation, "optional": False,
-                 "kind": "number", **_integer(each.legal, "")}
-                for each in kind.groups
+                {"name": group.name, "documentation": group.documentation, "optional": False,
+                 "kind": "number", **_integer(group.legal, "")}
+                for group in kind.groups
             ]  # fmt: skip
             return {"kind": "group", "members": members}
         case wire.Record():
-            return {"kind": "group", "members": [_field(each) for each in kind.members]}
+            return {"kind": "group", "members": [_field(member) for member in kind.members]}
         case wire.List():
             ends = {"least": kind.count.lower, "most": kind.count.upper}
             return {"kind": "list", **ends, "element": _field(kind.element)}
@@ -86,7 +89,7 @@ def _kind(kind: wire.Kind) -> dict[str, Any]:
             ends = {"least": kind.length, "most": kind.length}
             return {"kind": "list", **ends, "element": _field(kind.element)}
         case wire.Variant():
-            return {"kind": "variant", "options": [_field(each) for each in kind.options]}
+            return {"kind": "variant", "options": [_field(option) for option in kind.options]}
         case _:
             return _leaf(kind)
 
@@ -97,8 +100,12 @@ def _leaf(
     match kind:
         case wire.VariableNumber():
             alternatives = [
-                {"index": each.index, "name": each.name, **_number(each.number)}
-                for each in kind.alternatives
+                {
+                    "index": alternative.index,
+                    "name": alternative.name,
+                    **_number(alternative.number),
+                }
+                for alternative in kind.alternatives
             ]
             return {"kind": "variable", "alternatives": alternatives}
         case wire.FixedText():
@@ -108,7 +115,10 @@ def _leaf(
         case wire.Octets():
             return {"kind": "octets", "least": kind.count.lower, "most": kind.count.upper}
         case _:
-            formats = [{"index": each.index, "name": each.name} for each in kind.formats]
+            formats = [
+                {"index": wire_format.index, "name": wire_format.name}
+                for wire_format in kind.formats
+            ]
             ends = {"least": kind.count.lower, "most": kind.count.upper}
             return {"kind": "formatted", **ends, "formats": formats}
 
@@ -128,7 +138,9 @@ def _number(kind: wire.Number) -> dict[str, Any]:
 def _integer(legal: wire.LegalIntegers, units: str) -> dict[str, Any]:
     return {
         "integer": True,
-        "ranges": [list(each) for each in legal.ranges],
-        "choices": [{"value": each.value, "label": each.name} for each in legal.listed],
+        "ranges": [list(interval) for interval in legal.ranges],
+        "choices": [
+            {"value": named_value.value, "label": named_value.name} for named_value in legal.listed
+        ],
         "units": symbol(units),
     }

@@ -56,13 +56,13 @@ class Journal:
     def entries(self) -> list[dict[str, Any]]:
         """The entries, the latest last."""
         with self._lock:
-            return [asdict(each) for each in self._entries]
+            return [asdict(entry) for entry in self._entries]
 
     @property
     def alarms(self) -> list[dict[str, Any]]:
         """The alarms, the latest last."""
         with self._lock:
-            return [asdict(each) for each in self._alarms.values()]
+            return [asdict(alarm) for alarm in self._alarms.values()]
 
     def note(self, who: str, text: str) -> None:
         """Adds an entry; the log of the process has it too."""
@@ -74,8 +74,8 @@ class Journal:
     def alarm(self, subject: str, text: str) -> None:
         """Raises an alarm."""
         with self._lock:
-            sounding = (each for each in self._alarms.values() if not each.silenced)
-            if any((each.subject, each.text) == (subject, text) for each in sounding):
+            sounding = (alarm for alarm in self._alarms.values() if not alarm.silenced)
+            if any((alarm.subject, alarm.text) == (subject, text) for alarm in sounding):
                 return
             self._count += 1
             self._alarms[self._count] = Alarm(self._count, time.time(), subject, text)

@@ -42,8 +42,8 @@ class Lists:
         entry, payloads = self._encoded(target, message, drawn)
         operator.check_obeyed(target, operator.find(target, "SetElement"))
         shown = "; ".join(
-            f"{uid}: {printable(shown_fields(entry, entry.decode(each)))}"
-            for uid, each in enumerate(payloads, 1)
+            f"{uid}: {printable(shown_fields(entry, entry.decode(payload)))}"
+            for uid, payload in enumerate(payloads, 1)
         )
         self._journal.note(name, f"list of {len(payloads)} {entry.name} to {target}: {shown}")
         self._change(target, payloads)
@@ -84,11 +84,11 @@ class Lists:
             raise AnswerError(f"{len(drawn)} elements are drawn, not 1 to {MOST_ELEMENTS}")
         operator = self._system.operator
         entry = operator.find(target, message)
-        provided = {each.urn for each in operator.services(target)}
+        provided = {service.urn for service in operator.services(target)}
         taken = {code for urn, code in ELEMENTS_OF_DRIVERS.items() if urn in provided}
         if entry.code not in taken:
             raise AnswerError(f"{target} provides no driver for lists of {entry.name}")
-        return entry, [_encoded(entry, at, each) for at, each in enumerate(drawn)]
+        return entry, [_encoded(entry, at, element) for at, element in enumerate(drawn)]
 
 
 def _encoded(entry: MessageEntry, at: int, fields: dict[str, Any]) -> bytes:

@@ -134,7 +134,7 @@ class Seat:
         }
         self._looking = frozenset(looking)
         methods = {**looking, **commanding}
-        self._slow = Answering({name: Method(each) for name, each in methods.items()})
+        self._slow = Answering({name: Method(method) for name, method in methods.items()})
         # Neither the lease nor the stop waits for a component that does not answer.
         quick = {name: Method(methods[name], in_turn=True) for name in _QUICK}
         self._quick = Answering({**quick, "stop": Method(self._stop)})
@@ -288,7 +288,7 @@ class Seat:
         return {"answer": text}
 
     def _stop(self, components: tuple[str, ...] = ()) -> dict[str, Any]:
-        targets = [component_address(each) for each in components]
+        targets = [component_address(component) for component in components]
         return {"stopped": self._unit.stop_all(self._name, targets)}
 
     def _clear(self, component: str) -> dict[str, Any]:

@@ -65,13 +65,17 @@ class Stops:
 
     def __init__(self, model: Model | None, told: Iterable[DeclaredStop]) -> None:
         """Reads what is declared, once: what a page edits later changes no stop."""
-        self._told = {each.message: each for each in told}
+        self._told = {stop.message: stop for stop in told}
         self._of_model: dict[tuple[str, str], list[DeclaredStop | str]] = {}
         for owner in () if model is None else model.instances(bridge.Bridge, library=False):
-            for each in owner.bridgeConnections:
-                for target in _receivers(owner, each):
-                    found = self._of_model.setdefault((target, str(each.map.message.name)), [])
-                    found.append(_declared(each, f"{owner.name}.{each.name}"))
+            for bridge_connection in owner.bridgeConnections:
+                for target in _receivers(owner, bridge_connection):
+                    found = self._of_model.setdefault(
+                        (target, str(bridge_connection.map.message.name)), []
+                    )
+                    found.append(
+                        _declared(bridge_connection, f"{owner.name}.{bridge_connection.name}")
+                    )
 
     def of(self, target: str, entry: MessageEntry) -> DeclaredStop:
         """Returns the stop of a command to a component.
@@ -82,14 +86,14 @@ class Stops:
         if entry.name in self._told:
             return self._told[entry.name]
         found = self._of_model.get((target, entry.name), [])
-        declared = [each for each in found if isinstance(each, DeclaredStop)]
-        meanings = {(json.dumps(each.fields, sort_keys=True), each.timeout) for each in declared}
+        declared = [stop for stop in found if isinstance(stop, DeclaredStop)]
+        meanings = {(json.dumps(stop.fields, sort_keys=True), stop.timeout) for stop in declared}
         if len(meanings) == 1:
             return _completed(declared[0], entry)
         if meanings:
-            names = ", ".join(each.source for each in declared)
+            names = ", ".join(stop.source for stop in declared)
             raise AnswerError(f"the stops of {names} are different; say one with --stop")
-        why = next((each for each in found if isinstance(each, str)), "")
+        why = next((reason for reason in found if isinstance(reason, str)), "")
         raise AnswerError(
             f"no stop of {entry.name} to {target} is declared"
             + (f" ({why})" if why else "")
@@ -104,7 +108,7 @@ def _receivers(owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[
     if not stops.is_command(connection):
         return
     takers = [owner] if connection.direction.name == "jausToRos" else connection.peers
-    yield from (str(each.address) for each in takers if each.address)
+    yield from (str(taker.address) for taker in takers if taker.address)
 
 
 def _declared(connection: bridge.Connection, name: str) -> DeclaredStop | str:
@@ -121,10 +125,10 @@ def _declared(connection: bridge.Connection, name: str) -> DeclaredStop | str:
         return f"{name} declares no silenceTimeout"
     assignments = stops.with_constants(connection.map, values, to_ros=False)
     fields: dict[str, Any] = {}
-    for each in assignments:
-        if not isinstance(each, bridge.ConstantAssignment):
+    for assignment in assignments:
+        if not isinstance(assignment, bridge.ConstantAssignment):
             return f"the stop of {name} needs the clock"
-        fields |= dict.fromkeys(target_paths(each), _value(str(each.value)))
+        fields |= dict.fromkeys(target_paths(assignment), _value(str(assignment.value)))
     return DeclaredStop("", fields, float(connection.silenceTimeout), f"connection {name}")
 
 

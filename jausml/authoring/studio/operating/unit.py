@@ -91,7 +91,7 @@ class OperatorUnit:
         self._told = told
         self._system = WatchedSystem(project, network, self.journal, self._tell, self._leave_all)
         stops = powers.stops if powers is not None else ()
-        told_stops = [told_stop(each, self._system.catalogue) for each in stops]
+        told_stops = [told_stop(stop, self._system.catalogue) for stop in stops]
         declared = Stops(self._system.model, told_stops)
         self.sticks = Sticks(self._system, self.journal, declared)
         self.lists = Lists(self._system, self.journal)
@@ -140,17 +140,18 @@ class OperatorUnit:
             "lease": self.powers.lease if self.powers is not None else None,
             "commander": commander and {"page": commander.page, "name": commander.name},
             "stick": stick and {"component": str(stick.target), "message": stick.entry.name},
-            "holds": [_hold(each) for each in holds],
+            "holds": [_hold(hold) for hold in holds],
             "requests": [
-                {"component": str(each.target), "number": each.number, "client": str(each.client),
-                 "authority": each.authority, "explanation": each.explanation}
-                for each in waiting
-                if operator is not None and operator.controls(each.target)
+                {"component": str(request.target), "number": request.number,
+                 "client": str(request.client), "authority": request.authority,
+                 "explanation": request.explanation}
+                for request in waiting
+                if operator is not None and operator.controls(request.target)
             ],
-            "components": [_without_age(each) for each in told["components"]],
+            "components": [_without_age(component) for component in told["components"]],
             "connections": [
-                {name: each[name] for name in ("bridge", "connection", "level", "reason")}
-                for each in told["connections"]
+                {name: connection[name] for name in ("bridge", "connection", "level", "reason")}
+                for connection in told["connections"]
             ],
             "alarms": self.journal.alarms,
         }  # fmt: skip
@@ -279,17 +280,17 @@ class OperatorUnit:
         operator = self.operator
         self.sticks.end(STOPPED)
         operator.drop_list_changes()
-        stopped = list(dict.fromkeys((*(each.target for each in operator.holds), *targets)))
+        stopped = list(dict.fromkeys((*(hold.target for hold in operator.holds), *targets)))
         shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
         self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
-        outcomes = {str(each): "" for each in stopped}
+        outcomes = {str(address): "" for address in stopped}
         threads = [
-            Thread(target=self._stop_one, args=(operator, each, outcomes)) for each in stopped
+            Thread(target=self._stop_one, args=(operator, address, outcomes)) for address in stopped
         ]
-        for each in threads:
-            each.start()
-        for each in threads:
-            each.join()
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
         for target, outcome in outcomes.items():
             self.journal.note("unit", f"after STOP, {target}: {outcome}")
         return [{"component": target, "outcome": told} for target, told in outcomes.items()]
@@ -350,9 +351,9 @@ class OperatorUnit:
         self.journal.alarm(f"page {commander.name}", f"it commanded, and {why}")
         self.stop_all("unit", ())
         with self._turn:
-            for each in operator.holds:
-                operator.release(each.target)
-                self.journal.note("unit", f"released {each.target}")
+            for hold in operator.holds:
+                operator.release(hold.target)
+                self.journal.note("unit", f"released {hold.target}")
 
 
 def _hold(hold: Hold) -> dict[str, Any]:
@@ -364,4 +365,4 @@ def _hold(hold: Hold) -> dict[str, Any]:
 def _without_age(component: dict[str, Any]) -> dict[str, Any]:
     """Returns a component without what changes all the time."""
     left_out = ("told", "round_trip_ms")
-    return {name: each for name, each in component.items() if name not in left_out}
+    return {name: value for name, value in component.items() if name not in left_out}

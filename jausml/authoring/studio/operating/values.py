@@ -120,7 +120,7 @@ class Values:
     def leave(self, page: int) -> None:
         """Ends all that a page watches."""
         with self._lock:
-            keys = [key for key, each in self._watched.items() if page in each.pages]
+            keys = [key for key, watch in self._watched.items() if page in watch.pages]
         for component, report in keys:
             self.unwatch(component, report, page)
 
@@ -130,16 +130,16 @@ class Values:
         with self._lock:
             return [
                 {
-                    "component": each.component,
-                    "report": each.report,
-                    "age": round(now - each.told, 2) if each.told else None,
-                    "count": each.count,
-                    "fields": [list(pair) for pair in each.texts],
-                    "numbers": [path for path in each.history if path != RATE],
-                    "pictures": list(each.pictures),
-                    "urls": each.urls,
+                    "component": watch.component,
+                    "report": watch.report,
+                    "age": round(now - watch.told, 2) if watch.told else None,
+                    "count": watch.count,
+                    "fields": [list(pair) for pair in watch.texts],
+                    "numbers": [path for path in watch.history if path != RATE],
+                    "pictures": list(watch.pictures),
+                    "urls": watch.urls,
                 }
-                for each in self._watched.values()
+                for watch in self._watched.values()
             ]
 
     def picture(self, component: str, report: str, path: str) -> str:
@@ -157,7 +157,7 @@ class Values:
         with self._lock:
             known = self._watched.get((component, report))
             kept = known.history.get(path, ()) if known is not None else ()
-            points = [each for each in kept if each[0] >= begin]
+            points = [point for point in kept if point[0] >= begin]
         return decimated(points, most)
 
     def _take(self, key: tuple[str, str], entry: MessageEntry, fields: dict[str, Any]) -> None:
@@ -231,7 +231,7 @@ def decimated(points: Sequence[Point], most: int) -> list[Point]:
     found: list[Point] = []
     for index in range(pieces):
         piece = points[index * len(points) // pieces : (index + 1) * len(points) // pieces]
-        ends = {min(piece, key=lambda each: each[1]), max(piece, key=lambda each: each[1])}
+        ends = {min(piece, key=lambda point: point[1]), max(piece, key=lambda point: point[1])}
         found.extend(sorted(ends))
     return found
 

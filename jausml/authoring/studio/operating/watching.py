@@ -82,12 +82,15 @@ class WatchedSystem(RunningSystem):
 
     def _watch_for_alarms(self, state: SystemState) -> None:
         """Raises alarms for what went well, or has begun, and does no more."""
-        levels = {f"component {each.address}": each for each in state.components.values()}
+        levels = {
+            f"component {component_state.address}": component_state
+            for component_state in state.components.values()
+        }
         for subject, component in levels.items():
             self._judge(subject, component.level, component.is_gone, component.reason)
-        for each in state.connections.values():
-            subject = f"connection {each.bridge}.{each.name}"
-            self._judge(subject, each.level, each.is_gone, each.reason)
+        for connection in state.connections.values():
+            subject = f"connection {connection.bridge}.{connection.name}"
+            self._judge(subject, connection.level, connection.is_gone, connection.reason)
 
     def _judge(self, subject: str, level: Level, is_gone: bool, reason: str) -> None:  # noqa: FBT001
         before = self._levels.get(subject)
@@ -99,7 +102,7 @@ class WatchedSystem(RunningSystem):
 
 def _read(project: Project) -> tuple[Model | None, Catalogue]:
     """Returns the system that is operated, None without one, and the messages it knows."""
-    files = [project.opened] if project.opened else [each.path for each in project.files]
+    files = [project.opened] if project.opened else [file_info.path for file_info in project.files]
     for file in files:
         model = project.model(file).model
         if not project.opened and not any(model.instances(system.System, library=False)):

@@ -104,14 +104,14 @@ def asked(scope: Scope, source: Spot, target: Spot) -> Options:
     if not isinstance(provider, jaus.Component) or not isinstance(asking, jaus.Component):
         return Options(refusal="only components are asked")
     found = [
-        each
-        for each in offers(provider, TO_ROS)
-        if each.is_provided
-        and each.exchange == EVENT
+        provided_offer
+        for provided_offer in offers(provider, TO_ROS)
+        if provided_offer.is_provided
+        and provided_offer.exchange == EVENT
         and (
-            name_of(each.message) == source.message
+            name_of(provided_offer.message) == source.message
             if source.message
-            else not is_served(each.service)
+            else not is_served(provided_offer.service)
         )
     ]
     if not found:
@@ -127,7 +127,7 @@ def asked(scope: Scope, source: Spot, target: Spot) -> Options:
         }
         own = scope.ref(asking)
         commands = [Add(own, "connections", "jaus.ServiceConnection", values)]
-        uses = tuple(scope.ref(each) for each in asking.uses)
+        uses = tuple(scope.ref(service) for service in asking.uses)
         more = () if scope.ref(offer.service) in uses else (scope.ref(offer.service),)
         preview = f"service_connection {name} {{\n    provider: {name_of(provider)}\n"
         preview += f"    message: {name_of(offer.message)}\n}}"
@@ -195,9 +195,9 @@ def _joined(scope: Scope, source: Spot, target: Spot) -> Options:
     named = _OTHER_ENDS[start.eClass.name][2]
     names = [
         resolve_topic(
-            getattr(each.element, named) or "", _namespace(each.owner), name_of(each.owner)
+            getattr(spot.element, named) or "", _namespace(spot.owner), name_of(spot.owner)
         )
-        for each in (source, target)
+        for spot in (source, target)
     ]
     if names[0] == names[1]:
         return Options(refusal=f"both are connected by {names[0]} already")
@@ -229,10 +229,10 @@ def hosted(scope: Scope, elements: Sequence[EObject], host: system.Host | None) 
     `host`: the host; None for the frame of none, where external components alone can be.
     """
     moved: dict[system.System, list[EObject]] = {}
-    for each in elements:
-        whole = _system_of(each, host)
-        if whole is not None and host_of(whole, cast("jaus.Component", each)) is not host:
-            moved.setdefault(whole, []).append(each)
+    for element in elements:
+        whole = _system_of(element, host)
+        if whole is not None and host_of(whole, cast("jaus.Component", element)) is not host:
+            moved.setdefault(whole, []).append(element)
     what = name_of(elements[0]) if len(elements) == 1 else f"{len(elements)} elements"
     where = f"on {name_of(host)}" if host is not None else "on no host of the system"
     commands = [
@@ -260,19 +260,21 @@ def _placed(
     scope: Scope, whole: system.System, elements: Sequence[EObject], host: system.Host | None
 ) -> Iterator[Command]:
     """Yields what changes the placements of a system."""
-    own = next((each for each in whole.placements if each.host is host), None)
+    own = next(
+        (host_placement for host_placement in whole.placements if host_placement.host is host), None
+    )
     emptied = []
     for placement in whole.placements:
         left = {name: _without(getattr(placement, name), elements) for name in _FEATURES}
         if placement is own:
             for name in _FEATURES:
-                left[name] += [each for each in elements if _feature(each) == name]
+                left[name] += [element for element in elements if _feature(element) == name]
         if not any(left.values()):
             emptied.append(placement)
             continue
         for name, values in left.items():
             if values != list(getattr(placement, name)):
-                refs = tuple(scope.ref(each) for each in values)
+                refs = tuple(scope.ref(value) for value in values)
                 yield Set(scope.ref(placement), name, refs)
     if own is None and host is not None and not _follows(whole, elements, host):
         placed = {
@@ -283,8 +285,8 @@ def _placed(
         given = {"host": (scope.ref(host),), **placed}
         yield Add(scope.ref(whole), "placements", "system.Placement", given)
     # The last one first: those behind one that goes have other positions.
-    for each in reversed(emptied):
-        yield Remove(scope.ref(each))
+    for empty_placement in reversed(emptied):
+        yield Remove(scope.ref(empty_placement))
 
 
 def _feature(element: EObject) -> str:
@@ -292,10 +294,12 @@ def _feature(element: EObject) -> str:
 
 
 def _without(values: Sequence[EObject], others: Sequence[EObject]) -> list[EObject]:
-    return [each for each in values if each not in others]
+    return [value for value in values if value not in others]
 
 
 def _follows(whole: system.System, elements: Sequence[EObject], host: system.Host) -> bool:
     """Tells whether elements run on a host without being placed there."""
-    is_external = any(isinstance(each, jaus.Component) and each.external for each in elements)
+    is_external = any(
+        isinstance(element, jaus.Component) and element.external for element in elements
+    )
     return next(iter(whole.hosts), None) is host and not is_external

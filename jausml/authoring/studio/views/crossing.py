@@ -55,7 +55,7 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
     wanted = _wanted(component, at_jaus.message, direction)
     if not wanted:
         return Options(refusal=_nothing(component, at_jaus.message, direction))
-    owners = sorted(owners, key=lambda each: not _serves(each, component))
+    owners = sorted(owners, key=lambda owner: not _serves(owner, component))
 
     def ways(end: Spot) -> list[Option]:
         return [
@@ -68,11 +68,13 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
         ]
 
     # Where no ready map goes to a new topic, a new map may go to one that is there.
-    options = ways(at_ros) or [each for end in _ends_of(at_ros, direction) for each in ways(end)]
+    options = ways(at_ros) or [
+        option for end in _ends_of(at_ros, direction) for option in ways(end)
+    ]
     options.sort(key=_order)
     if options:
         return Options(tuple(options))
-    if any(_is_carried(each, component, offer, at_ros) for each in owners for offer in wanted):
+    if any(_is_carried(owner, component, offer, at_ros) for owner in owners for offer in wanted):
         return Options(refusal="a connection carries this already")
     node = name_of(at_ros.owner)
     reason = f"no ready map has a message of {name_of(component)}, and {node} has no topic for it"
@@ -82,7 +84,7 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
 def _serves(owner: EObject, component: jaus.Component) -> bool:
     """Tells whether a bridge has connections with a component already."""
     connections = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
-    return any(component in each.peers for each in connections)
+    return any(component in connection.peers for connection in connections)
 
 
 def _ends_of(at_ros: Spot, direction: str) -> list[Spot]:
@@ -91,7 +93,7 @@ def _ends_of(at_ros: Spot, direction: str) -> list[Spot]:
     if at_ros.element is not None or not isinstance(node, ros.Node):
         return []
     ends = node.subscriptions if direction == TO_ROS else node.publishers
-    return [replace(at_ros, element=each) for each in ends]
+    return [replace(at_ros, element=end) for end in ends]
 
 
 def through(
@@ -125,7 +127,7 @@ def through(
         text = f"{name_of(end)} has {has}, but {name_of(used)} carries {ros_name(kind)}"
         return Options(refusal=f"{text}; make a connection of its own, from the component")
     topic = _topic(owner, at_ros.owner, end)
-    if any(each.name == topic for each in used.topics):
+    if any(used_topic.name == topic for used_topic in used.topics):
         return Options(refusal=f"{name_of(used)} has the topic {topic} already")
     qos = qos_of(profile_of(scope, end))
     added = Add(scope.ref(used), "topics", "bridge.Topic", {"name": (topic,)}, qos)
@@ -171,14 +173,14 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
 def _wanted(component: jaus.Component, message: str, direction: str) -> list[Offer]:
     """Returns what a component offers for a direction; of one message where one is named."""
     found = offers(component, direction)
-    wanted = [each for each in found if not message or name_of(each.message) == message]
+    wanted = [offer for offer in found if not message or name_of(offer.message) == message]
     return sorted(wanted, key=_is_echo)
 
 
 def _is_echo(offer: Offer) -> bool:
     """Tells whether a message reports what was commanded, which few are interested in."""
     what = name_of(offer.message).removeprefix("Report")
-    return any(name_of(each) == f"Set{what}" for each in offer.service.inputs)
+    return any(name_of(message) == f"Set{what}" for message in offer.service.inputs)
 
 
 def _by_ready_map(
@@ -189,7 +191,7 @@ def _by_ready_map(
     used: bridge.AttributeMap,
 ) -> Option:
     """Returns the way by a ready map whose end at the ROS side is a topic without a node yet."""
-    topics = [each for one in owner.bridgeConnections for each in one.topics]
+    topics = [topic for one in owner.bridgeConnections for topic in one.topics]
     name = name_among(snake_case(name_of(offer.message)), (*owner.bridgeConnections, *topics))
     draft = Draft(offer, component, used.type, used, name, name, {})
     return _option(owner, component, draft, draft.commands(scope, owner))
@@ -204,10 +206,10 @@ def _is_mapped(
 ) -> bool:
     """Tells whether a bridge has a connection of a component by a map already."""
     return any(
-        scope.ref(each.map) == scope.ref(used)
-        and each.direction.name == direction
-        and (not each.peers or component in each.peers)
-        for each in owner.bridgeConnections
+        scope.ref(bridge_connection.map) == scope.ref(used)
+        and bridge_connection.direction.name == direction
+        and (not bridge_connection.peers or component in bridge_connection.peers)
+        for bridge_connection in owner.bridgeConnections
     )
 
 
@@ -219,18 +221,20 @@ def further_peer(scope: Scope, at_jaus: Spot, at_bridge: Spot, direction: str) -
     if used.direction.name != direction:
         way = "to JAUS" if used.direction.name == TO_JAUS else "to ROS"
         return Options(refusal=f"{name_of(used)} goes {way}; draw the line the other way round")
-    if any(each is peer for each in used.peers):
+    if any(component is peer for component in used.peers):
         return Options(refusal=f"{name_of(peer)} is a peer of {name_of(used)} already")
     message = used.map.message if used.map is not None else None
     if message is None:
         return Options(refusal=f"{name_of(used)} has no map yet; choose one in its form")
     fits = [
-        each for each in offers(peer, direction) if find_same(message, [each.message]) is not None
+        offer
+        for offer in offers(peer, direction)
+        if find_same(message, [offer.message]) is not None
     ]
     if not fits:
         return Options(refusal=_nothing(peer, name_of(message), direction))
-    peers = (*(scope.ref(each) for each in used.peers), scope.ref(peer))
-    names = ", ".join(name_of(each) for each in (*used.peers, peer))
+    peers = (*(scope.ref(component) for component in used.peers), scope.ref(peer))
+    names = ", ".join(name_of(component) for component in (*used.peers, peer))
     option = Option(
         f"{name_of(peer)} as peer of {name_of(used)}",
         fits[0].why(name_of(peer)),
@@ -251,9 +255,9 @@ def _nothing(component: jaus.Component, message: str, direction: str) -> str:
 def _any_of(scope: Scope, owner: bridge.Bridge, at_ros: Spot, direction: str) -> Options:
     """What the components of the system have for an end, through one bridge."""
     peers = [
-        each
-        for each in scope.model.instances(jaus.Component, library=False)
-        if not isinstance(each, bridge.Bridge)
+        component
+        for component in scope.model.instances(jaus.Component, library=False)
+        if not isinstance(component, bridge.Bridge)
     ]
     options = [
         option
@@ -349,13 +353,13 @@ def _is_carried(
             return False
         topic = _topic(owner, at_ros.owner, at_ros.element)
     return any(
-        each.direction.name == offer.direction
-        and each.map is not None
-        and each.map.message is not None
-        and find_same(offer.message, [each.map.message]) is not None
-        and (not each.peers or component in each.peers)
-        and (not topic or any(one.name == topic for one in each.topics))
-        for each in owner.bridgeConnections
+        bridge_connection.direction.name == offer.direction
+        and bridge_connection.map is not None
+        and bridge_connection.map.message is not None
+        and find_same(offer.message, [bridge_connection.map.message]) is not None
+        and (not bridge_connection.peers or component in bridge_connection.peers)
+        and (not topic or any(one.name == topic for one in bridge_connection.topics))
+        for bridge_connection in owner.bridgeConnections
     )
 
 

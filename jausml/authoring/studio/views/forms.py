@@ -183,25 +183,29 @@ def form_of(scope: Scope, element: EObject, diagnostics: Iterable[Diagnostic] = 
         readonly=is_fixed,
         owner=scope.ref(element.eContainer()),
         fields=tuple(
-            _field(scope, element, each, problems, is_fixed=is_fixed)
-            for each in _shown(table)
-            if each.kind is not FeatureKind.CONTAINMENT
+            _field(scope, element, feature, problems, is_fixed=is_fixed)
+            for feature in _shown(table)
+            if feature.kind is not FeatureKind.CONTAINMENT
         ),
         children=tuple(
-            _children(scope, element, each, is_fixed=is_fixed)
-            for each in _shown(table)
-            if each.kind is FeatureKind.CONTAINMENT
+            _children(scope, element, feature, is_fixed=is_fixed)
+            for feature in _shown(table)
+            if feature.kind is FeatureKind.CONTAINMENT
         ),
     )
 
 
 def kinds_of(target: ClassTable) -> tuple[Kind, ...]:
     """Returns the classes whose elements can stand where one of a class is owned."""
-    concrete = sorted((each for each in target.subtypes if not each.abstract), key=_name)
-    first = [each for each in concrete if each is target]
+    concrete = sorted((subtype for subtype in target.subtypes if not subtype.abstract), key=_name)
+    first = [class_table for class_table in concrete if class_table is target]
     return tuple(
-        Kind(each.qualified_name, in_words(each.name), documentation(each.eclass))
-        for each in (*first, *(each for each in concrete if each is not target))
+        Kind(
+            class_table.qualified_name,
+            in_words(class_table.name),
+            documentation(class_table.eclass),
+        )
+        for class_table in (*first, *(subtype for subtype in concrete if subtype is not target))
     )
 
 
@@ -213,11 +217,13 @@ def _name(table: ClassTable) -> str:
 def _shown(table: ClassTable) -> list[FeatureTable]:
     """The features of a form: the name, what is required, the others, the documentation."""
     features = [
-        each
-        for each in table.features.values()
-        if each.kind is not FeatureKind.CONTAINER and each.settable
+        feature
+        for feature in table.features.values()
+        if feature.kind is not FeatureKind.CONTAINER and feature.settable
     ]
-    return sorted(features, key=lambda each: (each.name == "documentation", each.name != "name"))
+    return sorted(
+        features, key=lambda feature: (feature.name == "documentation", feature.name != "name")
+    )
 
 
 class _Problems:
@@ -229,9 +235,11 @@ class _Problems:
         fragment = scope.model.fragment(element)
         path = document.display if document is not None else ""
         self._found = [
-            each
-            for each in diagnostics
-            if each.fragment == fragment and each.location.path == path and each.location != own
+            diagnostic
+            for diagnostic in diagnostics
+            if diagnostic.fragment == fragment
+            and diagnostic.location.path == path
+            and diagnostic.location != own
         ]
 
     def of(self, feature: str) -> tuple[str, ...]:
@@ -239,7 +247,9 @@ class _Problems:
         if not self._found:
             return ()
         place = self._scope.model.location(self._element, feature)
-        return tuple(each.message for each in self._found if each.location == place)
+        return tuple(
+            diagnostic.message for diagnostic in self._found if diagnostic.location == place
+        )
 
 
 def _field(
@@ -248,8 +258,8 @@ def _field(
     values = values_of(element, feature)
     is_reference = feature.kind is FeatureKind.CROSS_REFERENCE
     if is_reference:
-        texts = tuple(scope.ref(each) for each in values)
-        shown = tuple(label_of(each) for each in values)
+        texts = tuple(scope.ref(value) for value in values)
+        shown = tuple(label_of(value) for value in values)
     else:
         texts = shown = tuple(map(literal, values))
     is_required = feature.lower > 0 and feature.can_be_missing
@@ -295,7 +305,8 @@ def choices_of(feature: FeatureTable) -> tuple[Choice, ...]:
     """Returns the literals of an enumeration, none of other attributes."""
     literals = _data_type(feature).literals
     return tuple(
-        Choice(each, each, documentation(literals[each])) for each in _data_type(feature).legal
+        Choice(enum_literal, enum_literal, documentation(literals[enum_literal]))
+        for enum_literal in _data_type(feature).legal
     )
 
 
@@ -309,14 +320,16 @@ def choices(scope: Scope, ref: str, feature: str, query: str = "") -> Choices:
     if table is None or table.kind is not FeatureKind.CROSS_REFERENCE:
         raise AnswerError(f"{label_of(element)} has no reference {feature!a}")
     words, first = query.lower().split(), query.strip().lower()
-    targets = {each.value: each for each in legal_targets(scope, element, table)}
+    targets = {
+        legal_target.value: legal_target for legal_target in legal_targets(scope, element, table)
+    }
     found = [
-        each
-        for each in targets.values()
-        if all(word in f"{each.label} {each.value}".lower() for word in words)
+        target
+        for target in targets.values()
+        if all(word in f"{target.label} {target.value}".lower() for word in words)
     ]
     if first:
-        found.sort(key=lambda each: not each.label.lower().startswith(first))
+        found.sort(key=lambda choice: not choice.label.lower().startswith(first))
     return Choices(tuple(found[:_MOST_CHOICES]), max(0, len(found) - _MOST_CHOICES))
 
 
@@ -352,15 +365,15 @@ def _children(scope: Scope, element: EObject, feature: FeatureTable, *, is_fixed
         many=feature.many,
         documentation=documentation(feature.feature),
         kinds=tuple(
-            replace(each, values=usual_values(scope.model, element, feature, each.kind))
-            for each in (() if is_full or is_fixed or target is None else kinds_of(target))
+            replace(kind, values=usual_values(scope.model, element, feature, kind.kind))
+            for kind in (() if is_full or is_fixed or target is None else kinds_of(target))
         ),
         elements=tuple(
             Child(
-                scope.ref(each),
-                label_of(each),
-                in_words(scope.model.metamodels.class_of(each).name),
+                scope.ref(child),
+                label_of(child),
+                in_words(scope.model.metamodels.class_of(child).name),
             )
-            for each in owned
+            for child in owned
         ),
     )

@@ -115,11 +115,11 @@ def _put(kind: wire.Kind, value: Any, steps: Sequence[str], text: str, path: str
 def _member(kind: wire.Kind, name: str) -> wire.Kind | wire.Bits | None:
     match kind:
         case wire.Record():
-            return next((each.kind for each in kind.members if each.name == name), None)
+            return next((member.kind for member in kind.members if member.name == name), None)
         case wire.Variant():
-            return next((each.kind for each in kind.options if each.name == name), None)
+            return next((option.kind for option in kind.options if option.name == name), None)
         case wire.BitField():
-            return next((each for each in kind.groups if each.name == name), None)
+            return next((group for group in kind.groups if group.name == name), None)
         case _:
             return None
 
@@ -167,7 +167,7 @@ def _integer(text: str) -> int | str:
 
 
 def _time(kind: wire.BitField, text: str, path: str) -> dict[str, int]:
-    if {each.name for each in kind.groups} != set(_TIME):
+    if {group.name for group in kind.groups} != set(_TIME):
         raise AnswerError(f"{path}: give its bits values")
     at = moment(text)
     values = (at.microsecond // 1000, at.second, at.minute, at.hour, at.day)
@@ -178,7 +178,7 @@ def _split(step: str) -> tuple[str, list[int]]:
     match = _STEP.fullmatch(step)
     if match is None:
         return step, []
-    return match[1], [int(each) for each in re.findall(r"\d+", match[2])]
+    return match[1], [int(occurrence) for occurrence in re.findall(r"\d+", match[2])]
 
 
 def _rows(kind: wire.Kind, value: Any, before: str) -> Iterator[tuple[str, str]]:
@@ -205,12 +205,12 @@ def _rows(kind: wire.Kind, value: Any, before: str) -> Iterator[tuple[str, str]]
 
 
 def _bits(kind: wire.BitField, value: Mapping[str, int], before: str) -> Iterator[tuple[str, str]]:
-    if {each.name for each in kind.groups} == set(_TIME):
+    if {group.name for group in kind.groups} == set(_TIME):
         clock = f"{value['Hour']:02}:{value['Minutes']:02}:{value['Seconds']:02}"
         yield before, f"day {value['Day']}, {clock}.{value['Milliseconds']:03}"
         return
-    for each in kind.groups:
-        yield f"{before}.{each.name}", _named(value[each.name], each.legal.names)
+    for group in kind.groups:
+        yield f"{before}.{group.name}", _named(value[group.name], group.legal.names)
 
 
 def _named(value: Any, names: Mapping[int, str]) -> str:

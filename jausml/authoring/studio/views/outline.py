@@ -51,8 +51,8 @@ def _rows(
     yield _row(scope, element, depth, len(inner), is_open=is_open)
     if not is_open:
         return
-    for each in inner[:_MOST_INNER]:
-        yield from _rows(scope, each, depth + 1, opened)
+    for child in inner[:_MOST_INNER]:
+        yield from _rows(scope, child, depth + 1, opened)
     if len(inner) > _MOST_INNER:
         label = f"{len(inner) - _MOST_INNER} more: search for them"
         yield OutlineRow("", label, "", depth + 1)
@@ -64,14 +64,14 @@ def search(scope: Scope, query: str) -> list[OutlineRow]:
     named, others = [], []
     for element in scope.model.elements_of(scope.model.documents[0]):
         name = label_of(element).lower()
-        if all(each in name for each in words):
+        if all(word in name for word in words):
             named.append(element)
-        elif all(each in f"{name} {_kind(element)}" for each in words):
+        elif all(word in f"{name} {_kind(element)}" for word in words):
             others.append(element)
     found = [*named, *others]
     rows = [
-        _row(scope, each, 0, len(scope.model.owned(each)), note=_path(each))
-        for each in found[:_MOST_FOUND]
+        _row(scope, hit, 0, len(scope.model.owned(hit)), note=_path(hit))
+        for hit in found[:_MOST_FOUND]
     ]
     if len(found) > _MOST_FOUND:
         rows.append(OutlineRow("", f"{len(found) - _MOST_FOUND} more: type more of it", "", 0))

@@ -69,7 +69,7 @@ class Entry:
 
     def rank(self, wanted: Sequence[str]) -> int | None:
         """Returns how well it fits words, 0 best; None where it does not."""
-        if not all(each in self.words for each in wanted):
+        if not all(word in self.words for word in wanted):
             return None
         label = self.label.lower()
         if not wanted or label == wanted[0]:
@@ -101,14 +101,14 @@ def palette(
         turns.insert(0, (target, limit if wanted else limit // 2))
     others = [_external(scope), *_own(scope), *library_entries()]
     ranked = [
-        (each, most, _ranked([*_elements(scope, each), *others], wanted, groups))
-        for each, most in turns
+        (element, most, _ranked([*_elements(scope, element), *others], wanted, groups))
+        for element, most in turns
     ]
     is_named = any(rank == 0 for *_, entries in ranked for rank, _ in entries)
     found: list[PaletteItem] = []
-    for each, most, entries in ranked:
+    for element, most, entries in ranked:
         meant = (entry for rank, entry in entries if rank < _MENTIONED or not is_named)
-        found += islice(_items(scope, meant, each), most - len(found))
+        found += islice(_items(scope, meant, element), most - len(found))
     return found
 
 
@@ -128,9 +128,9 @@ def _ranked(
 ) -> list[tuple[int, Entry]]:
     """Returns the entries of some groups that fit words with their ranks, the best first."""
     ranked = sorted(
-        (rank, len(each.label) if wanted else 0, index)
-        for index, each in enumerate(entries)
-        if (groups is None or each.group in groups) and (rank := each.rank(wanted)) is not None
+        (rank, len(entry.label) if wanted else 0, index)
+        for index, entry in enumerate(entries)
+        if (groups is None or entry.group in groups) and (rank := entry.rank(wanted)) is not None
     )
     return [(rank, entries[index]) for rank, _, index in ranked]
 
@@ -138,17 +138,17 @@ def _ranked(
 def _items(scope: Scope, entries: Iterable[Entry], target: EObject | None) -> Iterator[PaletteItem]:
     """Yields what can be added to an element."""
     onto = label_of(target) if target is not None else ""
-    for each in entries:
-        commands = each.make(scope, target)
+    for entry in entries:
+        commands = entry.make(scope, target)
         if commands:
             yield PaletteItem(
-                each.id,
-                each.group,
-                each.label,
-                each.note,
-                each.documentation,
+                entry.id,
+                entry.group,
+                entry.label,
+                entry.note,
+                entry.documentation,
                 Drop(commands),
-                f"add {each.label}",
+                f"add {entry.label}",
                 onto,
             )
 
@@ -182,25 +182,25 @@ def _own(scope: Scope) -> Iterator[Entry]:
 
 
 def _services(services: Iterable[jaus.Service]) -> Iterator[Entry]:
-    for each in _ordered([each for each in services if each.urn]):
-        family = str(each.urn).removesuffix(f":{name_of(each)}").rpartition(":")[2]
-        where = f"{each.urn} {each.version}"
-        names = " ".join(name_of(m) for m in (*each.inputs, *each.outputs))
-        about = str(each.documentation or "")
+    for service in _ordered([known_service for known_service in services if known_service.urn]):
+        family = str(service.urn).removesuffix(f":{name_of(service)}").rpartition(":")[2]
+        where = f"{service.urn} {service.version}"
+        names = " ".join(name_of(m) for m in (*service.inputs, *service.outputs))
+        about = str(service.documentation or "")
         key = f"service {where}"
-        component = partial(_component_with, service=each)
+        component = partial(_component_with, service=service)
         yield _entry(
-            f"{key} component", COMPONENTS, name_of(each), f"provides it, {family} {each.version}",
-            about, component, where, names,
+            f"{key} component", COMPONENTS, name_of(service),
+            f"provides it, {family} {service.version}", about, component, where, names,
         )  # fmt: skip
         yield _entry(
-            f"{key} inherits", SERVICES, name_of(each), f"inherits, {each.version}", about,
-            partial(_inherited, base=each), where, names,
+            f"{key} inherits", SERVICES, name_of(service), f"inherits, {service.version}", about,
+            partial(_inherited, base=service), where, names,
         )  # fmt: skip
         for feature in ("provides", "uses"):
             yield _entry(
-                f"{key} {feature}", SERVICES, name_of(each), f"{feature}, {each.version}", about,
-                partial(_with_service, service=each, feature=feature), where, names,
+                f"{key} {feature}", SERVICES, name_of(service), f"{feature}, {service.version}",
+                about, partial(_with_service, service=service, feature=feature), where, names,
             )  # fmt: skip
 
 
@@ -210,9 +210,9 @@ def _ordered(services: Sequence[jaus.Service]) -> list[jaus.Service]:
     Every component has those. Older versions stand behind all that is present.
     """
     newest: dict[str, tuple[int, ...]] = {}
-    for each in services:
-        urn = str(each.urn)
-        newest[urn] = max(newest.get(urn, ()), version_of(each))
+    for known_service in services:
+        urn = str(known_service.urn)
+        newest[urn] = max(newest.get(urn, ()), version_of(known_service))
 
     def place(service: jaus.Service) -> tuple[bool, int, str]:
         urn = str(service.urn)
@@ -250,19 +250,20 @@ def _end(
 
 
 def _maps(maps: Iterable[bridge.AttributeMap]) -> Iterator[Entry]:
-    for each in maps:
-        if each.message is None or each.type is None or each.reportJoins:
+    for attribute_map in maps:
+        if attribute_map.message is None or attribute_map.type is None or attribute_map.reportJoins:
             continue
-        for to_ros, assignments in ((True, each.toRos), (False, each.toJaus)):
+        for to_ros, assignments in ((True, attribute_map.toRos), (False, attribute_map.toJaus)):
             if assignments:
                 arrow = "to ROS" if to_ros else "to JAUS"
-                ends = (name_of(each.message), ros_name(each.type))
+                ends = (name_of(attribute_map.message), ros_name(attribute_map.type))
                 note = " to ".join(ends if to_ros else reversed(ends))
-                make = partial(_connection, used=each, to_ros=to_ros)
-                about = str(each.documentation or "")
+                make = partial(_connection, used=attribute_map, to_ros=to_ros)
+                about = str(attribute_map.documentation or "")
                 yield _entry(
-                    f"map {ends} {name_of(each)} {arrow}", MAPS, name_of(each), note, about, make,
-                    *ends,
+                    f"map {ends} {name_of(attribute_map)} {arrow}", MAPS,
+                    name_of(attribute_map), note,
+                    about, make, *ends,
                 )  # fmt: skip
 
 
@@ -270,7 +271,9 @@ def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
     """Yields the kinds of elements that an element, the bridges or the system can own."""
     for owner in [target] if target is not None else _open_owners(scope):
         table = scope.model.metamodels.class_of(owner)
-        for feature in sorted(table.contained, key=lambda each: each.name not in PACKAGES):
+        for feature in sorted(
+            table.contained, key=lambda containment: containment.name not in PACKAGES
+        ):
             is_full = not feature.many and getattr(owner, feature.name) is not None
             for kind in () if is_full or feature.target is None else kinds_of(feature.target):
                 if kind.kind in _others(table, feature):
@@ -295,14 +298,14 @@ def _open_owners(scope: Scope) -> Sequence[EObject]:
 def _others(table: ClassTable, feature: FeatureTable) -> set[str]:
     """The classes that other features of a class are made for, such as bridges."""
     return {
-        each.target.qualified_name
-        for each in table.contained
-        if each.target is not None and each.target is not feature.target
+        containment.target.qualified_name
+        for containment in table.contained
+        if containment.target is not None and containment.target is not feature.target
     }
 
 
 def _is_ambiguous(table: ClassTable, feature: FeatureTable) -> bool:
-    return sum(each.target is feature.target for each in table.contained) > 1
+    return sum(containment.target is feature.target for containment in table.contained) > 1
 
 
 def _entry(
@@ -338,7 +341,7 @@ def _with_service(
 ) -> Sequence[Command]:
     if not isinstance(onto, jaus.Component):
         return []
-    known = tuple(scope.ref(each) for each in getattr(onto, feature))
+    known = tuple(scope.ref(known_service) for known_service in getattr(onto, feature))
     own = scope.ref(service)
     return [] if own in known else [Set(scope.ref(onto), feature, (*known, own))]
 
@@ -346,7 +349,7 @@ def _with_service(
 def _inherited(scope: Scope, onto: EObject | None, base: jaus.Service) -> Sequence[Command]:
     if not isinstance(onto, jaus.Service):
         return []
-    return [each for option in inherit(scope, onto, base).options for each in option.commands]
+    return [command for option in inherit(scope, onto, base).options for command in option.commands]
 
 
 def _endpoint(

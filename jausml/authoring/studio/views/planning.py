@@ -113,7 +113,7 @@ def plan(report: Report, out: Path, *, force: bool = False) -> Planned:
 def diff(report: Report, out: Path, path: str, *, force: bool = False) -> str:
     """Returns the patch of one file, empty where nothing would change."""
     actions = [
-        each for each in _checked(report, out, force=force).plan.actions if each.path == path
+        action for action in _checked(report, out, force=force).plan.actions if action.path == path
     ]
     if not actions:
         raise AnswerError(f"{path} is no file of the plan")
@@ -150,8 +150,15 @@ def execute(report: Report, out: Path, shown: str, *, force: bool = False) -> Wr
 def digest(planned: Plan) -> str:
     """Returns what tells a plan from any other."""
     summary = hashlib.sha256(planned.manifest.encode())
-    for each in planned.actions:
-        for part in (each.kind.value, each.path, each.reason, each.old, each.new, each.backup):
+    for action in planned.actions:
+        for part in (
+            action.kind.value,
+            action.path,
+            action.reason,
+            action.old,
+            action.new,
+            action.backup,
+        ):
             data = b"-" if part is None else part.encode("utf-8", "surrogatepass")
             summary.update(b"%d:" % len(data) + data)
     return summary.hexdigest()
@@ -183,7 +190,9 @@ def _result(report: Report, out: Path, *, force: bool) -> Result:
 def _problems(report: Report) -> str:
     if not report.has_errors:
         return ""
-    errors = [each for each in report.diagnostics if each.severity is Severity.ERROR]
+    errors = [
+        diagnostic for diagnostic in report.diagnostics if diagnostic.severity is Severity.ERROR
+    ]
     first = text.one_line(str(errors[0]))
     others = f" and {len(errors) - 1} more" if len(errors) > 1 else ""
     return f"errors come first: {first}{others}"

@@ -83,10 +83,10 @@ def heritage(scope: Scope, box: str) -> Iterator[Choice]:
     own = _found(scope, _service_of(box))
     table = scope.model.metamodels.class_of(own)
     if isinstance(own, jaus.Service) and _MARK not in box:
-        for each in everywhere(scope, table, own):
-            found = scope.find(each.value)
+        for choice in everywhere(scope, table, own):
+            found = scope.find(choice.value)
             if isinstance(found, jaus.Service) and own not in lineage(found):
-                yield each
+                yield choice
 
 
 def cut(scope: Scope, line: str) -> Options:
@@ -109,7 +109,7 @@ def _dropped(scope: Scope, owner: str, way: str, name: str) -> Options:
     """A component that provides or uses a service no more; the service itself stays."""
     own = _found(scope, owner)
     services = list(getattr(own, way, ()))
-    kept = [each for each in services if name_of(each) != name]
+    kept = [service for service in services if name_of(service) != name]
     if len(kept) == len(services):
         raise AnswerError("there is no such row any more")
     label = f"{name_of(own)} no longer {way} {name}; the service stays"
@@ -140,7 +140,7 @@ def _partner(scope: Scope, service: jaus.Service, message: jaus.MessageDef) -> O
         why = f"it asks for {name}"
     else:
         return Options(refusal=f"only a query and its report belong together; {name} is neither")
-    if any(name_of(each) == wanted for each in (*service.inputs, *service.outputs)):
+    if any(name_of(output) == wanted for output in (*service.inputs, *service.outputs)):
         return Options(refusal=f"{name_of(service)} has its {wanted} already")
     code = free_code(scope.model)
     values = {"name": (wanted,), "code": (code,)}
@@ -177,7 +177,7 @@ def lead(scope: Scope, element: jaus.StateMachine, source: str, target: str) -> 
         for key, label, why, values in _triggers(scope, element, machine, way)
     ]
     # What is taken already needs another guard: it comes last.
-    return Options(tuple(sorted(options, key=lambda each: each.label.endswith("(again)"))))
+    return Options(tuple(sorted(options, key=lambda option: option.label.endswith("(again)"))))
 
 
 def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
@@ -193,7 +193,7 @@ def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
     if machine is None or not isinstance(state, jaus.StateMachine):
         return []
     if feature.name == "event":
-        return [Choice(each, each) for each in events_of(state, machine)]
+        return [Choice(event, event) for event in events_of(state, machine)]
     source = ".".join(reversed(names))
     source = canonical(source) if machine.extends_core else source
     return [Choice(text, path) for path, text in targets_from(machine, source).items()]
@@ -211,7 +211,7 @@ def targets_from(machine: Machine, source: str) -> dict[str, str]:
 
 def events_of(element: jaus.StateMachine, machine: Machine) -> list[str]:
     """Returns the names of the internal events that a machine is told of."""
-    own = [name_of(event) for each in lineage(element.eContainer()) for event in each.events]
+    own = [name_of(event) for service in lineage(element.eContainer()) for event in service.events]
     return list(dict.fromkeys([*own, *(sorted(core_events()) if machine.extends_core else ())]))
 
 
@@ -229,8 +229,12 @@ def _taken(machine: Machine, path: str) -> Iterator[str]:
     """Yields the triggers that a state has a transition for, whatever its guard."""
     node = machine.nodes.get(path)
     for state in node.elements if node is not None else ():
-        for each in (*state.transitions, *state.defaults):
-            yield name_of(each.message) if each.message is not None else event_name(each.event)
+        for transition in (*state.transitions, *state.defaults):
+            yield (
+                name_of(transition.message)
+                if transition.message is not None
+                else event_name(transition.event)
+            )
 
 
 _Values = dict[str, tuple[str, ...]]
@@ -257,11 +261,11 @@ def _added(
     scope: Scope, element: jaus.StateMachine, machine: Machine, source: str, values: _Values
 ) -> Add:
     """Returns what adds a transition to a state, which is added too where the machine has none."""
-    is_around = any(each.startswith(f"{source}.") for each in machine.nodes)
+    is_around = any(path.startswith(f"{source}.") for path in machine.nodes)
     feature = "defaults" if is_around else "transitions"
     node = machine.nodes.get(source)
     own = (
-        [each for each in node.elements if around(each, jaus.StateMachine) is element]
+        [state for state in node.elements if around(state, jaus.StateMachine) is element]
         if node is not None
         else []
     )

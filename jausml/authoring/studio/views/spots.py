@@ -70,8 +70,8 @@ def all_spots(scope: Scope) -> Iterator[Spot]:
     for component in model.instances(jaus.Component, library=False):
         yield Spot(component)
         if isinstance(component, bridge.Bridge):
-            for each in component.bridgeConnections:
-                yield Spot(component, each)
+            for bridge_connection in component.bridgeConnections:
+                yield Spot(component, bridge_connection)
     for node in model.instances(ros.Node, library=False):
         yield Spot(node)
         for feature in ("publishers", "subscriptions", "serviceServers", "serviceClients"):
@@ -102,9 +102,9 @@ def element_shown(scope: Scope, view: str) -> EObject | None:
 
 def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
     """Returns the map of a name."""
-    for each in scope.model.instances(bridge.AttributeMap):
-        if each.name == name:
-            return each
+    for attribute_map in scope.model.instances(bridge.AttributeMap):
+        if attribute_map.name == name:
+            return attribute_map
     raise AnswerError(f"there is no map {name!a} any more")
 
 
@@ -284,5 +284,5 @@ def _of(text: str, at: int) -> _LineAndColumn:
 
 def _characters(text: str, place: _LineAndColumn) -> int:
     """Returns the character at a line and column."""
-    starts = [0, *(each.end() for each in _LINE_END.finditer(text))]
+    starts = [0, *(match.end() for match in _LINE_END.finditer(text))]
     return starts[place[0] - 1] + place[1] - 1

@@ -69,7 +69,7 @@ class Translation:
 
 def _class_of(hint: typing.Any) -> typing.Any:
     """Returns the class of a parameter, which may be one of `X | None`."""
-    inner = [each for each in typing.get_args(hint) if each is not type(None)]
+    inner = [alternative for alternative in typing.get_args(hint) if alternative is not type(None)]
     return inner[0] if inner else hint
 
 
@@ -96,7 +96,9 @@ def _put(message: typing.Any, steps: list[str], text: str, path: str) -> None:
             setattr(message, name, _value(kind, text, path))
         return
     values, element = getattr(message, name), _element(kind)
-    nested = {each.TYPE.replace("/msg/", "/"): each for each in message.NESTED}.get(element)
+    nested = {
+        message_class.TYPE.replace("/msg/", "/"): message_class for message_class in message.NESTED
+    }.get(element)
     while len(values) <= int(index):
         values.append(nested() if nested is not None else _value(element, "", path))
     if nested is not None:
@@ -139,10 +141,10 @@ def _rows(message: typing.Any, before: str) -> typing.Iterator[tuple[str, str]]:
         elif isinstance(value, str | bool | int | float):
             yield path, _text(value)
         elif len(value) and hasattr(value[0], "LAYOUT"):
-            for index, each in enumerate(value[:_SHOWN]):
-                yield from _rows(each, f"{path}[{index}].")
+            for index, element in enumerate(value[:_SHOWN]):
+                yield from _rows(element, f"{path}[{index}].")
         else:
-            shown = ", ".join(_text(each) for each in value[:_SHOWN])
+            shown = ", ".join(_text(element) for element in value[:_SHOWN])
             yield path, f"{shown}, ... ({len(value)})" if len(value) > _SHOWN else shown
 
 

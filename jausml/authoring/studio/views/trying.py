@@ -96,18 +96,18 @@ def inputs(used: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
     for path in _paths(used, to_ros=to_ros):
         place = scope.find_source(path)
         if isinstance(place, JausPlace | RosPlace):
-            for each in _inputs(path, place):
-                found.setdefault(each.path, each)
+            for map_input in _inputs(path, place):
+                found.setdefault(map_input.path, map_input)
     return list(found.values())
 
 
 def _paths(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
-    for each in used.toRos if to_ros else used.toJaus:
-        own = [path for path in source_paths(each) if path not in COUNTERS]
-        if not isinstance(each, bridge.ListAssignment):
+    for assignment in used.toRos if to_ros else used.toJaus:
+        own = [path for path in source_paths(assignment) if path not in COUNTERS]
+        if not isinstance(assignment, bridge.ListAssignment):
             yield from own
             continue
-        for nested in each.assignments:
+        for nested in assignment.assignments:
             for path in source_paths(nested):
                 if path.startswith("/"):
                     yield path[1:]
@@ -179,7 +179,7 @@ class Trials:
             request = _request(used, given, to_ros=to_ros)
             with self._lock:
                 process = self._process(scope, used, to_ros=to_ros)
-            named = {process.parameters[name]: each for name, each in request.items()}
+            named = {process.parameters[name]: value for name, value in request.items()}
             answer = process.ask(named, self._seconds)
             return _tried(used, answer, to_ros=to_ros)
         except (AnswerError, WorkerError) as error:
@@ -190,9 +190,9 @@ class Trials:
         key = (scope.ref(used), to_ros)
         known = self._processes.get(key)
         users = [
-            each
-            for each in scope.model.instances(bridge.Connection, library=False)
-            if each.map is used
+            connection
+            for connection in scope.model.instances(bridge.Connection, library=False)
+            if connection.map is used
         ]
         made_of: tuple[object, ...] = (used, *users)
         if known is not None and known.is_alive and known.made_of == made_of:
@@ -227,7 +227,7 @@ def _code(
     try:
         made = bridge_of_maps(scope.model.metamodels, BRIDGE_NAME, maps, users)
         ((connection,),) = (view.connections for view in bridge_views(made))
-        joins = {str(each.join.name): each.name for each in connection.translated.joins}
+        joins = {str(join.join.name): join.name for join in connection.translated.joins}
         return bridge_code(made), {"": "source", **joins}
     except Exception as error:
         # Generators take models without errors; what an editor holds may have any.
@@ -255,7 +255,10 @@ def _request(
 ) -> dict[str, Any]:
     """Returns the messages that values make: the main one, and those of joins that have values."""
     scope = outer_scope(used, to_ros=to_ros)
-    joins = {str(each.name): each for each in (used.reportJoins if to_ros else used.joins)}
+    joins = {
+        str(report_join.name): report_join
+        for report_join in (used.reportJoins if to_ros else used.joins)
+    }
     parts: dict[str, dict[str, str]] = {"": {}}
     for path, text in given.items():
         first, _, rest = path.partition(".")

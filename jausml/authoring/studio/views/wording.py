@@ -40,8 +40,8 @@ def place_of(file: str, fragment: str) -> str:
     where = f"{file.rpartition('/')[2]} of the library" if file.startswith(LIBRARY) else file
     if not fragment.startswith("/"):
         return f"{fragment} of {where}"
-    steps = [found for each in fragment.split("/") if (found := _STEP.match(each))]
-    words = [_step(feature, number) for feature, number in (each.groups() for each in steps)]
+    steps = [found for word in fragment.split("/") if (found := _STEP.match(word))]
+    words = [_step(feature, number) for feature, number in (step.groups() for step in steps)]
     return " of ".join([*reversed(words), where])
 
 
@@ -67,7 +67,7 @@ def _name(word: str, names: Collection[str]) -> str:
 @cache
 def _names() -> tuple[Collection[str], Collection[str]]:
     """Returns names of classes and features that are several words, and those of all classes."""
-    tables = {each.name: each for each in load_metamodels().classes.values()}
-    features = {name for each in tables.values() for name in each.features}
+    tables = {class_table.name: class_table for class_table in load_metamodels().classes.values()}
+    features = {name for table in tables.values() for name in table.features}
     several = {name for name in (*tables, *features) if " " in in_words(name)}
     return several, set(tables)

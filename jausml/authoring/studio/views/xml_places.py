@@ -23,7 +23,7 @@ class XmlPlaces:
 
     def element(self, node: Node) -> tuple[int, int]:
         """Returns where an element begins, and where it ends with its end tag."""
-        start, end = (self._character(each) for each in (node.offset, self._ends[node.offset]))
+        start, end = (self._character(offset) for offset in (node.offset, self._ends[node.offset]))
         return start, self.text.index(">", end) + 1 if self.text.startswith("</", end) else end
 
     @cached_property
@@ -34,7 +34,7 @@ class XmlPlaces:
     def _line_starts(self) -> tuple[list[int], list[int]]:
         """Where lines start, in bytes and in characters."""
         lines = self.text.splitlines(keepends=True)
-        sizes = (len(each.encode(self._encoding)) for each in lines)
+        sizes = (len(line.encode(self._encoding)) for line in lines)
         return list(accumulate(sizes, initial=0)), list(accumulate(map(len, lines), initial=0))
 
     def _character(self, offset: int) -> int:

@@ -33,14 +33,16 @@ _NAME = re.compile(r"[A-Za-z_]\w*")
 
 def behaviour(service: jaus.Service) -> Element:
     """Returns the machines of a service, or that it is stateless: AS5684 asks for a machine."""
-    machines = [(each, machine_with(each)) for each in service.machines]
+    machines = [(machine, machine_with(machine)) for machine in service.machines]
     written = [
-        _Writer(service, each.name, w, each.states).machine(each) for each, w in machines if w
+        _Writer(service, machine.name, w, machine.states).machine(machine)
+        for machine, w in machines
+        if w
     ]
     if not written:
         silent = Machine(CORE_MACHINE, core_machine(service))
         written = [_Writer(service, CORE_MACHINE, silent, ()).machine()]
-    parts = [each for kind in zip(*written, strict=True) for each in kind]
+    parts = [part for kind in zip(*written, strict=True) for part in kind]
     return element("protocol_behavior", parts, is_stateless=not machines)
 
 
@@ -58,9 +60,9 @@ class _Writer:
             self._states.setdefault(path, []).extend([state] if state is not None else [])
         # Who extends a machine says its states again: generators of others look for them.
         inherited = (m for s in lineage(service)[1:] for m in s.machines if m.name == name)
-        for each in inherited:
+        for machine in inherited:
             self._states |= {
-                path: [] for path, _ in _paths(each.states) if path not in self._states
+                path: [] for path, _ in _paths(machine.states) if path not in self._states
             }
         self._states = self._states or {whole.core.states[0]: []}
 
@@ -75,14 +77,14 @@ class _Writer:
         return start, explained(made, *explaining)
 
     def _paths_in(self, outer: str) -> list[str]:
-        return [each for each in self._states if each.rpartition(".")[0] == outer]
+        return [state for state in self._states if state.rpartition(".")[0] == outer]
 
     def _inside(self, outer: str) -> list[Element]:
-        return [self._state(each) for each in self._paths_in(outer)]
+        return [self._state(path) for path in self._paths_in(outer)]
 
     def _state(self, path: str) -> Element:
         def all_of(feature: str) -> list[Any]:
-            return [each for state in self._states[path] for each in getattr(state, feature)]
+            return [member for state in self._states[path] for member in getattr(state, feature)]
 
         parts = [
             *self._steps("entry", all_of("entry")),
@@ -99,18 +101,22 @@ class _Writer:
     def _initial(self, outer: str) -> str | None:
         """Returns the state that is entered with one: as the machine says, or the core."""
         inside = self._paths_in(outer)
-        own = (each for each in inside if any(state.initial for state in self._states[each]))
-        of_core = (each for each in inside if each == self._whole.initial(outer))
+        own = (
+            substate
+            for substate in inside
+            if any(state.initial for state in self._states[substate])
+        )
+        of_core = (substate for substate in inside if substate == self._whole.initial(outer))
         return next(own, None) or next(of_core, None)
 
     def _steps(self, tag: str, actions: list[jaus.Action]) -> Iterator[Element]:
         if actions:
-            yield element(tag, [self._action(each, has_sender=False) for each in actions])
+            yield element(tag, [self._action(action, has_sender=False) for action in actions])
 
     def _transitions(self, transitions: list[jaus.Transition], path: str) -> list[Element]:
         # Those for all triggers stand behind the others (AS5684).
         ordered = sorted(transitions, key=lambda t: t.message is None and not event_name(t.event))
-        return [self._transition(each, path) for each in ordered]
+        return [self._transition(transition, path) for transition in ordered]
 
     def _transition(self, transition: jaus.Transition, path: str) -> Element:
         message, event = transition.message, event_name(transition.event)
@@ -122,7 +128,10 @@ class _Writer:
                 event, self._service, lambda s: any(e.name == event for e in s.events)
             )
         carried = self._parameters(transition)
-        parts = [element("parameter", type=type_, value=each) for each, type_ in carried.items()]
+        parts = [
+            element("parameter", type=type_, value=parameter)
+            for parameter, type_ in carried.items()
+        ]
         if transition.guard:
             of_message = next(iter(carried)) if message is not None else None
             parts.append(element("guard", condition=_called(transition.guard, of_message)))
@@ -137,7 +146,7 @@ class _Writer:
         The first name that guard and actions use is the message, `msg` without one; names for
         what an event carries are those of the event, and its body in lower case.
         """
-        names = [each for each in _names(transition) if each != _SENDER]
+        names = [name for name in _names(transition) if name != _SENDER]
         if transition.message is not None:
             first = names[0] if names and _MESSAGE not in names else _MESSAGE
             return {first: str(transition.message.name), _SENDER: _SENT_WITH}
@@ -145,7 +154,7 @@ class _Writer:
         events = (e for s in lineage(self._service) for e in s.events if e.name == event)
         body = next((str(e.body.name) for e in events if e.body is not None), "")
         of_body = {body[:1].lower() + body[1:]: f"{event}.Body.{body}"}
-        return {each: of_body.get(each, event) for each in names} if event else {}
+        return {name: of_body.get(name, event) for name in names} if event else {}
 
     def _kind(self, transition: jaus.Transition, path: str) -> Element:
         """Returns the kind of a transition with the state that it enters, by its whole path."""
@@ -158,12 +167,12 @@ class _Writer:
 
     def _action(self, action: jaus.Action, *, has_sender: bool) -> Element:
         values = arguments_of(action, has_sender=has_sender)
-        arguments = [element("argument", value=each) for each in values]
+        arguments = [element("argument", value=value) for value in values]
         name = action.name if action.sends is None else self._of_transport("Send")
         return explained(element("action", arguments, name=name), action)
 
     def _of_transport(self, name: str) -> str:
-        return _qualified(name, self._service, lambda each: each.urn == f"{CORE}Transport")
+        return _qualified(name, self._service, lambda service: service.urn == f"{CORE}Transport")
 
 
 def _paths(
@@ -191,9 +200,9 @@ def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:
 def _names(transition: jaus.Transition) -> list[str]:
     """Returns the names among the arguments of the guard and the actions of a transition."""
     conditions = _CONDITION.finditer(transition.guard or "")
-    given = [each for match in conditions for each in (match[2] or "").strip(" ()").split(",")]
-    given += [each for action in transition.actions for each in action.arguments]
-    return [each.strip() for each in given if _NAME.fullmatch(each.strip())]
+    given = [word for match in conditions for word in (match[2] or "").strip(" ()").split(",")]
+    given += [argument for action in transition.actions for argument in action.arguments]
+    return [value.strip() for value in given if _NAME.fullmatch(value.strip())]
 
 
 def _called(guard: str, message: str | None) -> str:
@@ -212,7 +221,10 @@ def _called(guard: str, message: str | None) -> str:
     parsed = parse_guard(guard)
     found = (parsed and alternatives(parsed)) or []
     flat = " || ".join(
-        " && ".join(each.written if holds else f"!{each.written}" for each, holds in alternative)
+        " && ".join(
+            condition.written if holds else f"!{condition.written}"
+            for condition, holds in alternative
+        )
         for alternative in found
     )
     return _CONDITION.sub(with_arguments, flat if 0 < len(flat) <= LONGEST else guard)
@@ -241,6 +253,6 @@ def _qualified(name: str, service: jaus.Service, is_owner: Callable[[jaus.Servic
     Of the services that declare it the farthest is meant, and without one the service itself.
     """
     chain = lineage(service)
-    owners = [place for place, each in enumerate(chain) if is_owner(each)]
+    owners = [place for place, ancestor in enumerate(chain) if is_owner(ancestor)]
     inherited = chain[1 : owners[-1] + 1] if owners else []
     return ".".join([*map(reference_name, inherited), name])

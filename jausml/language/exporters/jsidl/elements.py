@@ -45,7 +45,7 @@ def text_element(tag: str, text: str | None) -> Element:
 
 def explained(made: Element, *explaining: Documented) -> Element:
     """Gives an element an `interpretation`, if what it stands for is documented."""
-    texts = (folded(each.documentation) for each in explaining)
+    texts = (folded(explanation.documentation) for explanation in explaining)
     if text := " ".join(filter(None, texts)):
         made.set("interpretation", text)
     return made

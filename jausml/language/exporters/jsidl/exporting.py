@@ -59,17 +59,19 @@ def _is_same_code(difference: Difference) -> bool:
 
 
 def _declared(one: EObject, other: EObject, metamodels: Metamodels) -> Iterator[Difference]:
-    for each in compare(one, other, metamodels, _POLICY):
-        reference, unfolded = each.first_element, each.second_element
+    for difference in compare(one, other, metamodels, _POLICY):
+        reference, unfolded = difference.first_element, difference.second_element
         if not isinstance(reference, jaus.TypeReference) or unfolded is None:
-            yield each
+            yield difference
             continue
         if reference.frame.name != "unstated":
-            yield replace(each, feature="frame", first=reference.frame.name, second=UNSAID["frame"])
+            yield replace(
+                difference, feature="frame", first=reference.frame.name, second=UNSAID["frame"]
+            )
         for inner in _declared(reference.target, unfolded, metamodels):
             _, _, below = inner.path.partition("/")
             if below or inner.feature not in _OF_REFERENCE:
-                yield replace(inner, path=f"{each.path}/{below}".rstrip("/"))
+                yield replace(inner, path=f"{difference.path}/{below}".rstrip("/"))
 
 
 # -- behaviour -----------------------------------------------------------------------------------
@@ -80,7 +82,9 @@ def _done(service: jaus.Service, imported: jaus.Service) -> Iterator[Difference]
     for path, feature in dict.fromkeys([*ours, *theirs]):
         first, element = ours.get((path, feature), ([], service))
         second, _ = theirs.get((path, feature), ([], service))
-        ours_said, other = (" ".join(filter(None, each)) or NOTHING for each in (first, second))
+        ours_said, other = (
+            " ".join(filter(None, description)) or NOTHING for description in (first, second)
+        )
         yield Difference(f"{service.name}/{path}", feature, ours_said, other, element, imported)
 
 
@@ -105,21 +109,23 @@ def _note_state(found: Facts, at: str, path: str, state: jaus.State, whole: Mach
         _note_actions(found, f"{at}/{feature}", getattr(state, feature), has_sender=False)
     for feature in ("transitions", "defaults"):
         number: Counter[str] = Counter()
-        for each in getattr(state, feature):
-            if is_core_trigger(each):
+        for transition in getattr(state, feature):
+            if is_core_trigger(transition):
                 continue  # an import leaves it out, as generators do
             # The order counts of those that share a trigger; AS5684 has those for all last.
-            on = described(each)
+            on = described(transition)
             number[on] += 1
             where, kind, target = (
                 f"{at}/{feature} on {on} {number[on]}",
-                each.kind.name,
-                each.target,
+                transition.kind.name,
+                transition.target,
             )
             leads_to = (whole.resolve(path, target) or target) if target else ""
-            guard = _meaning(each.guard)
-            _note(found, where, each, kind=kind, target=leads_to, guard=guard)
-            _note_actions(found, where, each.actions, has_sender=each.message is not None)
+            guard = _meaning(transition.guard)
+            _note(found, where, transition, kind=kind, target=leads_to, guard=guard)
+            _note_actions(
+                found, where, transition.actions, has_sender=transition.message is not None
+            )
 
 
 def _meaning(text: str | None) -> str:
@@ -131,10 +137,12 @@ def _meaning(text: str | None) -> str:
 def _note_actions(
     found: Facts, at: str, actions: Iterable[jaus.Action], *, has_sender: bool
 ) -> None:
-    for number, each in enumerate(actions, 1):
-        does = f"{each.name} sends {each.sends.name}" if each.sends is not None else each.name
-        arguments = ", ".join(arguments_of(each, has_sender=has_sender))
-        _note(found, f"{at}/action {number}", each, action=does, arguments=arguments)
+    for number, action in enumerate(actions, 1):
+        does = (
+            f"{action.name} sends {action.sends.name}" if action.sends is not None else action.name
+        )
+        arguments = ", ".join(arguments_of(action, has_sender=has_sender))
+        _note(found, f"{at}/action {number}", action, action=does, arguments=arguments)
 
 
 def _note(found: Facts, at: str, element: Documented, **values: str | None) -> None:
@@ -180,9 +188,9 @@ _CODE = {"field_type": "unsigned short integer", "field_units": "one"}
 def service_element(service: jaus.Service) -> Element:
     """Returns a service with all that it says of its own; what it inherits is a reference."""
     fields = FieldWriter()
-    inputs = [_message(each, fields) for each in service.inputs]
-    outputs = [_message(each, fields) for each in service.outputs]
-    events = [_definition("event_def", each, fields) for each in service.events]
+    inputs = [_message(message, fields) for message in service.inputs]
+    outputs = [_message(output, fields) for output in service.outputs]
+    events = [_definition("event_def", event, fields) for event in service.events]
     parts = [text_element("description", service.documentation), element("assumptions")]
     base = service.inherits
     if base is not None:
@@ -240,13 +248,15 @@ def export_jsidl(model: Model, services: Iterable[jaus.Service]) -> ExportResult
         model: Knows the places of the services; a valid one.
     """
     services = list(services)
-    written = [(each, document(service_element(each))) for each in with_inherited(services)]
+    written = [
+        (service, document(service_element(service))) for service in with_inherited(services)
+    ]
     again = import_sources(Source(f"{n}", data) for n, (_, data) in enumerate(written))
-    found = list(_refused(model, [each for each, _ in written], again))
+    found = list(_refused(model, [service for service, _ in written], again))
     if not found:
-        found = [each for service in services for each in _lost(model, service, again)]
+        found = [diagnostic for service in services for diagnostic in _lost(model, service, again)]
         found += _unsaid_sets(model, services)
-    documents = {file_name(each): data for each, data in written if each in services}
+    documents = {file_name(service): data for service, data in written if service in services}
     return ExportResult(documents, sorted(dict.fromkeys(found)))
 
 
@@ -259,10 +269,10 @@ def _refused(
     model: Model, services: list[jaus.Service], again: ImportResult
 ) -> Iterator[Diagnostic]:
     """Yields what the importer does not take of the files."""
-    for each in again.diagnostics:
-        if each.severity is Severity.ERROR:
-            service = services[int(each.location.path)]
-            message = f"{service.name} is no JSIDL: {each.message}"
+    for diagnostic in again.diagnostics:
+        if diagnostic.severity is Severity.ERROR:
+            service = services[int(diagnostic.location.path)]
+            message = f"{service.name} is no JSIDL: {diagnostic.message}"
             yield finding("JML633", model.location(service), message)
 
 
@@ -270,30 +280,36 @@ def _lost(model: Model, service: jaus.Service, again: ImportResult) -> Iterator[
     """Yields what an import of the file of a service does not bring back."""
     key = service.urn, service.version
     imported = next(
-        each for root in again.sets for each in root.services if (each.urn, each.version) == key
+        candidate
+        for root in again.sets
+        for candidate in root.services
+        if (candidate.urn, candidate.version) == key
     )
     unsaid: dict[tuple[str, str], list[Difference]] = {}
-    for each in differences(service, imported, model.metamodels):
-        owner = "/".join(each.path.split("/")[:2])
-        if each.second == UNSAID.get(each.feature):
-            unsaid.setdefault((owner, each.feature), []).append(each)
+    for difference in differences(service, imported, model.metamodels):
+        owner = "/".join(difference.path.split("/")[:2])
+        if difference.second == UNSAID.get(difference.feature):
+            unsaid.setdefault((owner, difference.feature), []).append(difference)
         else:
-            message = f"{each.path}: {each.feature} is {each.first}, after an import {each.second}"
-            yield finding("JML632", model.location(each.first_element), message)
+            message = (
+                f"{difference.path}: {difference.feature} is {difference.first}, "
+                f"after an import {difference.second}"
+            )
+            yield finding("JML632", model.location(difference.first_element), message)
     for (owner, feature), found in unsaid.items():
-        names = dict.fromkeys(each.path.rpartition("/")[2] for each in found)
+        names = dict.fromkeys(difference.path.rpartition("/")[2] for difference in found)
         message = f"{owner}: JSIDL has no place for '{feature}' of {', '.join(names)}"
         yield finding("JML631", model.location(found[0].first_element, feature), message)
 
 
 def _unsaid_sets(model: Model, services: Iterable[jaus.Service]) -> Iterator[Diagnostic]:
     """Yields what sets say of themselves, and types that no message refers to."""
-    used = {each.target for each in model.instances(jaus.TypeReference)}
-    for root in dict.fromkeys(each.eContainer() for each in services):
+    used = {type_reference.target for type_reference in model.instances(jaus.TypeReference)}
+    for root in dict.fromkeys(service.eContainer() for service in services):
         if root is not None and root.documentation:
             message = f"JSIDL has no place for what the set '{root.name}' says of itself"
             yield finding("JML631", model.location(root, "documentation"), message)
-        for each in root.types if root is not None else ():
-            if each not in used:
-                message = f"the declared type '{each.name}' is left out: nothing refers to it"
-                yield finding("JML631", model.location(each), message)
+        for field in root.types if root is not None else ():
+            if field not in used:
+                message = f"the declared type '{field.name}' is left out: nothing refers to it"
+                yield finding("JML631", model.location(field), message)

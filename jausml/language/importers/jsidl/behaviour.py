@@ -56,11 +56,11 @@ class BehaviourBuilder:
             return []
         made: dict[str, jaus.StateMachine] = {}
         starts = children(place, "start")
-        for each in children(place, "state_machine"):
-            machine = self._machine(each, starts)
+        for child in children(place, "state_machine"):
+            machine = self._machine(child, starts)
             if machine.name in made:
                 message = f"machine '{machine.name}' is there twice"
-                self._findings.report("JML624", each, message, "the second one is left out")
+                self._findings.report("JML624", child, message, "the second one is left out")
             made.setdefault(machine.name, machine)
         for start in starts:
             name = last(start.node.get("state_machine_name"))
@@ -86,10 +86,10 @@ class BehaviourBuilder:
         if not states:
             self._findings.report("JML604", place, f"machine {show(name)} has no state")
         self._report_staying(place)
-        for each in children(place, "default_state"):
+        for child in children(place, "default_state"):
             # What holds in all states is a transition of each of the outermost ones.
             for state in states:
-                self._builder.set(state, "transitions", self._transitions(each))
+                self._builder.set(state, "transitions", self._transitions(child))
         said = documentation(place.node)
         return self._builder.new(
             jaus.StateMachine, place, name=name, documentation=said, states=states
@@ -105,11 +105,11 @@ class BehaviourBuilder:
                 "JML624", place.at("initial_state"), message, f"{show(initial)} was taken"
             )
         states = []
-        for each in children(place, "state"):
-            name = folded(each.node.get("name"))
+        for child in children(place, "state"):
+            name = folded(child.node.get("name"))
             inside = start[1:] if name == started else []
             is_initial = name == (initial or started)
-            states.append(self._state(each, inside, [*outer, name], is_initial=is_initial))
+            states.append(self._state(child, inside, [*outer, name], is_initial=is_initial))
         return states
 
     def _state(
@@ -124,13 +124,13 @@ class BehaviourBuilder:
             name=path[-1],
             documentation=documentation(place.node),
             initial=is_initial or None,
-            entry=[a for each in children(place, "entry") for a in self._actions(each)],
-            exit=[a for each in children(place, "exit") for a in self._actions(each)],
+            entry=[a for child in children(place, "entry") for a in self._actions(child)],
+            exit=[a for child in children(place, "exit") for a in self._actions(child)],
             transitions=self._transitions(place),
             defaults=[
                 made
-                for each in children(place, "default_state")
-                for made in self._transitions(each)
+                for child in children(place, "default_state")
+                for made in self._transitions(child)
             ],
             states=inside,
         )
@@ -140,8 +140,8 @@ class BehaviourBuilder:
     def _transitions(self, place: NodePlace) -> list[jaus.Transition]:
         """Makes the transitions directly inside an element, those for all triggers last."""
         found = (*children(place, "transition"), *children(place, "default_transition"))
-        made = [self._transition(each) for each in found]
-        return [each for each in made if each is not None]
+        made = [self._transition(node) for node in found]
+        return [transition for transition in made if transition is not None]
 
     def _transition(self, place: NodePlace) -> jaus.Transition | None:
         trigger = self._trigger(place)
@@ -197,11 +197,14 @@ class BehaviourBuilder:
         if parameters:
             text = f"what the event {show(name)} carries is not handed to guards and actions"
             self._findings.report("JML626", parameters[0], text)
-        for each in parameters:
-            value, type_name = folded(each.node.get("value")), folded(each.node.get("type"))
+        for parameter in parameters:
+            value, type_name = (
+                folded(parameter.node.get("value")),
+                folded(parameter.node.get("type")),
+            )
             if type_name not in (name, f"{name}.Body.{value[:1].upper()}{value[1:]}"):
                 text = f"{show(value)} is taken for the event, not for {show(type_name)}"
-                self._findings.report("JML624", each.at("type"), text)
+                self._findings.report("JML624", parameter.at("type"), text)
         return {"event": name}
 
     def _is_broken(self, name: str) -> bool:
@@ -229,12 +232,12 @@ class BehaviourBuilder:
 
     def _report_lost(self, place: NodePlace) -> None:
         """Reports what push and pop have beyond entering and leaving a state."""
-        for each in children(place):
-            if place.node.tag == "push" and each.node.tag == "simple":
+        for child in children(place):
+            if place.node.tag == "push" and child.node.tag == "simple":
                 message = "the push remembers the present state, not the one of <simple>"
-                self._findings.report("JML624", each, message)
-            elif each.node.tag == "argument":
-                self._findings.report("JML624", each, "the pop hands no argument over")
+                self._findings.report("JML624", child, message)
+            elif child.node.tag == "argument":
+                self._findings.report("JML624", child, "the pop hands no argument over")
         if place.node.get("transition"):
             message = f"the pop triggers no {show(place.node.get('transition') or '')}"
             hint = "the state that was left is entered, and nothing further happens"
@@ -243,8 +246,13 @@ class BehaviourBuilder:
     def _report_staying(self, place: NodePlace) -> None:
         """Reports the first transition that stays in a state with exit or entry actions."""
         for node in _states_below(place.node):
-            acting = next((each for each in _states_below(node) if _has_actions(each)), None)
-            staying = next((each for each in _transitions_of(node) if _stays(each)), None)
+            acting = next(
+                (inner_state for inner_state in _states_below(node) if _has_actions(inner_state)),
+                None,
+            )
+            staying = next(
+                (transition for transition in _transitions_of(node) if _stays(transition)), None
+            )
             if acting is not None and staying is not None:
                 at = NodePlace(place.document, staying)
                 state = show(folded(acting.get("name")) or folded(place.node.get("name")))
@@ -284,12 +292,12 @@ class BehaviourBuilder:
 
     def _actions(self, place: NodePlace, *, has_sender: bool = False) -> list[jaus.Action]:
         steps = children(place, *_STEPS)
-        return [self._action(each, has_sender=has_sender) for each in steps]
+        return [self._action(step, has_sender=has_sender) for step in steps]
 
     def _action(self, place: NodePlace, *, has_sender: bool) -> jaus.Action:
         name = last(place.node.get("name"))
-        nodes = [each.node for each in children(place, "argument")]
-        arguments = [folded(each.get("value")) for each in nodes]
+        nodes = [child.node for child in children(place, "argument")]
+        arguments = [folded(node.get("value")) for node in nodes]
         sends = None
         if name == _SEND and arguments:
             name, sends = self._send(place, arguments, has_sender=has_sender)
@@ -352,13 +360,13 @@ def _states_below(node: Node) -> Iterator[Node]:
 def _acts(node: Node) -> bool:
     """Tells whether anything below an element is done on a trigger, an entry or an exit."""
     return any(
-        each.tag in (*_STEPS, "transition", "default_transition") or _acts(each)
-        for each in node.children
+        child.tag in (*_STEPS, "transition", "default_transition") or _acts(child)
+        for child in node.children
     )
 
 
 def _has_actions(state: Node) -> bool:
-    return any(each.tag in ("entry", "exit") and each.children for each in state.children)
+    return any(child.tag in ("entry", "exit") and child.children for child in state.children)
 
 
 def _transitions_of(state: Node) -> Iterator[Node]:
@@ -371,5 +379,5 @@ def _transitions_of(state: Node) -> Iterator[Node]:
 
 
 def _stays(transition: Node) -> bool:
-    found = next((each for each in transition.children if each.tag in _KINDS), None)
+    found = next((child for child in transition.children if child.tag in _KINDS), None)
     return found is not None and found.tag == "simple" and not found.children

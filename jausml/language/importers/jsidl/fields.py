@@ -189,17 +189,19 @@ class FieldBuilder:
         dimensions = children(place, "dimension")
         if not dimensions:
             self._findings.report("JML604", place, f"array {_name(place)} has no <dimension>")
-        sizes = [self._values.integer(scope, each, "size", (1, INT[1])) for each in dimensions]
+        sizes = [
+            self._values.integer(scope, dimension, "size", (1, INT[1])) for dimension in dimensions
+        ]
         made = self.field(scope, element) if element else None
         return jaus.Array, {
             "element": made,
             "dimensions": [size for size in sizes if size is not None],
-            "documentation": documentation(*(each.node for each in dimensions)),
+            "documentation": documentation(*(dimension.node for dimension in dimensions)),
         }
 
     def _fields(self, scope: Scope, places: Sequence[NodePlace]) -> list[jaus.Field]:
         made = [self.field(scope, place) for place in places]
-        return [each for each in made if each is not None]
+        return [field for field in made if field is not None]
 
     # -- fields ----------------------------------------------------------------------------------
 
@@ -210,7 +212,7 @@ class FieldBuilder:
         units = self._values.text(place, "field_units")
         scale = self._child(place, "scale_range")
         values = self._child(place, *_VALUE_SETS)
-        said = documentation(*(each.node for each in (scale, values) if each is not None))
+        said = documentation(*(node.node for node in (scale, values) if node is not None))
         return {
             "type": self._values.numeric_type(place, "field_type"),
             "units": units if units != "one" else None,
@@ -235,7 +237,7 @@ class FieldBuilder:
 
     def _value_set(self, scope: Scope, place: NodePlace) -> jaus.ValueSet | None:
         is_offset = self._values.flag(place, "offset_to_lower_limit")
-        values = [self._value(scope, each) for each in children(place)]
+        values = [self._value(scope, child) for child in children(place)]
         if not values:
             self._findings.report("JML604", place, "<value_set> has no value")
             return None
@@ -268,22 +270,22 @@ class FieldBuilder:
     def _variable_field(self, scope: Scope, place: NodePlace) -> Made:
         choices = self._needed(place, "type_and_units_field")
         alternatives = []
-        for each in children(choices, "type_and_units_enum") if choices else []:
-            features = self._number(scope, each)
-            said = joined(documentation(each.node), features["documentation"])
+        for child in children(choices, "type_and_units_enum") if choices else []:
+            features = self._number(scope, child)
+            said = joined(documentation(child.node), features["documentation"])
             features.update(
-                name=self._values.text(each, "name"),
-                index=self._values.integer(scope, each, "index"),
+                name=self._values.text(child, "name"),
+                index=self._values.integer(scope, child, "index"),
                 documentation=said,
             )
-            alternatives.append(self._builder.new(jaus.Alternative, each, **features))
+            alternatives.append(self._builder.new(jaus.Alternative, child, **features))
         if choices and not alternatives:
             self._findings.report("JML604", choices, f"{_name(place)} has no alternative")
         said = documentation(choices.node) if choices else None
         return jaus.VariableField, {"alternatives": alternatives, "documentation": said}
 
     def _bit_field(self, scope: Scope, place: NodePlace) -> Made:
-        parts = [self._sub_field(scope, each) for each in children(place, "sub_field")]
+        parts = [self._sub_field(scope, child) for child in children(place, "sub_field")]
         if not parts:
             self._findings.report("JML604", place, f"bit_field {_name(place)} has no <sub_field>")
         field_type = self._values.unsigned_type(place)
@@ -325,12 +327,12 @@ class FieldBuilder:
         formats = [
             self._builder.new(
                 jaus.Format,
-                each,
-                name=self._values.text(each, "field_format"),
-                documentation=documentation(each.node),
-                index=self._values.integer(scope, each, "index"),
+                child,
+                name=self._values.text(child, "field_format"),
+                documentation=documentation(child.node),
+                index=self._values.integer(scope, child, "index"),
             )
-            for each in (children(choices, "format_enum") if choices else [])
+            for child in (children(choices, "format_enum") if choices else [])
         ]
         if choices and not formats:
             self._findings.report("JML604", choices, f"{_name(place)} has no format")

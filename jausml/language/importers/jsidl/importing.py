@@ -60,7 +60,7 @@ class ImportResult:
     @property
     def has_errors(self) -> bool:
         """True when the sets are not what the files say."""
-        return any(each.severity is Severity.ERROR for each in self.diagnostics)
+        return any(diagnostic.severity is Severity.ERROR for diagnostic in self.diagnostics)
 
 
 def import_jsidl(
@@ -90,7 +90,7 @@ def import_jsidl(
     files = {os.path.realpath(path): (os.fspath(path), True) for path in paths}
     for path in candidates:
         files.setdefault(os.path.realpath(path), (os.fspath(path), False))
-    sources = [_load(*each) for each in files.values()]
+    sources = [_load(*file) for file in files.values()]
     return import_sources(sources, name=name, version=version, behaviour=behaviour)
 
 
@@ -201,19 +201,19 @@ class _Import:
 
     def _behave(self, services: list[ImportedService]) -> None:
         declared = self._scopes.declared_names()
-        for each in services:
-            names = BehaviourNames(each.service, declared)
+        for service in services:
+            names = BehaviourNames(service.service, declared)
             behaviour = BehaviourBuilder(names, self._builder, self._values, self._findings)
-            for said in children(each.place, "protocol_behavior"):
-                self._builder.set(each.service, "machines", behaviour.machines(said))
+            for said in children(service.place, "protocol_behavior"):
+                self._builder.set(service.service, "machines", behaviour.machines(said))
         finish_machines(services, self._model, self._findings)
 
     def _inherit(self, services: list[ImportedService]) -> None:
         imported = index(services, self._findings)
-        for each in services:
-            base = find_inherited(each, imported, lambda: self._library_services, self._findings)
+        for service in services:
+            base = find_inherited(service, imported, lambda: self._library_services, self._findings)
             if base is not None:
-                self._builder.set(each.service, "inherits", base)
+                self._builder.set(service.service, "inherits", base)
 
     @cached_property
     def _library_services(self) -> ByUrn:

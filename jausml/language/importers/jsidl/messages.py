@@ -77,7 +77,9 @@ class MessageBuilder:
     def _said(self, place: NodePlace, target: NodePlace, further: str | None) -> str | None:
         own = documentation(place.node) if place != target else None
         descriptions = children(target, "description")
-        said = own or documentation(target.node, *(each.node for each in descriptions))
+        said = own or documentation(
+            target.node, *(description.node for description in descriptions)
+        )
         return joined(said, further)
 
     def _code(self, place: NodePlace) -> str | None:

@@ -231,7 +231,7 @@ class Scopes:
                     scope.sets.setdefault(child.get("name") or "", target)
         for service in self.services:
             # A service sees what its own sets see.
-            for own in [each for each in service.sets.values() if each is not None]:
+            for own in [set_scope for set_scope in service.sets.values() if set_scope is not None]:
                 for name, target in own.sets.items():
                     service.sets.setdefault(name, target)
                 for name, place in own.declarations.items():

@@ -113,10 +113,10 @@ def _made(
 ) -> list[MadeT]:
     places = [scope.place]
     for tag in path:
-        places = [each for place in places for each in children(place, tag)]
+        places = [child for place in places for child in children(place, tag)]
     tags = (kind, f"declared_{kind}")
-    found = [make(scope, each) for place in places for each in children(place, *tags)]
-    return [each for each in found if each is not None]
+    found = [make(scope, child) for place in places for child in children(place, *tags)]
+    return [result for result in found if result is not None]
 
 
 def find_inherited(
@@ -146,7 +146,7 @@ def find_inherited(
         return None  # reported as missing
     versions = imported.get(urn, {})
     for candidates in (versions, {} if version in versions else library().get(urn, {})):
-        fitting = [each for each in candidates if matches(version, each)]
+        fitting = [candidate for candidate in candidates if matches(version, candidate)]
         if fitting:
             return candidates[pick_version(version, fitting)]
     candidates = versions or library().get(urn, {})
@@ -165,16 +165,16 @@ def index(services: Iterable[ImportedService], findings: Findings) -> ByUrn:
     """Returns services by URN and version, and reports those that are there twice."""
     found: ByUrn = {}
     first: dict[tuple[str, str], NodePlace] = {}
-    for each in services:
-        urn, version = each.service.urn, each.service.version
+    for service in services:
+        urn, version = service.service.urn, service.service.version
         if not urn:
             continue
-        found.setdefault(urn, {}).setdefault(version, each.service)
-        place = first.setdefault((urn, version), each.place)
-        if place is not each.place:
+        found.setdefault(urn, {}).setdefault(version, service.service)
+        place = first.setdefault((urn, version), service.place)
+        if place is not service.place:
             message = f"service {urn} version {version} is declared twice"
             related = (Related(place.location, "the first declaration"),)
-            findings.report("JML606", each.place.at("id"), message, related=related)
+            findings.report("JML606", service.place.at("id"), message, related=related)
     return found
 
 
@@ -196,19 +196,19 @@ def grouped(services: Iterable[ImportedService]) -> list[SetOfServices]:
     """
     groups: dict[Hashable, list[ImportedService]] = {}
     taken: set[tuple[Hashable, str]] = set()
-    for each in services:
-        owner = each.place.node.parent
-        key: Hashable = owner if owner is not None else str(each.service.urn).rpartition(":")[0]
-        if (key, each.service.name) in taken:
-            key = (key, each.service.version)
-        taken.add((key, each.service.name))
-        groups.setdefault(key, []).append(each)
+    for service in services:
+        owner = service.place.node.parent
+        key: Hashable = owner if owner is not None else str(service.service.urn).rpartition(":")[0]
+        if (key, service.service.name) in taken:
+            key = (key, service.service.version)
+        taken.add((key, service.service.name))
+        groups.setdefault(key, []).append(service)
     return [_group(members) for members in groups.values()]
 
 
 def _group(members: list[ImportedService]) -> SetOfServices:
     place = members[0].place
-    versions = Counter(each.service.version for each in members)
+    versions = Counter(member.service.version for member in members)
     version = pick_version("", [v for v, n in versions.items() if n == max(versions.values())])
     owner = place.node.parent
     name = _name_in(str(members[0].service.urn))
@@ -218,7 +218,7 @@ def _group(members: list[ImportedService]) -> SetOfServices:
         own_version = folded(owner.get("version"))
         version = own_version if _VERSION.fullmatch(own_version) else version
     return SetOfServices(
-        snake_case(name) or "services", version, place, [each.service for each in members]
+        snake_case(name) or "services", version, place, [member.service for member in members]
     )
 
 
@@ -229,7 +229,7 @@ def _name_in(urn: str) -> str:
     itself where there is none.
     """
     *before, service = urn.split(":")
-    telling = [each for each in before if each and each.lower() not in _WORDS_OF_ALL]
+    telling = [word for word in before if word and word.lower() not in _WORDS_OF_ALL]
     return telling[-1] if telling else service
 
 
@@ -260,9 +260,9 @@ def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mappin
 
 def _said(place: NodePlace) -> str | None:
     texts = [
-        documentation(each.node)
+        documentation(child.node)
         for tag in ("description", "assumptions")
-        for each in children(place, tag)
+        for child in children(place, tag)
     ]
     return joined(documentation(place.node), *texts)
 
@@ -294,14 +294,14 @@ class BehaviourNames:
         self.served: dict[jaus.MessageDef, str] = {}
         self._declared = declared
         is_core = service.urn in SERVED_BY_RUNTIME
-        for each in lineage(service):
-            if each.urn in SERVED_BY_RUNTIME and not is_core:
-                self.served |= dict.fromkeys(each.inputs, each.name)
-            for message in each.inputs:
+        for ancestor in lineage(service):
+            if ancestor.urn in SERVED_BY_RUNTIME and not is_core:
+                self.served |= dict.fromkeys(ancestor.inputs, ancestor.name)
+            for message in ancestor.inputs:
                 self.inputs.setdefault(message.name, message)
-            for message in each.outputs:
+            for message in ancestor.outputs:
                 self.outputs.setdefault(message.name, message)
-            self.events |= {event.name for event in each.events}
+            self.events |= {event.name for event in ancestor.events}
 
     def is_declared(self, name: str) -> bool:
         """Tells whether the files declare a message or event, if only with errors."""
@@ -310,7 +310,7 @@ class BehaviourNames:
 
 def finish_machines(services: Iterable[ImportedService], model: Model, findings: Findings) -> None:
     """Takes out transitions to states that do not exist, and marks missing initial states."""
-    for machine in machines_of(bases_first(each.service for each in services)):
+    for machine in machines_of(bases_first(service.service for service in services)):
         _check_targets(machine, model, findings)
         _check_initial(machine, model, findings)
 
@@ -332,10 +332,10 @@ def _check_targets(machine: Machine, model: Model, findings: Findings) -> None:
 def _check_initial(machine: Machine, model: Model, findings: Findings) -> None:
     for path in ["", *machine.nodes]:
         inside = machine.children(path)
-        if any(each in machine.core_states for each in inside):
+        if any(substate in machine.core_states for substate in inside):
             continue  # the core decides
         where = f"state '{path}'" if path else f"machine '{machine.name}'"
-        marked = [each for each in inside if machine.nodes[each].is_initial]
+        marked = [substate for substate in inside if machine.nodes[substate].is_initial]
         if len(inside) > 1 and not marked:
             element = _first_element(machine, inside)
             if element is not None:

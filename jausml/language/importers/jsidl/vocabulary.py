@@ -298,7 +298,7 @@ def documentation(*nodes: Node | None) -> str | None:
 def children(place: NodePlace, *tags: str) -> list[NodePlace]:
     """Returns the elements directly inside one, of some tags if any are named."""
     found = place.node.children
-    return [NodePlace(place.document, each) for each in found if not tags or each.tag in tags]
+    return [NodePlace(place.document, node) for node in found if not tags or node.tag in tags]
 
 
 def joined(*texts: str | None) -> str | None:
@@ -344,7 +344,9 @@ class Values:
 
     def unsigned_type(self, place: NodePlace) -> str | None:
         """Returns the unsigned integer type that an attribute names."""
-        unsigned = {key: each for key, each in NUMERIC_TYPES.items() if each.startswith("u")}
+        unsigned = {
+            key: type_name for key, type_name in NUMERIC_TYPES.items() if type_name.startswith("u")
+        }
         return self.choice(place, "field_type_unsigned", unsigned)
 
     def integer(

@@ -73,13 +73,15 @@ def package_sources(paths: Iterable[str]) -> list[PackageSource]:
     for folder, files in (found for path in paths for found in _found(Path(path))):
         name = _package_name(folder)
         package = packages.setdefault(name, PackageSource(name))
-        package.files += [load(each) for each in files if not _is_known(each, seen)]
+        package.files += [load(file) for file in files if not _is_known(file, seen)]
     return list(packages.values())
 
 
 def installed_source(name: str, folder: Path) -> PackageSource:
     """Returns an installed package."""
-    return PackageSource(name, [load(each) for each in definition_files(folder)])
+    return PackageSource(
+        name, [load(definition_file) for definition_file in definition_files(folder)]
+    )
 
 
 def load(path: Path) -> InterfaceFile:
@@ -95,9 +97,9 @@ def _found(path: Path) -> Iterator[tuple[Path, list[Path]]]:
     if not path.is_dir():
         yield _package_folder(path), [path]
         return
-    files = sorted(each for each in path.iterdir() if each.suffix in SUFFIXES and each.is_file())
-    stems = {each.stem for each in files if each.suffix != IDL}
-    direct = [each for each in files if each.suffix != IDL or each.stem not in stems]
+    files = sorted(file for file in path.iterdir() if file.suffix in SUFFIXES and file.is_file())
+    stems = {file.stem for file in files if file.suffix != IDL}
+    direct = [file for file in files if file.suffix != IDL or file.stem not in stems]
     if direct:
         yield _package_folder(direct[0]), direct
     for folder in _package_folders(path):
@@ -201,12 +203,12 @@ class Builder:
         message = self._new(ros.MessageType, name=name)
         self._adopt(message, document, section.line, 1)
         self._document(message, section.comment)
-        for each in section.fields:
-            element = self._field(each)
-            self._adopt(element, document, each.line, each.column)
+        for definition in section.fields:
+            element = self._field(definition)
+            self._adopt(element, document, definition.line, definition.column)
             self.set(message, "fields", element)
             if isinstance(element, ros.MessageField):
-                self.uses.append(Use(element, each, message, package, document))
+                self.uses.append(Use(element, definition, message, package, document))
         for constant in section.constants:
             features = {"name": constant.name, "type": constant.type, "value": constant.value}
             made = self._new(ros.Constant, **features)

@@ -50,7 +50,7 @@ class ImportResult:
     @property
     def has_errors(self) -> bool:
         """True when the packages are not what the files say."""
-        return any(each.severity is Severity.ERROR for each in self.diagnostics)
+        return any(diagnostic.severity is Severity.ERROR for diagnostic in self.diagnostics)
 
 
 def import_packages(
@@ -209,7 +209,7 @@ class _Import:
         for (package, name), message in self._types.items():
             cycle = _cycle(message, done)
             if cycle:
-                path = " -> ".join(str(each.name) for each in cycle)
+                path = " -> ".join(str(message_type.name) for message_type in cycle)
                 place = self._model.location(message)
                 self._report("JML650", place, f"{package}/{name} contains itself: {path}")
 
@@ -219,7 +219,11 @@ def library_types(model: Model) -> dict[tuple[str, str], ros.MessageType]:
     shipped = library("ros")
     model.join(shipped)
     packages = shipped.instances(ros.InterfacePackage)
-    return {(each.name, message.name): message for each in packages for message in each.messages}
+    return {
+        (package.name, message.name): message
+        for package in packages
+        for message in package.messages
+    }
 
 
 def _remedy(package: str, near: str) -> str:
@@ -254,8 +258,8 @@ def _cycle(start: ros.MessageType, done: set[ros.MessageType]) -> list[ros.Messa
 
 
 def _held(message: ros.MessageType) -> list[ros.MessageType]:
-    fields = [each for each in message.fields if isinstance(each, ros.MessageField)]
-    return [each.messageType for each in fields if each.messageType is not None]
+    fields = [field for field in message.fields if isinstance(field, ros.MessageField)]
+    return [field.messageType for field in fields if field.messageType is not None]
 
 
 def placed(result: ImportResult, places: Mapping[Path, Sequence[ros.InterfacePackage]]) -> Model:

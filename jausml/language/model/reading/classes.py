@@ -50,7 +50,9 @@ class ClassFinder:
         """Returns the class of a root element, which its tag names."""
         place = NodePlace(self._document, node)
         if not node.namespace:
-            names = ", ".join(sorted(each.name for each in self._metamodels.packages.values()))
+            names = ", ".join(
+                sorted(package_table.name for package_table in self._metamodels.packages.values())
+            )
             self._problems.report(
                 "JML101",
                 place,
@@ -125,7 +127,9 @@ class ClassFinder:
         prefix, _, name = written.strip().rpartition(":")
         namespace = place.node.prefixes.get(prefix)
         if not namespace:
-            known = sorted(each.name for each in self._metamodels.packages.values())
+            known = sorted(
+                package_table.name for package_table in self._metamodels.packages.values()
+            )
             message = f"prefix '{prefix}' of {show(written)} is not declared"
             hint = f'declare xmlns:{prefix}="..." on the root element'
             if not prefix:
@@ -170,7 +174,7 @@ class ClassFinder:
 
 def concrete_names(table: ClassTable) -> str:
     """Returns the names of the classes that can stand for a class, for a hint."""
-    names = sorted(each.qualified_name for each in table.subtypes if not each.abstract)
+    names = sorted(subtype.qualified_name for subtype in table.subtypes if not subtype.abstract)
     return ", ".join(name.replace(".", ":") for name in names)
 
 

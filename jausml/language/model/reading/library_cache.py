@@ -53,7 +53,7 @@ class LibraryCache:
     def prepare(self, held: Collection[Path]) -> None:
         """Forgets everything when a file has changed: what refers to it has its elements."""
         paths = {path for path, _ in self._documents}
-        is_current = all(self._stamps[each] == _stamp(each) for each in paths)
+        is_current = all(self._stamps[path] == _stamp(path) for path in paths)
         if not is_current or not paths.isdisjoint(held) or len(self._documents) > _MOST:
             self._documents.clear()
 
@@ -67,12 +67,14 @@ class LibraryCache:
 
     def put(self, model: Model, opened: Opened, faulty: Collection[str]) -> None:
         """Puts the documents of a model there that may be shared, if all of them are sound."""
-        shared = [each for each in model.documents if each.is_shared]
-        if all(_is_sound(each, opened, faulty) for each in shared):
-            for each in shared:
-                if (key := (each.path, each.display)) not in self._documents:
-                    uris = tuple(opened.get(each, ()))
-                    self._documents[key] = CachedDocument(each, uris, model.origins_of(each))
+        shared = [document for document in model.documents if document.is_shared]
+        if all(_is_sound(document, opened, faulty) for document in shared):
+            for document in shared:
+                if (key := (document.path, document.display)) not in self._documents:
+                    uris = tuple(opened.get(document, ()))
+                    self._documents[key] = CachedDocument(
+                        document, uris, model.origins_of(document)
+                    )
 
 
 def _is_sound(document: Document, opened: Opened, faulty: Collection[str]) -> bool:

@@ -72,7 +72,7 @@ class ReadResult:
     @property
     def has_errors(self) -> bool:
         """True when the model cannot be used."""
-        return any(each.severity is Severity.ERROR for each in self.diagnostics)
+        return any(diagnostic.severity is Severity.ERROR for diagnostic in self.diagnostics)
 
 
 def read_models(
@@ -102,7 +102,7 @@ def read_models(
         The model and the findings.
     """
     names = [os.fspath(path) for path in paths]
-    root = find_project_root(Path(each) for each in names)
+    root = find_project_root(Path(name) for name in names)
     if project_root is not None:
         root = Path(project_root)
     folders = {name: Path(folder) for name, folder in (projects or {}).items()}
@@ -138,7 +138,7 @@ class _Reading:
         self._uris = uris
         self._documents: dict[Path, Document] = {}
         self._targets: dict[tuple[str, str], FileTarget | UriFault] = {}
-        rules = {id_: rule for each in notations for id_, rule in each.rules.items()}
+        rules = {id_: rule for notation in notations for id_, rule in notation.rules.items()}
         self._problems = Problems(rules)
         self._model = Model([], metamodels)
         self._references: list[Reference | Mention] = []
@@ -148,7 +148,7 @@ class _Reading:
 
     def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
         targets = [self._uris.given(name, self._contents) for name in names]
-        if any(each.is_library for each in targets):
+        if any(file_target.is_library for file_target in targets):
             self._cache = None  # what is checked itself is not what others refer to
         if self._cache is not None:
             self._cache.prepare(self._contents.keys())
@@ -162,12 +162,12 @@ class _Reading:
         self.lost = tuple(map(self._lost, resolution.lost))
         for document, written in self._written.items():
             self._report(document, written.check())
-        read = [each for each in self._model.documents if each not in self._taken]
+        read = [candidate for candidate in self._model.documents if candidate not in self._taken]
         check_bounds(read, self._model, self._problems)
         self._model.unread = self._problems.unread
         diagnostics = self._problems.diagnostics(self._model)
         if self._cache is not None:
-            faulty = {each.location.path for each in diagnostics}
+            faulty = {diagnostic.location.path for diagnostic in diagnostics}
             self._cache.put(self._model, self._opened, faulty)
         return self._model, diagnostics
 
@@ -285,7 +285,9 @@ class _Reading:
 
     def _notation_of(self, path: Path) -> Notation | None:
         """Returns what reads a file that is no XMI."""
-        fitting = (each for each in self._notations if path.name.endswith(each.suffixes))
+        fitting = (
+            notation for notation in self._notations if path.name.endswith(notation.suffixes)
+        )
         return next(fitting, None)
 
     def _builder(self, document: Document) -> ElementBuilder:
@@ -322,10 +324,10 @@ class _Reading:
 
     def _import(self, document: Document) -> None:
         written = self._written.get(document)
-        for each in written.imports if written is not None else ():
-            opened = self._open(each.uri, document)
+        for import_entry in written.imports if written is not None else ():
+            opened = self._open(import_entry.uri, document)
             if isinstance(opened, UriFault):
-                place = Location(document.display, each.line, each.column)
+                place = Location(document.display, import_entry.line, import_entry.column)
                 self._problems.report(opened.rule, place, opened.message, opened.hint)
             elif opened is not document and opened not in document.imports:
                 document.imports.append(opened)

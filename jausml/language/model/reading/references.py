@@ -63,14 +63,14 @@ class NameResolution:
         return None
 
     def _report_ambiguous(self, reference: Reference, found: list[EObject]) -> None:
-        names = [self._names.label(each) for each in found]
+        names = [self._names.label(element) for element in found]
         more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
         self._problems.report(
             "JML216",
             reference.place,
             f"{show(reference.name)} may be {', '.join(names[:_FEW])}{more}",
             self._names.how_to_choose(found, reference.place.document),
-            tuple(self._related(each) for each in found[:_FEW]),
+            tuple(self._related(element) for element in found[:_FEW]),
         )
 
     def _related(self, element: EObject) -> Related:
@@ -146,7 +146,7 @@ def in_order_of_import(documents: Iterable[Document]) -> list[Document]:
         elif document not in seen:
             seen.add(document)
             pending.append((document, True))
-            pending += [(each, False) for each in reversed(document.imports)]
+            pending += [(dependency, False) for dependency in reversed(document.imports)]
     return list(done)
 
 
@@ -200,7 +200,9 @@ class Resolution:
                 waiting.append(reference)
             else:
                 self._resolve(reference)
-        for reference in sorted(waiting, key=lambda each: depth(each.owner)):
+        for reference in sorted(
+            waiting, key=lambda deferred_reference: depth(deferred_reference.owner)
+        ):
             self._resolve(reference)
         for reference in islice(references, done, None):
             if isinstance(reference, Mention):
@@ -361,7 +363,7 @@ class Resolution:
         if others:
             message += f" ({len(absent.references)} references)"
         related = tuple(
-            Related(each.place.location, "referenced here too") for each in others[:_FEW_RELATED]
+            Related(other.place.location, "referenced here too") for other in others[:_FEW_RELATED]
         )
         fault = absent.fault
         self._problems.report(fault.rule, first.place, message, fault.hint, related)

@@ -68,7 +68,9 @@ class DocumentPrinter(Generic[ElementT]):
     def namespaces(self) -> Mapping[str, str]:
         """Returns the namespaces of the document by prefix, in order."""
         packages = self.metamodels.packages.values()
-        found = sorted((each.name, each.ns_uri) for each in packages if each.name in self.prefixes)
+        found = sorted(
+            (package.name, package.ns_uri) for package in packages if package.name in self.prefixes
+        )
         return {**({"xsi": XSI} if self.has_types else {}), **dict(found)}
 
     def further_attributes(self) -> str:
@@ -90,12 +92,14 @@ class DocumentPrinter(Generic[ElementT]):
             lines += self.lines_of(root, tag, mark, "  " if is_wrapped else "")
         further = self.further_attributes()
         declared = self.namespaces().items()
-        head = _XMI + "".join(f' xmlns:{each}="{attribute_text(uri)}"' for each, uri in declared)
+        head = _XMI + "".join(
+            f' xmlns:{prefix}="{attribute_text(uri)}"' for prefix, uri in declared
+        )
         head += further
         if is_wrapped:
             end = [*lines, "</xmi:XMI>"] if lines else []
             return [f"<xmi:XMI{head}{'' if lines else '/'}>", *end]
-        return [each.replace("\0", head, 1) for each in lines]
+        return [line.replace("\0", head, 1) for line in lines]
 
     def lines_of(self, element: ElementT, tag: str, head: str, indent: str) -> Iterator[str]:
         """Yields the lines of an element."""
@@ -109,7 +113,11 @@ class DocumentPrinter(Generic[ElementT]):
                 inner.append(feature)
             else:
                 head += f' {feature.name}="{attribute_text(text)}"'
-        lines = (line for each in inner for line in self.children(element, each, indent + "  "))
+        lines = (
+            line
+            for inner_feature in inner
+            for line in self.children(element, inner_feature, indent + "  ")
+        )
         first = next(lines, None)
         if first is None:
             yield f"{indent}<{tag}{head}/>"
@@ -126,8 +134,8 @@ class DocumentPrinter(Generic[ElementT]):
             return values[0] if values else None
         if feature.kind is not FeatureKind.CROSS_REFERENCE:
             return None
-        fragments = [self.fragment_of(each) for each in self.targets_of(element, feature)]
-        here = [each for each in fragments if each is not None]
+        fragments = [self.fragment_of(target) for target in self.targets_of(element, feature)]
+        here = [fragment for fragment in fragments if fragment is not None]
         return " ".join(here) if here and len(here) == len(fragments) else None
 
     def children(self, element: ElementT, feature: FeatureTable, indent: str) -> Iterator[str]:
@@ -139,12 +147,12 @@ class DocumentPrinter(Generic[ElementT]):
                 content = ' xsi:nil="true"/>' if text is None else f">{element_text(text)}</{name}>"
                 yield f"{indent}<{name}{content}"
             return
-        for each in self.targets_of(element, feature):
-            if feature.kind is FeatureKind.CONTAINMENT and not self.is_apart(each):
-                yield from self.lines_of(each, self.child_tag(each, feature), "", indent)
+        for target in self.targets_of(element, feature):
+            if feature.kind is FeatureKind.CONTAINMENT and not self.is_apart(target):
+                yield from self.lines_of(target, self.child_tag(target, feature), "", indent)
             else:
-                href = attribute_text(self.href_of(each))
-                yield f'{indent}<{self.child_tag(each, feature)} href="{href}"/>'
+                href = attribute_text(self.href_of(target))
+                yield f'{indent}<{self.child_tag(target, feature)} href="{href}"/>'
 
     def tag(self, table: ClassTable) -> str:
         """Returns the qualified name of a class as XML has it."""

@@ -144,7 +144,9 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
             return ()
         value = getattr(element, feature.name)
         values = value if feature.many else [value]
-        return [None if each is None else lexical(each, feature) for each in values]
+        return [
+            None if inner_value is None else lexical(inner_value, feature) for inner_value in values
+        ]
 
     def targets_of(self, element: EObject, feature: FeatureTable) -> Sequence[EObject]:
         if feature.kind is FeatureKind.CONTAINER or not is_written(element, feature):
@@ -237,14 +239,20 @@ def name_identifiers(roots: Sequence[EObject], model: Model) -> None:
     """
     elements = list(_elements(roots, model))
     referred = {target for obj in elements for target in _targets(obj, model)}
-    named = [each for each in elements if name_of(each) and (each in referred or _is_public(each))]
+    named = [
+        element
+        for element in elements
+        if name_of(element) and (element in referred or _is_public(element))
+    ]
     names = Counter(map(name_of, named))
-    taken = {model.identifier(each) for each in elements}
-    for each in named:
-        is_message = isinstance(each, jaus.MessageDef)
-        identifier = _path(each) if is_message or names[name_of(each)] > 1 else name_of(each)
+    taken = {model.identifier(element) for element in elements}
+    for element in named:
+        is_message = isinstance(element, jaus.MessageDef)
+        identifier = (
+            _path(element) if is_message or names[name_of(element)] > 1 else name_of(element)
+        )
         if _LEGAL.fullmatch(identifier) and identifier not in taken:
-            model.name_by_id(each, identifier)
+            model.name_by_id(element, identifier)
             taken.add(identifier)
 
 
@@ -278,4 +286,4 @@ def _path(obj: EObject) -> str:
     while (owner := obj.eContainer()) is not None:
         steps.append(name_of(obj))
         obj = owner
-    return ".".join(reversed([each for each in steps if each]))
+    return ".".join(reversed([step for step in steps if step]))

@@ -98,7 +98,7 @@ def is_coordinate(attribute: Attribute) -> bool:
 
 def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | None:
     """Returns what becomes of the axes of sources; None when a conversion hides it."""
-    axes = tuple(axis_of(each) for each in sources)
+    axes = tuple(axis_of(source) for source in sources)
     between, sign = None, 1
     for step in steps:
         if step.conversion.frames:
@@ -116,12 +116,12 @@ def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | No
 def of_other_frames(conversion: Conversion) -> Conversion | None:
     """Returns what does the same as a conversion between two frames between two others."""
     found = (
-        each
-        for each in CONVERSIONS.values()
-        if each is not conversion
-        and each.frames
-        and IS_DOWN[each.frames[0]] == IS_DOWN[conversion.frames[0]]
-        and _shape(each) == _shape(conversion)
+        candidate
+        for candidate in CONVERSIONS.values()
+        if candidate is not conversion
+        and candidate.frames
+        and IS_DOWN[candidate.frames[0]] == IS_DOWN[conversion.frames[0]]
+        and _shape(candidate) == _shape(conversion)
     )
     return next(found, None)
 
@@ -129,9 +129,10 @@ def of_other_frames(conversion: Conversion) -> Conversion | None:
 def of_an_angle(taken: str, given: str) -> Conversion | None:
     """Returns the conversion of an angle from one frame to another."""
     found = (
-        each
-        for each in CONVERSIONS.values()
-        if each.frames == (taken, given) and each.inputs == each.outputs == (NUMBER,)
+        conversion
+        for conversion in CONVERSIONS.values()
+        if conversion.frames == (taken, given)
+        and conversion.inputs == conversion.outputs == (NUMBER,)
     )
     return next(found, None)
 
@@ -167,14 +168,14 @@ def is_stated(frame: str) -> bool:
 @lru_cache(maxsize=1024)
 def _words(label: str) -> tuple[str, ...]:
     parts = re.findall("[A-Z]+(?![a-z])|[A-Z][a-z]*|[a-z]+|[0-9]+", label)
-    return tuple(each.lower() for each in parts)
+    return tuple(part.lower() for part in parts)
 
 
 @lru_cache(maxsize=1024)
 def _axis_name(words: tuple[str, ...]) -> str:
     if not words or not _WITHOUT_SIGN.isdisjoint(words):
         return ""
-    turning = [each for each in words if each in _ANGLES]
+    turning = [word for word in words if word in _ANGLES]
     if turning:
         return _AXES[turning[0]]
     return words[-1] if words[-1] in ("x", "y", "z") else ""

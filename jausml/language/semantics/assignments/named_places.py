@@ -40,14 +40,18 @@ def named_places(used: bridge.AttributeMap) -> NamedPlaces | None:
     """
     names: dict[int, str] = {}
     keys = ""
-    for each in used.toRos:
-        place = named_by(each.target)
-        if place is not None and isinstance(each, bridge.ConstantAssignment):
-            keys = str(each.target).partition("[")[0].strip()
-            names[place] = str(each.value)
+    for assignment in used.toRos:
+        place = named_by(assignment.target)
+        if place is not None and isinstance(assignment, bridge.ConstantAssignment):
+            keys = str(assignment.target).partition("[")[0].strip()
+            names[place] = str(assignment.value)
     if not names or [*sorted(names)] != [*range(len(names))]:
         return None
-    read = (array for each in used.toJaus for array, _ in _places(getattr(each, "source", "")))
+    read = (
+        array
+        for assignment in used.toJaus
+        for array, _ in _places(getattr(assignment, "source", ""))
+    )
     arrays = tuple(dict.fromkeys(read))
     return NamedPlaces(keys, tuple(names[place] for place in sorted(names)), arrays)
 

@@ -125,8 +125,8 @@ class Step:
 def steps_of(placed: Placed[bridge.FieldAssignment]) -> list[Step]:
     """Returns the conversions of an assignment, in order."""
     return [
-        step_of(each, expression_names(placed, position), to_ros=placed.scope.to_ros)
-        for position, each in enumerate(placed.assignment.conversions)
+        step_of(conversion, expression_names(placed, position), to_ros=placed.scope.to_ros)
+        for position, conversion in enumerate(placed.assignment.conversions)
     ]
 
 
@@ -144,7 +144,9 @@ def step_of(
     """
     conversion = conversion_of(element)
     given = _numbers(element, quantities or {})
-    others = [each for each in conversion.arguments if each.kind is not ArgumentKind.NUMBER]
+    others = [
+        parameter for parameter in conversion.arguments if parameter.kind is not ArgumentKind.NUMBER
+    ]
     is_complete = len(given) == len(conversion.numbers)
     for argument in others:
         value = _argument(element, argument, names, to_ros=to_ros)
@@ -156,7 +158,7 @@ def step_of(
 def _numbers(element: bridge.Conversion, quantities: Mapping[str, bridge.Quantity]) -> list[Any]:
     quantity = element.quantity
     if quantity is None:
-        return [float(each) for each in element.arguments]
+        return [float(argument) for argument in element.arguments]
     return [value_of(quantity, quantities)]
 
 
@@ -176,7 +178,9 @@ def _argument(
 
 
 def _pairs(table: bridge.ValueTable, *, to_ros: bool) -> Pairs:
-    ends = ((each.jaus, each.ros) if to_ros else (each.ros, each.jaus) for each in table.entries)
+    ends = (
+        (entry.jaus, entry.ros) if to_ros else (entry.ros, entry.jaus) for entry in table.entries
+    )
     return [(_scalar(taken), _scalar(given)) for taken, given in ends]
 
 

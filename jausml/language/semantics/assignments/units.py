@@ -103,7 +103,9 @@ def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFaul
         None when nothing is known, a fault when a conversion cannot take what it gets.
     """
     measures = [attribute_measure(found) for _, found in placed.sources]
-    fault = _source_fault(placed, [each for each in measures if each is not None])
+    fault = _source_fault(
+        placed, [source_measure for source_measure in measures if source_measure is not None]
+    )
     if fault is not None:
         return fault
     current = _common(measures)
@@ -123,7 +125,10 @@ def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
     if not isinstance(result, Measure):
         return result is not None
     wanted = [attribute_measure(found) for _, found in placed.targets]
-    return any(each is not None and not each.unit.is_compatible(result.unit) for each in wanted)
+    return any(
+        target_measure is not None and not target_measure.unit.is_compatible(result.unit)
+        for target_measure in wanted
+    )
 
 
 def attribute_measure(found: Found) -> Measure | None:
@@ -140,11 +145,11 @@ def _source_fault(placed: Placed[bridge.FieldAssignment], known: list[Measure]) 
         return None
     effect = conversion_of(first).units
     if isinstance(effect, tuple):
-        results = (_between(first, each, *effect) for each in known)
-        faults = (each for each in results if isinstance(each, UnitFault))
-        return next((UnitFault(first, each.message) for each in faults), None)
-    if effect in _OF_ONE_UNIT and len({each.unit for each in known}) > 1:
-        units = " and ".join(dict.fromkeys(each.text for each in known))
+        results = (_between(first, source_measure, *effect) for source_measure in known)
+        faults = (result for result in results if isinstance(result, UnitFault))
+        return next((UnitFault(first, fault.message) for fault in faults), None)
+    if effect in _OF_ONE_UNIT and len({source_measure.unit for source_measure in known}) > 1:
+        units = " and ".join(dict.fromkeys(source_measure.text for source_measure in known))
         return UnitFault(first, f"{first.kind.name} takes one unit, but gets {units}")
     return None
 
@@ -152,7 +157,9 @@ def _source_fault(placed: Placed[bridge.FieldAssignment], known: list[Measure]) 
 def _common(measures: list[Measure | None]) -> Measure | None:
     """The unit of several sources, when all have the same."""
     first = measures[0] if measures else None
-    same = first is not None and all(each and each.unit == first.unit for each in measures)
+    same = first is not None and all(
+        source_measure and source_measure.unit == first.unit for source_measure in measures
+    )
     return first if same else None
 
 
@@ -219,7 +226,7 @@ def fills_rates_alone(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
     A map that fills a number of unknown unit, or none, does not.
     """
     found = list(_units(used, to_ros=to_ros))
-    return bool(found) and all(each is not None and is_rate(each) for each in found)
+    return bool(found) and all(unit is not None and is_rate(unit) for unit in found)
 
 
 def is_rate(unit: Unit) -> bool:
@@ -233,14 +240,14 @@ def _units(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
     Of lists, and of wholes of numbers such as an orientation, it is none.
     """
     scope = outer_scope(used, to_ros=to_ros)
-    for each in used.toRos if to_ros else used.toJaus:
-        if isinstance(each, bridge.ListAssignment):
+    for assignment in used.toRos if to_ros else used.toJaus:
+        if isinstance(assignment, bridge.ListAssignment):
             yield None
-        if not isinstance(each, bridge.FieldAssignment):
+        if not isinstance(assignment, bridge.FieldAssignment):
             continue
-        sources = [scope.find_source(path) for path in source_paths(each)]
+        sources = [scope.find_source(path) for path in source_paths(assignment)]
         known = next(filter(None, (_known_unit(_attribute(place)) for place in sources)), None)
-        for path in target_paths(each):
+        for path in target_paths(assignment):
             found = _attribute(scope.find_target(path))
             if found is None or found.kind not in (*_NUMERIC, *_WITHOUT_NUMBERS):
                 yield None
@@ -264,15 +271,15 @@ def result_ranges(placed: Placed[bridge.FieldAssignment]) -> list[Interval]:
         One range for each target, `EMPTY` for a value that there never is; empty for what is no
         number.
     """
-    current = [source_range(each) for each in placed.source_attributes]
+    current = [source_range(source_attribute) for source_attribute in placed.source_attributes]
     if None in current and not placed.assignment.conversions:
         return []
-    known = [each if each is not None else EVERYTHING for each in current]
+    known = [interval if interval is not None else EVERYTHING for interval in current]
     for step in steps_of(placed):
         known = step.ranges(known)
     unit_step = result_step(placed)
     if unit_step is not None:
-        known = [linear_interval(each, *unit_step) for each in known]
+        known = [linear_interval(interval, *unit_step) for interval in known]
     return known
 
 

@@ -57,7 +57,7 @@ def answering(connection: bridge.RosServiceConnection) -> jaus.MessageDef | None
 def messages(connection: bridge.RosServiceConnection) -> list[jaus.MessageDef]:
     """Returns the JAUS messages of a service connection, without those inside them."""
     found = (asking(connection), answering(connection), *connection.rejections)
-    return [each for each in found if each is not None]
+    return [message for message in found if message is not None]
 
 
 def types(connection: bridge.RosServiceConnection) -> tuple[ros.MessageType, ros.MessageType]:
@@ -73,9 +73,9 @@ def maps_success(connection: bridge.RosServiceConnection) -> bool:
     member = parse_path(connection.successMember)
     return any(
         parse_path(path) == member
-        for each in used.toRos
-        if not isinstance(each, bridge.Ignore)
-        for path in target_paths(each)
+        for assignment in used.toRos
+        if not isinstance(assignment, bridge.Ignore)
+        for path in target_paths(assignment)
     )
 
 
@@ -156,10 +156,10 @@ def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
     if service is not None and str(service.urn) in WAYPOINTS:
         return _waypoint_messages(service)
     services = lineage(service)
-    inputs = [m for each in services for m in each.inputs]
-    outputs = [m for each in services for m in each.outputs]
+    inputs = [m for ancestor in services for m in ancestor.inputs]
+    outputs = [m for ancestor in services for m in ancestor.outputs]
     spooler = tuple(m for name in SPOOLER if (m := named(name, inputs)) is not None)
-    if any(each.name == LIST_MANAGER for each in services):
+    if any(ancestor.name == LIST_MANAGER for ancestor in services):
         spooler = ()
         found = named(EXECUTE, inputs), named(QUERY, inputs), named(REPORT, outputs)
     elif len(spooler) == len(SPOOLER):
@@ -174,7 +174,7 @@ def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
 
 def _waypoint_messages(service: jaus.Service) -> DriverMessages | None:
     wanted = WAYPOINTS[str(service.urn)]
-    command = next((each for each in service.inputs if code(each) == wanted), None)
+    command = next((message for message in service.inputs if code(message) == wanted), None)
     answer = None if command is None else answer_alike(service, command)
     if command is None or answer is None:
         return None
@@ -186,7 +186,7 @@ def speed_answer(driver: jaus.Service) -> Answer | None:
     messages = driver_messages(driver)
     if messages is None or not knows_speed(messages):
         return None
-    outputs = (m for each in lineage(driver) for m in each.outputs)
+    outputs = (m for service in lineage(driver) for m in service.outputs)
     return answer_by(driver, named(SPEED_REPORT, outputs))
 
 
@@ -198,7 +198,7 @@ def answers(action: bridge.RosActionConnection) -> list[Answer]:
     if messages is not None and messages.is_single:
         return []
     found = (speed_answer(action.driver), answer_alike(action.driver, action.element.message))
-    return [each for each in found if each is not None]
+    return [answer for answer in found if answer is not None]
 
 
 def knows_speed(messages: DriverMessages) -> bool:
@@ -217,10 +217,10 @@ def unanswered(service: jaus.Service, sent: Container[int]) -> list[jaus.Message
     if str(service.urn) in SERVED_BY_RUNTIME:
         return []
     # A service may send a report for which one that it inherits has the query.
-    asked = {each.name: each for one in lineage(service) for each in one.inputs}
-    reports = (each for each in service.outputs if code(each) not in sent)
-    found = (asked.get(query_name(each)) for each in reports)
-    return [each for each in found if each is not None]
+    asked = {message.name: message for one in lineage(service) for message in one.inputs}
+    reports = (output for output in service.outputs if code(output) not in sent)
+    found = (asked.get(query_name(report)) for report in reports)
+    return [message for message in found if message is not None]
 
 
 def sent_reports(owner: bridge.Bridge) -> set[int]:
@@ -228,7 +228,7 @@ def sent_reports(owner: bridge.Bridge) -> set[int]:
     commands = map(command_answer, owner.bridgeConnections)
     return {
         *map(code, _carried(owner)),
-        *(code(each.report) for each in commands if each is not None),
+        *(code(command.report) for command in commands if command is not None),
     }
 
 
@@ -251,4 +251,4 @@ def _carried(owner: bridge.Bridge) -> Iterator[jaus.MessageDef]:
         of_driver = driver_messages(action.driver)
         if of_driver is not None:
             yield of_driver.report
-        yield from (each.report for each in answers(action))
+        yield from (answer.report for answer in answers(action))

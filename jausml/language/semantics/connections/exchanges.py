@@ -79,9 +79,10 @@ def infer(
     """
     options = possible_exchanges(connection) if is_known else ()
     agreeing = tuple(
-        each
-        for each in options
-        if direction in (None, each.direction) and _agrees(each, exchange, connection)
+        exchange_option
+        for exchange_option in options
+        if direction in (None, exchange_option.direction)
+        and _agrees(exchange_option, exchange, connection)
     )
     if len(agreeing) == 1:
         [option] = agreeing
@@ -120,7 +121,7 @@ def _options(
 ) -> Iterator[ExchangeOption]:
     message, own = connection.map.message, provided_services(owner)
     partners = _partners(connection, owner)
-    named = " and ".join(str(each.name) for each in connection.peers)
+    named = " and ".join(str(peer.name) for peer in connection.peers)
     partner = named or "a component that provides the service"
     if TO_ROS in directions:
         if _takes(own, message):
@@ -177,7 +178,7 @@ def _usual_exchange(connection: bridge.Connection) -> str:
 def _partners(connection: bridge.Connection, owner: bridge.Bridge) -> list[list[jaus.Service]]:
     """Returns the services of each component at the other end."""
     if connection.peers:
-        return [provided_services(each) for each in connection.peers]
+        return [provided_services(peer) for peer in connection.peers]
     if connection.search is not None:
         return [searched_services(connection.search)]
     used = with_inherited(owner.uses)
@@ -205,7 +206,7 @@ def _sent(service: jaus.Service) -> frozenset[object]:
 
 
 def _with_codes(messages: Iterable[jaus.MessageDef]) -> frozenset[object]:
-    return frozenset(each for message in messages for each in (message, message.code) if each)
+    return frozenset(key for message in messages for key in (message, message.code) if key)
 
 
 def _has(known: frozenset[object], wanted: jaus.MessageDef) -> bool:

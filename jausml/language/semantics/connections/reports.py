@@ -64,14 +64,14 @@ class JoinedReport:
         if self.stated_query is not None:
             return find_input(self.stated_query, provider)
         wanted = query_name(self.join.message)
-        return next((each for each in inputs(provider) if each.name == wanted), None)
+        return next((message for message in inputs(provider) if message.name == wanted), None)
 
 
 def joined_reports(connection: bridge.Connection) -> list[JoinedReport]:
     """Returns the joined reports of a connection; none from ROS to JAUS."""
     if connection.direction.name != "jausToRos":
         return []
-    stated = {each.join: each for each in reversed(connection.sources)}
+    stated = {source.join: source for source in reversed(connection.sources)}
     return [JoinedReport(connection, join, stated.get(join)) for join in connection.map.reportJoins]
 
 
@@ -84,7 +84,7 @@ def report_join_of(
         None and the path when it starts with none; `.` is the whole report.
     """
     first, _, rest = path.lstrip("/").partition(".")
-    join = next((each for each in joins if each.name == first), None)
+    join = next((candidate for candidate in joins if candidate.name == first), None)
     return (None, path) if join is None else (join, rest or ".")
 
 
@@ -92,10 +92,10 @@ def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset
     """Returns by report the fields that some connection of a bridge reads."""
     incoming = (c.map for c in owner.bridgeConnections if c.direction.name == "jausToRos")
     fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
-    for each in dict.fromkeys(incoming):
-        for path in _read_paths(each.toRos):
-            join, rest = report_join_of(path, each.reportJoins)
-            message = each.message if join is None else join.message
+    for attribute_map in dict.fromkeys(incoming):
+        for path in _read_paths(attribute_map.toRos):
+            join, rest = report_join_of(path, attribute_map.reportJoins)
+            message = attribute_map.message if join is None else join.message
             fields[message].add(rest.split(".")[0].partition("[")[0])
     return {message: frozenset(names) for message, names in fields.items()}
 

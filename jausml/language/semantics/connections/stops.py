@@ -124,11 +124,14 @@ def with_constants(
     said = {parse_path(path) for value in values for path in target_paths(value)}
     scope = outer_scope(used, to_ros=to_ros)
     constants = (
-        each
-        for each in (used.toRos if to_ros else used.toJaus)
-        if isinstance(each, (bridge.ConstantAssignment, bridge.ClockAssignment))
-        and not said & {parse_path(path) for path in target_paths(each)}
-        and (_is_zero(each) or not any(map(_is_quantity, Placed(each, scope).target_attributes)))
+        assignment
+        for assignment in (used.toRos if to_ros else used.toJaus)
+        if isinstance(assignment, (bridge.ConstantAssignment, bridge.ClockAssignment))
+        and not said & {parse_path(path) for path in target_paths(assignment)}
+        and (
+            _is_zero(assignment)
+            or not any(map(_is_quantity, Placed(assignment, scope).target_attributes))
+        )
     )
     return (*constants, *values)
 

@@ -84,12 +84,12 @@ def _own_endpoints(owner: ros.Node | bridge.Bridge) -> tuple[Endpoint, ...]:
 
 def _node_endpoints(node: ros.Node) -> Iterator[Endpoint]:
     ends: list[ros.TopicEndpoint] = [*node.publishers, *node.subscriptions]
-    for each in ends:
-        if each.type is not None and each.topic and not topic_fault(each.topic):
-            topic = resolve_topic(each.topic, node.namespace or "", node.name or "")
-            publishes = isinstance(each, ros.Publisher)
-            policy = _stated(each.qos) or "reliable"
-            yield Endpoint(each, "topic", node, topic, each.type, publishes, policy)
+    for end in ends:
+        if end.type is not None and end.topic and not topic_fault(end.topic):
+            topic = resolve_topic(end.topic, node.namespace or "", node.name or "")
+            publishes = isinstance(end, ros.Publisher)
+            policy = _stated(end.qos) or "reliable"
+            yield Endpoint(end, "topic", node, topic, end.type, publishes, policy)
 
 
 def _bridge_endpoints(owner: bridge.Bridge) -> Iterator[Endpoint]:
@@ -97,13 +97,13 @@ def _bridge_endpoints(owner: bridge.Bridge) -> Iterator[Endpoint]:
         if connection.map is None or connection.map.type is None:
             continue
         publishes = connection.direction.name == "jausToRos"
-        for each in connection.topics:
-            if each.name and not topic_fault(each.name):
-                topic = resolve_topic(each.name, owner.namespace or "", owner.name or "")
-                type_ = connection.map.type if each.join is None else each.join.type
+        for bridge_topic in connection.topics:
+            if bridge_topic.name and not topic_fault(bridge_topic.name):
+                topic = resolve_topic(bridge_topic.name, owner.namespace or "", owner.name or "")
+                type_ = connection.map.type if bridge_topic.join is None else bridge_topic.join.type
                 if type_ is not None:
-                    policy = reliability(connection, each)
-                    yield Endpoint(each, "name", owner, topic, type_, publishes, policy)
+                    policy = reliability(connection, bridge_topic)
+                    yield Endpoint(bridge_topic, "name", owner, topic, type_, publishes, policy)
 
 
 def reliability(connection: bridge.Connection, topic: bridge.Topic) -> str:
@@ -143,7 +143,7 @@ def policies(profile: ros.QoSProfile | None) -> Mapping[str, Any]:
     """Returns the policies of a profile besides reliability, by feature; the usual ones of none."""
     if profile is None:
         return _usual_policies()
-    values = {each: getattr(profile, each) for each in _POLICIES}
+    values = {policy: getattr(profile, policy) for policy in _POLICIES}
     return {feature: getattr(value, "name", value) for feature, value in values.items()}
 
 
@@ -201,7 +201,7 @@ def flow_of(connection: bridge.Connection, owner: bridge.Bridge) -> Flow:
     """Returns a connection as a flow."""
     namespace, node = owner.namespace or "", owner.name or ""
     # What arrives on a joined topic waits for a message on the main one.
-    names = [each.name for each in connection.topics if each.name and each.join is None]
+    names = [topic.name for topic in connection.topics if topic.name and topic.join is None]
     return Flow(
         connection,
         owner,

@@ -37,14 +37,18 @@ __all__ = [
 
 _MODULES = (numbers, orientations, times, octets, authored)
 CONVERSIONS: Mapping[str, Conversion] = {
-    each.name: each()
+    conversion_class.name: conversion_class()
     for module in _MODULES
-    for each in vars(module).values()
-    if isinstance(each, type) and issubclass(each, Conversion) and "name" in vars(each)
+    for conversion_class in vars(module).values()
+    if isinstance(conversion_class, type)
+    and issubclass(conversion_class, Conversion)
+    and "name" in vars(conversion_class)
 }
 """All conversions by name."""
 
-NEGATION = next(each for each in CONVERSIONS.values() if each.effect is Effect.NEGATED)
+NEGATION = next(
+    conversion for conversion in CONVERSIONS.values() if conversion.effect is Effect.NEGATED
+)
 """The conversion of a number to one of the other sign."""
 
 
@@ -56,7 +60,7 @@ def conversion_of(element: bridge.Conversion) -> Conversion:
 def conversions_between(inputs: Sequence[str], output: str) -> list[str]:
     """Returns the names of the conversions that lead from some kinds to another."""
     return [
-        each.name
-        for each in CONVERSIONS.values()
-        if each.inputs == tuple(inputs) and each.outputs == (output,)
+        conversion.name
+        for conversion in CONVERSIONS.values()
+        if conversion.inputs == tuple(inputs) and conversion.outputs == (output,)
     ]

@@ -74,7 +74,7 @@ class LookUp(Conversion):
     def interval(self, _value: Interval, table: Pairs) -> Interval:
         """From the least to the greatest counterpart."""
         found = [other for _, other in table]
-        numbers = [each for each in found if not isinstance(each, str)]
+        numbers = [counterpart for counterpart in found if not isinstance(counterpart, str)]
         if not numbers or len(numbers) < len(found):
             return EVERYTHING
         return min(numbers), max(numbers)

@@ -172,7 +172,7 @@ class Conversion:
         """
         if isinstance(self.definition, Definition) and {*self.inputs, *self.outputs} == {NUMBER}:
             return self.definition.bound(
-                [each if isinstance(each, tuple) else (each, each) for each in given]
+                [operand if isinstance(operand, tuple) else (operand, operand) for operand in given]
             )
         return EVERYTHING
 
@@ -225,18 +225,22 @@ class Conversion:
     @property
     def numbers(self) -> tuple[Argument, ...]:
         """The arguments that are numbers."""
-        return tuple(each for each in self.arguments if each.kind is ArgumentKind.NUMBER)
+        return tuple(
+            argument for argument in self.arguments if argument.kind is ArgumentKind.NUMBER
+        )
 
     @property
     def own_argument(self) -> Argument | None:
         """The argument that is no number, for which the model has a feature of its own."""
-        found = (each for each in self.arguments if each.kind is not ArgumentKind.NUMBER)
+        found = (
+            argument for argument in self.arguments if argument.kind is not ArgumentKind.NUMBER
+        )
         return next(found, None)
 
     @property
     def call(self) -> str:
         """How it is written, such as `scale(factor)`."""
-        names = ", ".join(each.name for each in self.arguments)
+        names = ", ".join(argument.name for argument in self.arguments)
         return f"{self.name}({names})" if names else self.name
 
     @property

@@ -77,7 +77,7 @@ class Definition:
     @cached_property
     def steps(self) -> Mapping[str, Expression]:
         """The local values by name, in order, that results need: each is made of those before."""
-        needed = {name for each in self.results for name in variables(each)}
+        needed = {name for result in self.results for name in variables(result)}
         found: dict[str, Expression] = {}
         for line in reversed(self._lines):
             name, is_step, text = line.partition(" = ")
@@ -95,9 +95,9 @@ class Definition:
     def lines(self) -> tuple[str, ...]:
         """The lines of the text that the results need."""
         return tuple(
-            each
-            for each in self._lines
-            if " = " not in each or each.partition(" = ")[0] in self.steps
+            line
+            for line in self._lines
+            if " = " not in line or line.partition(" = ")[0] in self.steps
         )
 
     @property
@@ -116,7 +116,7 @@ class Definition:
             raise EvaluationError(self.reason)
         for name, step in self.steps.items():
             known[name] = evaluate(step, known)
-        return tuple(evaluate(each, known) for each in self.results)
+        return tuple(evaluate(result, known) for result in self.results)
 
     def bound(self, given: Sequence[Interval]) -> Interval:
         """Returns the range of the only result, of those of what it takes."""

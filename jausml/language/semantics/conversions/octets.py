@@ -147,7 +147,7 @@ class PnmToPixels(Conversion):
         """The image, pixel by pixel."""
         (magic, *words), found = _header(file)
         if len(words) != 3 or not all(
-            each.isdigit() and len(each) <= _MOST_DIGITS for each in words
+            word.isdigit() and len(word) <= _MOST_DIGITS for word in words
         ):
             raise NoValueError(self.name)
         width, height, greatest = map(int, words)

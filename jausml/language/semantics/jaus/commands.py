@@ -161,7 +161,7 @@ def guard_of_receivers(
         return "ANY"
     # A command that a service keeps in Standby moves what listens to a topic at once.
     provided = _provided_by(receivers, search)
-    is_for_ready = all(needs_ready(service, each) for each in provided or [[]])
+    is_for_ready = all(needs_ready(service, service_list) for service_list in provided or [[]])
     return "READY" if is_for_ready else "CONTROLLED"
 
 
@@ -170,7 +170,9 @@ def guard_of_executors(peers: Iterable[jaus.Component], search: jaus.PeerSearch 
 
     A mission spooler inherits no Management, but its component may have it for others.
     """
-    has_states = all(_has(_MANAGEMENT, each) for each in _provided_by(peers, search))
+    has_states = all(
+        _has(_MANAGEMENT, service_list) for service_list in _provided_by(peers, search)
+    )
     return "READY" if has_states else "CONTROLLED"
 
 
@@ -180,11 +182,11 @@ def _provided_by(
     if search is not None:
         # What is found mostly is as components are that name nothing.
         return [[*searched_services(search), *standard_services()]]
-    return [provided_services(each) for each in receivers if each is not None]
+    return [provided_services(receiver) for receiver in receivers if receiver is not None]
 
 
 def _has(urn: str, services: Iterable[jaus.Service]) -> bool:
-    return any(each.urn == urn for each in services)
+    return any(service.urn == urn for service in services)
 
 
 PRESENCE_VECTOR = "PresenceVector"
@@ -203,7 +205,7 @@ def answer_by(service: jaus.Service, report: jaus.MessageDef | None) -> Answer |
     """Returns the answer that a report of a service is; None when nobody can ask for it."""
     if report is None:
         return None
-    query = named(query_name(report), (m for each in lineage(service) for m in each.inputs))
+    query = named(query_name(report), (m for ancestor in lineage(service) for m in ancestor.inputs))
     return None if query is None else Answer(query, report)
 
 
@@ -213,14 +215,14 @@ def answer_alike(service: jaus.Service, message: jaus.MessageDef) -> Answer | No
     The report is laid out as the message is, so that nothing has to be translated.
     """
     wanted = f"Report{(message.name or '').removeprefix('Set')}"
-    report = named(wanted, (m for each in lineage(service) for m in each.outputs))
+    report = named(wanted, (m for ancestor in lineage(service) for m in ancestor.outputs))
     is_alike = report is not None and signature(report) == signature(message)
     return answer_by(service, report) if is_alike else None
 
 
 def named(name: str, messages: Iterable[jaus.MessageDef]) -> jaus.MessageDef | None:
     """Returns the first message of a name."""
-    return next((each for each in messages if each.name == name), None)
+    return next((message for message in messages if message.name == name), None)
 
 
 def chosen_fields(answer: Answer) -> list[str] | None:
@@ -231,10 +233,16 @@ def chosen_fields(answer: Answer) -> list[str] | None:
     Returns:
         The names of plain fields of both; None when the query says it in another way.
     """
-    asked = [each for each in attributes(answer.query) if each.name != PRESENCE_VECTOR]
-    told = {each.name for each in attributes(answer.report) if isinstance(each, jaus.FixedField)}
-    if all(isinstance(each, jaus.FixedField) and each.name in told for each in asked):
-        return [str(each.name) for each in asked]
+    asked = [
+        attribute for attribute in attributes(answer.query) if attribute.name != PRESENCE_VECTOR
+    ]
+    told = {
+        attribute.name
+        for attribute in attributes(answer.report)
+        if isinstance(attribute, jaus.FixedField)
+    }
+    if all(isinstance(field, jaus.FixedField) and field.name in told for field in asked):
+        return [str(field.name) for field in asked]
     return None
 
 
@@ -258,7 +266,10 @@ def command_answer(connection: bridge.Connection) -> Answer | None:
     if owner is None or not _carries(connection, message):
         return None
     # Of several for one command, for several peers, none knows which came last.
-    if sum(_carries(each, message) for each in owner.bridgeConnections) > 1:
+    if (
+        sum(_carries(bridge_connection, message) for bridge_connection in owner.bridgeConnections)
+        > 1
+    ):
         return None
     return told_by_command(message, owner.provides)
 
@@ -285,7 +296,9 @@ def responses(message: jaus.MessageDef, service: jaus.Service) -> list[jaus.Mess
     """
     found = dict.fromkeys(_sent_by_machine(message, service))
     return list(found) or [
-        each for each in service.outputs if (topic := _topic(each)) and topic in str(message.name)
+        output
+        for output in service.outputs
+        if (topic := _topic(output)) and topic in str(message.name)
     ]
 
 
@@ -300,7 +313,7 @@ def told_after(message: jaus.MessageDef, service: jaus.Service) -> Answer | None
     The commands of Management set the state of a component, SetX what QueryX asks for.
     """
     topic = "Status" if service.urn == _MANAGEMENT else str(message.name).removeprefix("Set")
-    report = named(f"Report{topic}", (m for each in lineage(service) for m in each.outputs))
+    report = named(f"Report{topic}", (m for ancestor in lineage(service) for m in ancestor.outputs))
     return answer_by(service, report)
 
 
@@ -321,5 +334,5 @@ def _taking(message: jaus.MessageDef, service: jaus.Service) -> Iterator[jaus.Tr
 def _topic(answer: jaus.MessageDef) -> str:
     """Returns what an answer confirms or rejects by its name; empty when it does neither."""
     name = str(answer.name)
-    verb = next((each for each in _ANSWERING if name.startswith(each)), None)
+    verb = next((prefix for prefix in _ANSWERING if name.startswith(prefix)), None)
     return "" if verb is None else name.removeprefix(verb).removesuffix("Request")

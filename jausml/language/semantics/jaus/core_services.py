@@ -136,13 +136,20 @@ def with_standard(component: jaus.Component) -> list[jaus.Service]:
     named = list(component.provides)
     if component.external or component.coreServices.name == "none":
         return named
-    urns = {core_urn(each) for each in _closure(named)}
-    return [*named, *(each for each in standard_services() if str(each.urn) not in urns)]
+    urns = {core_urn(service) for service in _closure(named)}
+    return [
+        *named,
+        *(
+            standard_service
+            for standard_service in standard_services()
+            if str(standard_service.urn) not in urns
+        ),
+    ]
 
 
 def is_discovered(component: jaus.Component) -> bool:
     """Tells whether a component answers those who look for others (AS5710, Discovery)."""
-    return any(each.urn == f"{CORE}Discovery" for each in _closure(with_standard(component)))
+    return any(service.urn == f"{CORE}Discovery" for service in _closure(with_standard(component)))
 
 
 def answers_for_subsystem(component: jaus.Component, system: Iterable[jaus.Component]) -> bool:
@@ -156,10 +163,10 @@ def answers_for_subsystem(component: jaus.Component, system: Iterable[jaus.Compo
         return False
     if rest == [1, 1]:
         return True
-    others = [each for each in system if each.address and _numbers(each)[0] == subsystem]
-    if any(each.external for each in others):
+    others = [peer for peer in system if peer.address and _numbers(peer)[0] == subsystem]
+    if any(other.external for other in others):
         return False
-    return all(_numbers(component) <= _numbers(each) for each in others if is_discovered(each))
+    return all(_numbers(component) <= _numbers(other) for other in others if is_discovered(other))
 
 
 def _numbers(component: jaus.Component) -> list[int]:
@@ -188,7 +195,7 @@ def newest_services() -> Mapping[str, jaus.Service]:
     Models that refer to the same file have elements of their own; what counts is the URN.
     """
     model = read_models([library_root() / "jaus" / NEWEST_SET]).model
-    return {core_urn(each): each for each in model.instances(jaus.Service)}
+    return {core_urn(service): service for service in model.instances(jaus.Service)}
 
 
 def core_urn(service: jaus.Service) -> str:

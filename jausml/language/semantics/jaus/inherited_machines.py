@@ -79,8 +79,8 @@ def core_machine(service: jaus.Service | None) -> CoreMachine:
     They are those of the core services that it inherits, and of Management where it inherits none.
     """
     known = _core_machines()
-    inherited = (known.get(core_urn(each)) for each in lineage(service))
-    return next((each for each in inherited if each), known[MANAGEMENT])
+    inherited = (known.get(core_urn(ancestor)) for ancestor in lineage(service))
+    return next((machine for machine in inherited if machine), known[MANAGEMENT])
 
 
 def core_events() -> frozenset[str]:
@@ -90,8 +90,8 @@ def core_events() -> frozenset[str]:
     Events concerns one event of one client.
     """
     kept = (f"{CORE}Transport", f"{CORE}Events")
-    of_core = (each for urn, each in newest_services().items() if urn not in kept)
-    return frozenset(str(e.name) for each in of_core for e in each.events)
+    of_core = (service for urn, service in newest_services().items() if urn not in kept)
+    return frozenset(str(e.name) for service in of_core for e in service.events)
 
 
 @cache
@@ -100,9 +100,9 @@ def _core_machines() -> Mapping[str, CoreMachine]:
     found = {}
     for urn, service in newest_services().items():
         states: dict[str, str] = {}
-        for each in reversed(list(lineage(service))):
-            for state in (state for machine in each.machines for state in machine.states):
-                states.setdefault(str(state.name), str(each.name))
+        for ancestor in reversed(list(lineage(service))):
+            for state in (state for machine in ancestor.machines for state in machine.states):
+                states.setdefault(str(state.name), str(ancestor.name))
         if states:
             found[urn] = CoreMachine(list(states.values())[-1], tuple(states))
     return found
@@ -187,7 +187,7 @@ class Machine:
         inside = self.children(path)
         if inside and inside[0] in self.core_states:
             return inside[0]
-        marked = [each for each in inside if self.nodes[each].is_initial]
+        marked = [substate for substate in inside if self.nodes[substate].is_initial]
         if not marked and len(inside) == 1:
             return inside[0]
         return marked[0] if marked else None
@@ -253,7 +253,7 @@ def machine_with(element: jaus.StateMachine) -> Machine | None:
     owner = element.eContainer()
     chain = [e for e in lineage(owner) if e is owner or e.urn not in SERVED_BY_RUNTIME]
     machines = machines_of(reversed(chain))
-    return next((each for each in machines if element in each.elements), None)
+    return next((machine for machine in machines if element in machine.elements), None)
 
 
 def states_of(machine: jaus.StateMachine) -> Iterator[tuple[str, jaus.State]]:

@@ -64,8 +64,8 @@ class Behaviour:
             outer = state
             while outer:
                 node = machine.nodes.get(outer)
-                for each in node.elements if node is not None else ():
-                    for transition in (*each.transitions, *each.defaults):
+                for element in node.elements if node is not None else ():
+                    for transition in (*element.transitions, *element.defaults):
                         target = self.target(outer, transition)
                         if target is not None:
                             pending += self._innermost(target)
@@ -84,7 +84,7 @@ class Behaviour:
                 pending.append(inside[0])
             else:
                 nodes = self.machine.nodes
-                pending += [each for each in inside if nodes[each].is_initial] or inside
+                pending += [substate for substate in inside if nodes[substate].is_initial] or inside
         return found
 
 
@@ -99,14 +99,16 @@ def behaviours_of(subject: Subject, service: jaus.Service) -> tuple[Behaviour, .
 def _behaviours(subject: Subject, service: jaus.Service) -> tuple[Behaviour, ...]:
     if service.urn in SERVED_BY_RUNTIME or not service.machines:
         return ()
-    chain = [each for each in reversed(lineage(service)) if each.urn not in SERVED_BY_RUNTIME]
-    if not all(subject.is_intact(each) for each in chain):
+    chain = [
+        ancestor for ancestor in reversed(lineage(service)) if ancestor.urn not in SERVED_BY_RUNTIME
+    ]
+    if not all(subject.is_intact(ancestor) for ancestor in chain):
         return ()
-    if any(True for each in chain for machine in each.machines for _ in too_deep(machine)):
+    if any(True for ancestor in chain for machine in ancestor.machines for _ in too_deep(machine)):
         return ()
     machines = machines_of(chain)
     wholes = (
-        (element, next((each for each in machines if element in each.elements), None))
+        (element, next((machine for machine in machines if element in machine.elements), None))
         for element in service.machines
     )
     return tuple(Behaviour(service, one, whole) for one, whole in wholes if whole is not None)

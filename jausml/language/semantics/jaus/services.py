@@ -175,25 +175,25 @@ def searched_services(search: jaus.PeerSearch) -> list[jaus.Service]:
 @remembered
 def inputs_by_name(service: jaus.Service) -> dict[str, jaus.MessageDef]:
     """Returns the messages that a service takes itself, of several with one name the first."""
-    return {str(each.name): each for each in reversed(service.inputs)}
+    return {str(message.name): message for message in reversed(service.inputs)}
 
 
 @remembered
 def outputs_by_name(service: jaus.Service) -> dict[str, jaus.MessageDef]:
     """Returns the messages that a service sends itself, of several with one name the first."""
-    return {str(each.name): each for each in reversed(service.outputs)}
+    return {str(output.name): output for output in reversed(service.outputs)}
 
 
 @remembered
 def inputs(provider: Provider) -> list[jaus.MessageDef]:
     """Returns the messages that the services of a provider take."""
-    return [each for service in services_of(provider) for each in service.inputs]
+    return [message for service in services_of(provider) for message in service.inputs]
 
 
 @remembered
 def outputs(provider: Provider) -> list[jaus.MessageDef]:
     """Returns the messages that the services of a provider send."""
-    return [each for service in services_of(provider) for each in service.outputs]
+    return [output for service in services_of(provider) for output in service.outputs]
 
 
 @remembered
@@ -234,14 +234,14 @@ def _outputs_by_code(provider: Provider) -> dict[int, list[jaus.MessageDef]]:
 
 def _by_code(messages: Iterable[jaus.MessageDef]) -> dict[int, list[jaus.MessageDef]]:
     found: dict[int, list[jaus.MessageDef]] = {}
-    for each in messages:
-        found.setdefault(code(each), []).append(each)
+    for message in messages:
+        found.setdefault(code(message), []).append(message)
     return found
 
 
 @remembered
 def _inputs_by_name(provider: Provider) -> dict[str | None, jaus.MessageDef]:
-    return {each.name: each for each in reversed(inputs(provider))}
+    return {message.name: message for message in reversed(inputs(provider))}
 
 
 def find_same(

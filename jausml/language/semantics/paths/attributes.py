@@ -222,7 +222,9 @@ class Comparison:
     @property
     def common(self) -> list[tuple[NamedValue, NamedValue]]:
         """What both have by name, in the order of the source."""
-        return [(each, self.target[key]) for key, each in self.source.items() if key in self.target]
+        return [
+            (value, self.target[key]) for key, value in self.source.items() if key in self.target
+        ]
 
     @property
     def renumbered(self) -> list[tuple[NamedValue, NamedValue]]:
@@ -232,11 +234,11 @@ class Comparison:
     @property
     def unmatched(self) -> list[NamedValue]:
         """The values of the source of which the target has neither the name nor the number."""
-        numbers = {each.number for each in self.target.values()}
+        numbers = {value.number for value in self.target.values()}
         return [
-            each
-            for key, each in self.source.items()
-            if key not in self.target and each.number not in numbers
+            value
+            for key, value in self.source.items()
+            if key not in self.target and value.number not in numbers
         ]
 
     @property
@@ -308,9 +310,9 @@ def named_values(attribute: Attribute) -> dict[str, NamedValue]:
     ]
     if attribute.is_ros:
         found = _own(_words(attribute.label), found)
-    found = [(each, value) for each, value in found if each]
-    common = _common([each for each, _ in found])
-    return {"".join(each[common:]): value for each, value in found}
+    found = [(phrase, value) for phrase, value in found if phrase]
+    common = _common([phrase for phrase, _ in found])
+    return {"".join(phrase[common:]): value for phrase, value in found}
 
 
 def _own(label: list[str], found: list[_Named]) -> list[_Named]:
@@ -319,8 +321,8 @@ def _own(label: list[str], found: list[_Named]) -> list[_Named]:
         beginning = "".join(label[:length])
         own = [
             (rest, value)
-            for each, value in found
-            if (rest := _without(beginning, each)) is not None
+            for phrase, value in found
+            if (rest := _without(beginning, phrase)) is not None
         ]
         if own:
             return own
@@ -339,7 +341,7 @@ def _common(names: list[list[str]]) -> int:
     """Returns how many words several names have in common at their beginning, none a whole name."""
     if len(names) < _LEAST_COMMON:
         return 0
-    columns = zip(*(each[:-1] for each in names), strict=False)
+    columns = zip(*(name[:-1] for name in names), strict=False)
     return sum(1 for _ in takewhile(lambda column: len({*column}) == 1, columns))
 
 
@@ -363,4 +365,4 @@ def _written(name: str) -> str:
 
 
 def _words(name: str) -> list[str]:
-    return [each.casefold() for each in words(name)]
+    return [word.casefold() for word in words(name)]

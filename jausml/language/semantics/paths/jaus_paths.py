@@ -123,7 +123,7 @@ class JausPlace:
         frames = [part.frame.name, found.frame.name]
         return replace(
             self._part(found, where),
-            frame=next((each for each in frames if each != UNSTATED), self.frame),
+            frame=next((frame for frame in frames if frame != UNSTATED), self.frame),
             label=part.name or self.label,
             optional=part.optional,
             may_lack=self.may_lack or part.optional or self._is_choice(),
@@ -177,8 +177,10 @@ def message_place(message: jaus.MessageDef) -> JausPlace:
     frame = UNSTATED
     body = wire.target_of(message.body)
     if is_group(body):
-        stated = [each.frame.name for each in (message.body, body) if each is not None]
-        frame = next((each for each in stated if each != UNSTATED), UNSTATED)
+        stated = [field.frame.name for field in (message.body, body) if field is not None]
+        frame = next(
+            (literal_type for literal_type in stated if literal_type != UNSTATED), UNSTATED
+        )
     return JausPlace(f"message {message.name}", message=message, frame=frame)
 
 
@@ -202,7 +204,7 @@ def _members(holder: jaus.MessageDef | JausPart | None) -> Sequence[JausPart] | 
 @remembered
 def _by_name(holder: jaus.MessageDef | JausPart | None) -> dict[str | None, JausPart]:
     """Returns the members of a message or field, of several with one name the first."""
-    return {each.name: each for each in reversed(_members(holder) or ())}
+    return {member.name: member for member in reversed(_members(holder) or ())}
 
 
 def _split(step: str, known: Container[str | None]) -> tuple[str, list[int]]:
@@ -210,7 +212,7 @@ def _split(step: str, known: Container[str | None]) -> tuple[str, list[int]]:
     match = re.fullmatch(r"(.*?)((?:\[[0-9]{1,9}\])+)", step, re.DOTALL)
     if match is None or step in known:
         return step, []
-    return match[1], [int(each) for each in re.findall("[0-9]+", match[2])]
+    return match[1], [int(occurrence) for occurrence in re.findall("[0-9]+", match[2])]
 
 
 def _most_elements(field: jaus.List) -> int:
@@ -250,7 +252,7 @@ def _leaf(part: jaus.Field | jaus.Alternative) -> Attribute:
             ends = (number.lower, number.upper)
             return Attribute(NUMBER, "a number", lower=ends[0], upper=ends[1], step=number.step)
         case wire.Real() as number:
-            legal = tuple((each.lower, each.upper) for each in number.legal.intervals)
+            legal = tuple((interval.lower, interval.upper) for interval in number.legal.intervals)
             is_single = number.type.name == "float32"
             return Attribute(NUMBER, "a number", values=legal, is_single=is_single)
         case wire.BitField(is_time_stamp=True):
@@ -276,5 +278,9 @@ def _integer(legal: wire.LegalIntegers, lower: int, upper: int) -> Attribute:
         step=1,
         values=legal.ranges if legal.is_stated else (),
         named=bool(legal.listed),
-        constants=tuple((each.name, str(each.value)) for each in legal.listed if each.name),
+        constants=tuple(
+            (listed_value.name, str(listed_value.value))
+            for listed_value in legal.listed
+            if listed_value.name
+        ),
     )

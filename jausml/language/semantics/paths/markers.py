@@ -48,7 +48,7 @@ class Mark:
 @remembered
 def marks_of(field: ros.Field) -> tuple[Mark, ...]:
     """Returns the markers of a field; of a condition that cannot be read a rule tells."""
-    return tuple(mark for each in field.markers if (mark := _mark(field, each)) is not None)
+    return tuple(mark for marker in field.markers if (mark := _mark(field, marker)) is not None)
 
 
 def _mark(field: ros.Field, marker: ros.Marker) -> Mark | None:
@@ -62,7 +62,7 @@ def _mark(field: ros.Field, marker: ros.Marker) -> Mark | None:
 
 def marks_at(field: ros.Field, *, is_element: bool) -> tuple[Mark, ...]:
     """Returns the markers that count where a path names a field, or an element of an array."""
-    return tuple(each for each in marks_of(field) if is_element or not each.is_of_elements)
+    return tuple(mark for mark in marks_of(field) if is_element or not mark.is_of_elements)
 
 
 def in_words(marker: ros.Marker) -> str:
@@ -83,10 +83,10 @@ def unknown(field: ros.Field) -> str | None:
     found = marks_of(field)
     if field.arrayKind.name not in ("single", "fixedArray"):
         # What says that a sequence is empty says nothing of its elements.
-        found = tuple(each for each in found if each.is_of_elements)
-    said = (str(each.marker.value or "") for each in found if not each.is_unlimited)
+        found = tuple(mark for mark in found if mark.is_of_elements)
+    said = (str(mark.marker.value or "") for mark in found if not mark.is_unlimited)
     written = next(filter(None, said), None) if isinstance(field, ros.PrimitiveField) else None
-    if written is None and any(_is_said_by_default(field, each) for each in found):
+    if written is None and any(_is_said_by_default(field, mark) for mark in found):
         return ""
     return written
 
@@ -107,7 +107,7 @@ def number_as_made(owner: ros.MessageType, path: str) -> float | None:
     """Returns the number at a path of a message as it is made; None where there is none."""
     name, _, rest = path.partition(".")
     name, _, index = name.partition("[")
-    field = next((each for each in owner.fields if each.name == name), None)
+    field = next((candidate for candidate in owner.fields if candidate.name == name), None)
     if isinstance(field, ros.MessageField):
         return number_as_made(field.messageType, rest) if field.messageType is not None else None
     if not isinstance(field, ros.PrimitiveField):

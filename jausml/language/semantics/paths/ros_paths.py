@@ -74,7 +74,7 @@ class RosPlace:
         if self.field is None:
             return None
         inner = self.field.messageType if isinstance(self.field, ros.MessageField) else None
-        marks = any(each.is_of_elements for each in marks_of(self.field))
+        marks = any(mark.is_of_elements for mark in marks_of(self.field))
         return replace(self, type=inner, is_array=False, may_lack=marks)
 
     def attribute(self) -> Attribute:
@@ -175,13 +175,13 @@ def ros_name(message_type: ros.MessageType | ros.ServiceType | ros.ActionType) -
 @remembered
 def fields_by_name(message_type: ros.MessageType) -> dict[str, ros.Field]:
     """Returns the fields of a type, of several with one name the first."""
-    return {str(each.name): each for each in reversed(message_type.fields)}
+    return {str(field.name): field for field in reversed(message_type.fields)}
 
 
 @remembered
 def named_constants(message_type: ros.MessageType) -> tuple[tuple[str, str], ...]:
     """Returns the names of the constants of a type, with their values as text."""
-    return tuple((str(each.name), str(each.value)) for each in message_type.constants)
+    return tuple((str(constant.name), str(constant.value)) for constant in message_type.constants)
 
 
 def _covariance_units(owner: ros.MessageType, index: int) -> str:
@@ -198,7 +198,7 @@ def _split(step: str, known: Container[str]) -> tuple[str, list[int]]:
     match = _STEP.fullmatch(step)
     if step in known or match is None:
         return step, []
-    return match["name"], [int(each) for each in re.findall("[0-9]+", match["indices"])]
+    return match["name"], [int(occurrence) for occurrence in re.findall("[0-9]+", match["indices"])]
 
 
 def is_sequence(field: ros.Field) -> bool:

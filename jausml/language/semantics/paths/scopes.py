@@ -75,7 +75,7 @@ class PathScope:
 
     def _join(self, name: str) -> bridge.Join | bridge.ReportJoin | None:
         joins = self.map.reportJoins if self.to_ros else self.map.joins
-        return next((each for each in joins if each.name == name), None)
+        return next((join for join in joins if join.name == name), None)
 
     def find_target(self, path: str) -> FoundPlace:
         """Returns the place that a target path leads to."""
@@ -164,24 +164,28 @@ def flattened(
 
     In the place of one of a whole are those of its members, if source and target correspond.
     """
-    for each in expanded(assignments, scope):
-        yield Placed(each, scope)
-        if isinstance(each, bridge.ListAssignment) and each.source and each.target:
-            inner = scope.inner(each)
+    for assignment in expanded(assignments, scope):
+        yield Placed(assignment, scope)
+        if (
+            isinstance(assignment, bridge.ListAssignment)
+            and assignment.source
+            and assignment.target
+        ):
+            inner = scope.inner(assignment)
             if inner is not None:
-                yield from flattened(each.assignments, inner)
+                yield from flattened(assignment.assignments, inner)
 
 
 def expanded(
     assignments: Iterable[bridge.Assignment], scope: PathScope
 ) -> Iterator[bridge.Assignment]:
     """Yields assignments, in the place of those of wholes those of their members."""
-    for each in assignments:
+    for assignment in assignments:
         parts = None
         with suppress(ShapeError):  # which a rule tells
-            parts = parts_in(each, scope)
+            parts = parts_in(assignment, scope)
         if parts is None:
-            yield each
+            yield assignment
         else:
             yield from expanded(parts, scope)
 
@@ -240,7 +244,7 @@ def _scope(
 
 
 def _all_found(found: list[tuple[str, Found]]) -> list[Attribute]:
-    known = [each for _, each in found if isinstance(each, Attribute)]
+    known = [result for _, result in found if isinstance(result, Attribute)]
     return known if len(known) == len(found) else []
 
 
@@ -260,7 +264,11 @@ def is_sound(subject: Subject, connection: bridge.Connection) -> bool:
 
 def sound_connections(subject: Subject) -> list[bridge.Connection]:
     """Returns the connections that were read well, with message and type of their maps."""
-    return [each for each in subject.instances(bridge.Connection) if is_sound(subject, each)]
+    return [
+        connection
+        for connection in subject.instances(bridge.Connection)
+        if is_sound(subject, connection)
+    ]
 
 
 @dataclass(frozen=True)
@@ -294,7 +302,11 @@ class Direction:
             return ()
         found = self._by_kind.get(kinds)
         if found is None:
-            found = tuple(each for each in self.assignments if isinstance(each.assignment, kinds))
+            found = tuple(
+                assignment
+                for assignment in self.assignments
+                if isinstance(assignment.assignment, kinds)
+            )
             self._by_kind[kinds] = found
         return found
 
@@ -355,9 +367,15 @@ def _direction(
     *,
     to_ros: bool,
 ) -> Direction:
-    sound = [each for each in assignments if subject.is_intact(each) and _is_complete(each)]
+    sound = [
+        assignment
+        for assignment in assignments
+        if subject.is_intact(assignment) and _is_complete(assignment)
+    ]
     scope = outer_scope(attribute_map, to_ros=to_ros)
-    placed = tuple(each for each in flattened(sound, scope) if _is_complete(each.assignment))
+    placed = tuple(
+        placement for placement in flattened(sound, scope) if _is_complete(placement.assignment)
+    )
     return Direction(attribute_map, owner, to_ros, placed)
 
 

@@ -93,9 +93,9 @@ def _value_in(element: PathPlace | None, other: PathPlace | None) -> str:
 
 
 def _hold_counts(source: PathPlace, target: PathPlace) -> None:
-    fixed = [_fixed_count(each) for each in (source, target)]
+    fixed = [_fixed_count(place) for place in (source, target)]
     if fixed[0] != fixed[1]:
-        counts = ["any number of" if each is None else each for each in fixed]
+        counts = ["any number of" if count is None else count for count in fixed]
         message = f"{_name(source)} has {counts[0]} elements, {_name(target)} has {counts[1]}"
         raise ShapeError(message)
 
@@ -113,7 +113,7 @@ def _members(place: PathPlace) -> dict[str, str] | None:
     if isinstance(place, RosPlace):
         if place.type is None:
             return None
-        return {snake_case(str(each.name)): str(each.name) for each in place.type.fields}
+        return {snake_case(str(field.name)): str(field.name) for field in place.type.fields}
     if isinstance(place.field, jaus.Record | jaus.Sequence) or place.message is not None:
         return {snake_case(str(e.name)): str(e.name) for e in place.members() or ()}
     return None

@@ -84,16 +84,16 @@ def add_bridge(
     nodes.value(bridge, "address", options.address, span)
     if options.frequency is not None:
         nodes.value(bridge, "frequency", f"{options.frequency!r}", span)
-    provided = dict.fromkeys(each.service for each in maps if _is_provided(each))
-    used = dict.fromkeys(each.service for each in maps if _is_used(each))
+    provided = dict.fromkeys(map_ways.service for map_ways in maps if _is_provided(map_ways))
+    used = dict.fromkeys(map_ways.service for map_ways in maps if _is_used(map_ways))
     nodes.href(bridge, "provides", DISCOVERY, span)
     for feature, services in (("provides", provided), ("uses", used)):
         for service in services:
             nodes.name(bridge, feature, service, span)
-    for each in maps:
+    for map_ways in maps:
         for direction in (TO_ROS, TO_JAUS):
-            if each.to_ros if direction == TO_ROS else each.to_jaus:
-                _connection(bridge, each, direction, nodes, metamodels)
+            if map_ways.to_ros if direction == TO_ROS else map_ways.to_jaus:
+                _connection(bridge, map_ways, direction, nodes, metamodels)
     return [system]
 
 
@@ -124,28 +124,28 @@ def _service_of(written: WrittenEnd, declarer: Declarer, known: Known) -> tuple[
     return service, found[0].eContainmentFeature().name == _INPUTS
 
 
-def _is_provided(each: _MapWays) -> bool:
-    return each.to_ros if each.is_input else each.to_jaus
+def _is_provided(map_ways: _MapWays) -> bool:
+    return map_ways.to_ros if map_ways.is_input else map_ways.to_jaus
 
 
-def _is_used(each: _MapWays) -> bool:
-    return each.to_jaus if each.is_input else each.to_ros
+def _is_used(map_ways: _MapWays) -> bool:
+    return map_ways.to_jaus if map_ways.is_input else map_ways.to_ros
 
 
 def _connection(
-    bridge: Node, each: _MapWays, direction: str, nodes: NodeMaker, metamodels: Metamodels
+    bridge: Node, map_ways: _MapWays, direction: str, nodes: NodeMaker, metamodels: Metamodels
 ) -> None:
-    classes, span = metamodels.classes, each.span
+    classes, span = metamodels.classes, map_ways.span
     # What comes from ROS is told apart from what goes there, or it would come back.
     word = {TO_ROS: "from_jaus", TO_JAUS: "to_jaus"}[direction]
-    is_single = not (each.to_ros and each.to_jaus)
+    is_single = not (map_ways.to_ros and map_ways.to_jaus)
     node = nodes.element(bridge, "bridgeConnections", classes["bridge.Connection"], span)
-    nodes.value(node, "name", each.name if is_single else f"{each.name}_{word}", span)
-    nodes.name(node, "map", each.name, span)
+    nodes.value(node, "name", map_ways.name if is_single else f"{map_ways.name}_{word}", span)
+    nodes.name(node, "map", map_ways.name, span)
     nodes.value(node, "direction", direction, span)
-    nodes.value(node, "exchange", MESSAGE if each.is_input else EVENT, span)
-    if each.is_input == (direction == TO_JAUS):
+    nodes.value(node, "exchange", MESSAGE if map_ways.is_input else EVENT, span)
+    if map_ways.is_input == (direction == TO_JAUS):
         search = nodes.element(node, "search", classes["jaus.PeerSearch"], span)
-        nodes.name(search, "services", each.service, span)
+        nodes.name(search, "services", map_ways.service, span)
     topic = nodes.element(node, "topics", classes["bridge.Topic"], span)
-    nodes.value(topic, "name", each.name if is_single else f"{each.name}/{word}", span)
+    nodes.value(topic, "name", map_ways.name if is_single else f"{map_ways.name}/{word}", span)

@@ -90,7 +90,7 @@ class OwnService:
         stated = {child.tag for child in service.children}
         if "urn" not in stated:
             self._nodes.value(service, "urn", f"urn:jausml:{scope}:{self.name}", span)
-        command = next((each.end for each in ends if is_command(each.end)), None)
+        command = next((end.end for end in ends if is_command(end.end)), None)
         if command is not None and "inherits" not in stated:
             self._nodes.href(service, "inherits", MANAGEMENT, command.type.span)
         return service
@@ -102,7 +102,7 @@ class OwnService:
         self._nodes.value(node, "name", end.type.text, end.type.span)
         self._elements.document(node, end)
         self._elements.items(node, end.features)
-        if not any(each.name.text == "code" for each in end.features):
+        if not any(feature.name.text == "code" for feature in end.features):
             near = known.alike("jaus.MessageDef", end.type.text)
             code = self._assign_code(node, end.type.text, end.type.span)
             hint = f"state it: {{ code: {code} }}"
@@ -115,7 +115,7 @@ class OwnService:
         """Adds the query that asks for a report, unless it is known or declared itself."""
         report, span = written.end.type.text, written.end.type.span
         name = f"{_QUERY}{report.removeprefix(_REPORT)}"
-        declared = {child.text for each in service.children for child in each.children}
+        declared = {child.text for branch in service.children for child in branch.children}
         is_report = report.startswith(_REPORT) or self.asks_for_all
         if not is_report or message_feature(written) != "outputs" or name in declared:
             return
@@ -147,10 +147,10 @@ class OwnService:
 
     def _stated_codes(self, ends: Sequence[WrittenEnd]) -> Iterator[int]:
         items = self.written.items if self.written is not None else []
-        features = [each for each in items if isinstance(each, Feature)]
-        blocks = [v for each in features for v in each.values if isinstance(v, Element)]
-        of_messages = [[f for f in each.items if isinstance(f, Feature)] for each in blocks]
-        for facts in [*(each.end.features for each in ends), *of_messages]:
+        features = [item for item in items if isinstance(item, Feature)]
+        blocks = [v for feature in features for v in feature.values if isinstance(v, Element)]
+        of_messages = [[f for f in block.items if isinstance(f, Feature)] for block in blocks]
+        for facts in [*(end.end.features for end in ends), *of_messages]:
             code = stated_code(facts)
             if code is not None:
                 yield code
@@ -174,8 +174,9 @@ def message_feature(written: WrittenEnd) -> str:
 def is_command(end: End) -> bool:
     """Tells whether an end declares a command."""
     return any(
-        each.name.text == "isCommand" and [getattr(v, "text", "") for v in each.values] == ["true"]
-        for each in end.features
+        feature.name.text == "isCommand"
+        and [getattr(v, "text", "") for v in feature.values] == ["true"]
+        for feature in end.features
     )
 
 

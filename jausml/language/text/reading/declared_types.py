@@ -223,7 +223,7 @@ class JausFields(MemberBuilder):
             self._field(record, "fields", member, member)
         if members:
             self.drop_without(record, "fields")
-        optional = [each for each in members if _is_optional(each)]
+        optional = [candidate for candidate in members if _is_optional(candidate)]
         if not optional:
             return
         width = next((bits for bits in _PRESENCE if bits >= len(optional)), None)
@@ -250,9 +250,9 @@ class JausFields(MemberBuilder):
         node = many(owner, feature, size, definition.span)
         self.nodes.value(node, "name", name, member.span)
         self.elements.document(node, member)
-        whole = [each for each in member.features if each.name.text in _OF_THE_WHOLE]
+        whole = [fact for fact in member.features if fact.name.text in _OF_THE_WHOLE]
         self.elements.items(node, whole)
-        facts = [each for each in member.features if each not in whole]
+        facts = [fact for fact in member.features if fact not in whole]
         if not is_array and not self._is_container(definition.type):
             # The elements of a list are containers (AS5684).
             record = self.new(node, "element", "jaus.Record", definition.span)
@@ -322,8 +322,8 @@ class JausFields(MemberBuilder):
     ) -> Node:
         node = self.new(owner, feature, "jaus.FixedField", span)
         self.nodes.value(node, "type", "uint8" if word == BOOL else word, span)
-        limits = [each for each in facts if each.name.text in _LIMITS]
-        self.elements.items(node, [each for each in facts if each not in limits])
+        limits = [fact for fact in facts if fact.name.text in _LIMITS]
+        self.elements.items(node, [fact for fact in facts if fact not in limits])
         if limits and word.startswith("float"):
             values = self.new(node, "values", "jaus.ValueSet", span)
             self.elements.items(self.new(values, "values", "jaus.ValueRange", span), limits)
@@ -364,8 +364,9 @@ class JausFields(MemberBuilder):
 
 def _is_optional(member: Member) -> bool:
     return any(
-        each.name.text == "optional" and [getattr(v, "text", "") for v in each.values] == ["true"]
-        for each in member.features
+        feature.name.text == "optional"
+        and [getattr(v, "text", "") for v in feature.values] == ["true"]
+        for feature in member.features
     )
 
 

@@ -70,7 +70,7 @@ class Declarer:
                 fresh.setdefault((end.is_jaus, end.type.text), written)
         self._declaring = {id(written.end) for written in fresh.values()}
         self._fresh = fresh
-        messages = [each for (is_jaus, _), each in fresh.items() if is_jaus]
+        messages = [written_end for (is_jaus, _), written_end in fresh.items() if is_jaus]
         self.roots += self.service.declare(messages, known)
         for (is_jaus, _), written in fresh.items():
             if not is_jaus:
@@ -148,7 +148,7 @@ class RosFields(MemberBuilder):
         self.nodes.value(field, "name", member.name.text, member.name.span)
         self._size(field, size, member)
         self.elements.document(field, member)
-        self.elements.items(field, [_limited(each) for each in member.features])
+        self.elements.items(field, [_limited(feature) for feature in member.features])
 
     def _typed(self, node: Node, type_: Name, member: Member) -> Node:
         word = type_word(type_.text)

@@ -111,7 +111,7 @@ class TextDocument:
 
     def check(self) -> Sequence[Fault]:
         """Settles what connections leave open; returns what is unclear about them and members."""
-        ends = [each for each in self._maps.ends if not self._declarer.declares(each.end)]
+        ends = [end for end in self._maps.ends if not self._declarer.declares(end.end)]
         check = MemberCheck(self._declarer.types)
         unclear = [*check.run(ends), *self._unused()]
         return [*unclear, *infer_exchanges(self._nodes.classes.items())]
@@ -156,7 +156,7 @@ def _lists_members(items: Sequence[Item]) -> bool:
     for item in pending:
         if isinstance(item, End) and item.is_jaus and item.members is not None:
             return True
-        pending += [each for inner, _ in lists_of(item) for each in inner]
+        pending += [nested_item for inner, _ in lists_of(item) for nested_item in inner]
     return False
 
 
@@ -217,11 +217,11 @@ def _ambiguous(node: Node, inferred: Inferred) -> Fault:
     connection: Any = node.obj
     message = f"'{connection.name}' may carry {connection.map.message.name} in several ways"
     telling = [
-        name for name in FEATURES if len({getattr(each, name) for each in inferred.options}) > 1
+        name for name in FEATURES if len({getattr(option, name) for option in inferred.options}) > 1
     ]
     ways = [
-        f"{'  '.join(f'{name}: {getattr(each, name)}' for name in telling)} ({each.meaning})"
-        for each in inferred.options
+        f"{'  '.join(f'{name}: {getattr(option, name)}' for name in telling)} ({option.meaning})"
+        for option in inferred.options
     ]
     hint = f"write {', or '.join(ways)}"
     return Fault("JML715", message, hint, node.line, node.column, node)
@@ -267,7 +267,7 @@ class RootReader:
         elif table.qualified_name in _ROOTS:
             self._explicit(table, block)
         else:
-            taking = next((each for each in _ROOTS if self._takes(each, table)), None)
+            taking = next((root for root in _ROOTS if self._takes(root, table)), None)
             if taking is None:
                 message = f"a {table.name} does not stand alone"
                 hint = f"write it where it belongs, or root: new {block_words(block)} {{ ... }}"
@@ -282,18 +282,18 @@ class RootReader:
 
     def _feature(self, item: Feature) -> None:
         """Takes `root: new component x { ... }`, which makes a root of any element."""
-        blocks = [each for each in item.values if isinstance(each, Element)]
+        blocks = [value for value in item.values if isinstance(value, Element)]
         if item.name.text != _ROOT_FEATURE or len(blocks) != len(item.values):
             message = f"feature '{item.name.text}' stands in no element"
             hint = "features stand in blocks: bridge front { address: 100.1.2 }"
             self._nodes.fault("JML702", item.span, message, hint)
             return
-        for each in blocks:
-            table = self._elements.class_of(each)
+        for block in blocks:
+            table = self._elements.class_of(block)
             if table is None:
-                self._elements.report_unknown(each)
+                self._elements.report_unknown(block)
             else:
-                self._explicit(table, each, item)
+                self._explicit(table, block, item)
 
     def _type(self, member: Member) -> None:
         if member.name is None:
@@ -309,7 +309,9 @@ class RootReader:
     def _takes(self, root: str, table: ClassTable) -> bool:
         features = self._metamodels.classes[root].features.values()
         kind = FeatureKind.CONTAINMENT
-        return any(each.kind is kind and each.target in table.supertypes for each in features)
+        return any(
+            feature.kind is kind and feature.target in table.supertypes for feature in features
+        )
 
     def _owner(self, qualified_class: str, span: Span) -> Node:
         """Returns the implicit root of a class, made at the first call."""
@@ -326,4 +328,4 @@ class RootReader:
 
 def block_words(block: Element) -> str:
     """Returns the words before a block."""
-    return " ".join(each.text for each in (block.keyword, block.name) if each is not None)
+    return " ".join(name.text for name in (block.keyword, block.name) if name is not None)

@@ -45,7 +45,7 @@ class NodeMaker:
     """
 
     def __init__(self, metamodels: Metamodels) -> None:
-        self._prefixes = {each.name: each.ns_uri for each in metamodels.packages.values()}
+        self._prefixes = {package.name: package.ns_uri for package in metamodels.packages.values()}
         self.faults: list[Fault] = []
         self.classes: dict[Node, ClassTable] = {}
         """The class of each element."""
@@ -85,8 +85,8 @@ class NodeMaker:
         place = (span.line, span.column)
         found = [
             node
-            for node, each in self.spans.items()
-            if (each.line, each.column) <= place < (each.end_line, each.end_column)
+            for node, extent in self.spans.items()
+            if (extent.line, extent.column) <= place < (extent.end_line, extent.end_column)
         ]
         return max(found, key=lambda node: (node.line, node.column), default=None)
 
@@ -168,8 +168,8 @@ class ElementReader:
             message = "a block without a keyword says nothing of its class"
             self._nodes.fault("JML702", block.span, message, "write a keyword before it")
             return
-        same = sorted(each for each in self._keywords if each.endswith(f".{word.text}"))
-        keywords = [each for each in self._keywords if "." not in each]
+        same = sorted(keyword for keyword in self._keywords if keyword.endswith(f".{word.text}"))
+        keywords = [keyword for keyword in self._keywords if "." not in keyword]
         near = nearest(word.text, [*keywords, *(KEYWORDS if is_bare(block) else ())])
         hint = f"did you mean '{near}'?" if near else ""
         if same:
@@ -289,7 +289,7 @@ class ElementReader:
             meant = nearest(item.name.text, table.features)
             self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=meant)
             return
-        blocks = [each for each in item.values if isinstance(each, Element)]
+        blocks = [block for block in item.values if isinstance(block, Element)]
         if item.documentation and not (len(item.values) == len(blocks) == 1):
             message = f"the comment before feature '{feature.name}' documents nothing"
             self._nodes.fault("JML703", item.span, message, _LOST)

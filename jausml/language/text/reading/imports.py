@@ -89,8 +89,10 @@ def explain(qualified_class: str, name: str, service: OwnService) -> Explanation
     """Returns what to write where a name means nothing."""
     if qualified_class == "bridge.AttributeMap":
         wanted = name.rpartition(".")[2]
-        modules = [each.module for each in library_maps() if each.name == wanted]
-        imports = " or ".join(f"import {each}" for each in modules)
+        modules = [
+            library_map.module for library_map in library_maps() if library_map.name == wanted
+        ]
+        imports = " or ".join(f"import {module}" for module in modules)
         return Explanation(f"the library has it: {imports}" if imports else "", bool(imports))
     if qualified_class == "jaus.Service" and service.node is not None and service.written is None:
         hint = f"the messages of this file belong to '{service.name}', named after the file"

@@ -73,7 +73,7 @@ def grammar() -> Grammar:
     path = Path(__file__).with_name("grammar.lark")
     made = Lark(path.read_text(encoding="utf-8"), **options)
     word = re.compile(made.get_terminal(_WORD).pattern.to_regexp())
-    literals = {each.name: each.pattern for each in made.terminals}
+    literals = {terminal.name: terminal.pattern for terminal in made.terminals}
     keywords = {
         pattern.value: name
         for name, pattern in literals.items()
@@ -81,16 +81,16 @@ def grammar() -> Grammar:
     }
     # What nothing else begins with first, then as lark does: the longest that may be meant.
     tokens = sorted(
-        (each for each in made.terminals if each.name not in keywords.values()),
-        key=lambda each: (
-            each.name != BLANK,
-            -each.priority,
-            -each.pattern.max_width,
-            -len(each.pattern.value),
-            each.name,
+        (terminal for terminal in made.terminals if terminal.name not in keywords.values()),
+        key=lambda terminal: (
+            terminal.name != BLANK,
+            -terminal.priority,
+            -terminal.pattern.max_width,
+            -len(terminal.pattern.value),
+            terminal.name,
         ),
     )
-    pattern = "|".join(f"(?P<{each.name}>{each.pattern.to_regexp()})" for each in tokens)
+    pattern = "|".join(f"(?P<{token.name}>{token.pattern.to_regexp()})" for token in tokens)
     tables: Any = made.parse_interactive().parser_state.parse_conf  # Any: it has no types
     states = {
         state: {
@@ -151,4 +151,4 @@ class Machine:
     def accepted(self) -> set[str]:
         """Returns the kinds of tokens that could come next."""
         kinds = self._grammar.states[self.states[-1]]
-        return {each for each in kinds if each.isupper() and self.accepts(each)}
+        return {kind for kind in kinds if kind.isupper() and self.accepts(kind)}

@@ -61,8 +61,8 @@ class MapReader:
         elif isinstance(item, Direction):
             feature = "toRos" if item.to_ros else "toJaus"
             self._undocumented(node, item, "assignments of a direction")
-            for each in item.assignments:
-                self._assignment(node, feature, each)
+            for assignment in item.assignments:
+                self._assignment(node, feature, assignment)
         elif isinstance(item, Table):
             self._table(node, item)
         elif isinstance(item, Vector):
@@ -89,7 +89,7 @@ class MapReader:
         child = self._new(node, feature, _class_of(item), item)
         self._source(child, item)
         if item.targets:
-            targets = ", ".join(each.text for each in item.targets)
+            targets = ", ".join(target.text for target in item.targets)
             self._nodes.value(child, "target", targets, item.targets[0].span)
         for call in item.conversions:
             self._conversion(child, call)
@@ -99,7 +99,9 @@ class MapReader:
         if not item.sources:
             return
         first = item.sources[0]
-        odd = [each for each in item.sources if _is_constant(each) or isinstance(each, Clock)]
+        odd = [
+            source for source in item.sources if _is_constant(source) or isinstance(source, Clock)
+        ]
         if odd and len(item.sources) > 1:
             message = "a constant or the clock is the only source of an assignment"
             hint = "several sources are attributes; an expression may have numbers"
@@ -109,7 +111,7 @@ class MapReader:
         elif _is_constant(first):
             self._nodes.value(node, "value", first.text, first.span)
         else:
-            texts = [each.text for each in item.sources if not isinstance(each, Clock)]
+            texts = [source.text for source in item.sources if not isinstance(source, Clock)]
             self._nodes.value(node, "source", ", ".join(texts), first.span)
 
     def _conversion(self, owner: Node, call: Call) -> None:
@@ -136,7 +138,7 @@ class MapReader:
             self._nodes.value(node, own.feature, argument.text, argument.span)
             return
         message = f"conversion '{call.name.text}' takes no text"
-        known = [each.name for each in CONVERSIONS.values() if _takes_text(each)]
+        known = [conversion.name for conversion in CONVERSIONS.values() if _takes_text(conversion)]
         hint = f"{' and '.join(sorted(known))} do"
         self._nodes.fault("JML705", argument.span, message, hint, owner=node)
 
@@ -192,13 +194,13 @@ def _own_argument(call: Call) -> Argument | None:
 
 
 def _takes_text(conversion: Conversion) -> bool:
-    return any(each.is_text for each in conversion.arguments)
+    return any(argument.is_text for argument in conversion.arguments)
 
 
 def _class_of(item: Assignment) -> str:
-    if any(isinstance(each, Assignment | Ignored) for each in item.items) or _is_list(item.items):
+    if any(isinstance(part, Assignment | Ignored) for part in item.items) or _is_list(item.items):
         return "ListAssignment"
-    if any(isinstance(each, Feature) and each.name.text == "map" for each in item.items):
+    if any(isinstance(part, Feature) and part.name.text == "map" for part in item.items):
         return "MessageAssignment"
     first = item.sources[0] if item.sources else None
     if isinstance(first, Clock):
@@ -208,11 +210,11 @@ def _class_of(item: Assignment) -> str:
 
 def _is_list(items: Sequence[BlockItem]) -> bool:
     """Tells whether elements of a block are assignments in the uniform notation."""
-    words = (each.keyword or each.name for each in items if isinstance(each, Element))
-    features = (each.name for each in items if isinstance(each, Feature))
-    endings = [each.text for each in words if each is not None]
-    return any(each.endswith("_assignment") or each == "ignore" for each in endings) or any(
-        each.text == "assignments" for each in features
+    words = (item.keyword or item.name for item in items if isinstance(item, Element))
+    features = (item.name for item in items if isinstance(item, Feature))
+    endings = [word.text for word in words if word is not None]
+    return any(ending.endswith("_assignment") or ending == "ignore" for ending in endings) or any(
+        feature.text == "assignments" for feature in features
     )
 
 

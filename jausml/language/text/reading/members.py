@@ -83,7 +83,7 @@ class MemberCheck:
     def _members(
         self, listed: Sequence[Member], known: Sequence[Part], label: str, node: Node, depth: int
     ) -> None:
-        by_name = {each.name: each for each in known}
+        by_name = {part.name: part for part in known}
         seen: set[str] = set()
         for member in listed:
             if member.name is None:
@@ -93,7 +93,7 @@ class MemberCheck:
             if name in seen:
                 self._report("JML707", span, f"member {show(name)} is listed twice", "", node)
             elif field is None:
-                near = nearest(name, [each for each in by_name if each])
+                near = nearest(name, [candidate for candidate in by_name if candidate])
                 hint = f"did you mean '{near}'?" if near else f"it has {_some(by_name)}"
                 self._report("JML708", span, f"{label} has no member {show(name)}", hint, node)
             else:

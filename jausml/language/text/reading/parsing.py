@@ -149,7 +149,7 @@ class _Run:
         words = self._tokens[position : position + 3]
         if len(words) < 3 or not (words[0].type == words[1].type == words[2].type == "WORD"):
             return False
-        breaks = [self._begins_line(each) for each in range(position, position + 3)]
+        breaks = [self._begins_line(number) for number in range(position, position + 3)]
         if breaks != [True, True, False]:
             return False
         return self._accepts("RBRACE") or self._accepts(END)
@@ -208,7 +208,7 @@ class _Run:
 
     def _begins_arguments(self, position: int) -> bool:
         """Tells whether a bracket is that of a conversion, which ends with its line."""
-        types = [each.type for each in self._tokens[max(position - 2, 0) : position + 1]]
+        types = [token.type for token in self._tokens[max(position - 2, 0) : position + 1]]
         return types in (["COLON", "WORD", "LPAR"], ["COMMA", "WORD", "LPAR"])
 
     def _begins_item(self, token: Token) -> bool:
@@ -242,7 +242,10 @@ class _Run:
         if not brackets or brackets[0].type == _OPENERS[token.type]:
             return False
         lines = (token.line, brackets[0].line)
-        first = [next(each for each in self._tokens if each.line == line) for line in lines]
+        first = [
+            next(candidate for candidate in self._tokens if candidate.line == line)
+            for line in lines
+        ]
         return first[0] is token and first[0].column == first[1].column
 
     # The stacks of the parser

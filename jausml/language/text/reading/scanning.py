@@ -319,7 +319,7 @@ def _lead(item: Item, comments: Sequence[Token], line: int) -> None:
     """Puts the comments before an item to it."""
     first = (comments[0].line if comments else item.span.line) or 1
     item.spaced = bool(line) and first > line + 1
-    documenting = next((each for each in reversed(comments) if is_documentation(each)), None)
+    documenting = next((token for token in reversed(comments) if is_documentation(token)), None)
     line = first
     for comment in comments:
         _keep_empty_line(item, line, comment.line or 1)
@@ -344,8 +344,8 @@ def _within(item: Item, comments: list[Token]) -> list[Token]:
         Those that stand between its parts.
     """
     for body in _bodies(item):
-        before = [each for each in comments if _position(each) < body.start]
-        inside = [each for each in comments if body.start <= _position(each) < body.end]
+        before = [comment for comment in comments if _position(comment) < body.start]
+        inside = [comment for comment in comments if body.start <= _position(comment) < body.end]
         behind = comments[len(before) + len(inside) :]
         comments = before + _distribute(body, inside) + behind
     return comments

@@ -58,7 +58,7 @@ class Items(list[T]):
 def unescape(text: str) -> str:
     r"""Returns a text with its escapes resolved: `\"`, `\\`, `\n`, `\t`, `\r`, `\uXXXX`."""
     plain = _ESCAPE.sub(_resolved, text)
-    if any("\ud800" <= each <= "\udfff" for each in plain):
+    if any("\ud800" <= character <= "\udfff" for character in plain):
         # Two escapes make one character beyond the first 65,536, as in JSON.
         plain = plain.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
     return plain
@@ -238,7 +238,7 @@ class Shaper:
         return Name(f"{word_text(word)}<={bound}", _around(children))
 
     def size(self, children: list[Any]) -> Name:
-        inner = "".join(word_text(each) for each in children[1:-1])
+        inner = "".join(word_text(child) for child in children[1:-1])
         return Name(inner or UNBOUNDED, _around(children))
 
     # Maps
@@ -282,7 +282,7 @@ class Shaper:
         return children[1:] if len(children) == 2 else self.listed(children)
 
     def call(self, children: list[Any]) -> Call:
-        arguments = next((each for each in children if isinstance(each, list)), [])
+        arguments = next((child for child in children if isinstance(child, list)), [])
         return Call(_name(children[0]), tuple(arguments), _around(children))
 
     def ignored(self, children: list[Any]) -> Ignored:

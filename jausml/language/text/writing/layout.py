@@ -151,7 +151,7 @@ def _value(value: Name | Number | Text | Href | Clock | Element, room: int) -> l
     """Returns the lines of a value; a block alone can have several."""
     if isinstance(value, Element):
         names = [word(name.text) for name in (value.keyword, value.name) if name is not None]
-        head = "".join(f"{each} " for each in (["new", *names] if names else []))
+        head = "".join(f"{part} " for part in (["new", *names] if names else []))
         return _bracketed(head, "{}", value.items, value.closing, room)
     return [simple(value)]
 
@@ -308,5 +308,5 @@ def _values(item: Item) -> int:
     if isinstance(item, Element):
         return 1 + sum(map(_values, item.items))
     if isinstance(item, Feature):
-        return sum(_values(each) if isinstance(each, Element) else 1 for each in item.values[:1])
+        return sum(_values(value) if isinstance(value, Element) else 1 for value in item.values[:1])
     return _MUCH if isinstance(item, Direction) else 1

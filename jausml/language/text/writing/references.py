@@ -148,8 +148,8 @@ class ReferenceNames(DocumentNames):
     @property
     def imports(self) -> list[Name | Text]:
         """What the document must import: parts of the library, then files by their paths."""
-        imports = sorted(self._document.imports, key=lambda each: not each.is_library)
-        return [self.import_of(each) for each in imports]
+        imports = sorted(self._document.imports, key=lambda document: not document.is_library)
+        return [self.import_of(document) for document in imports]
 
     def _home(self) -> Document | None:
         return self._read_from
@@ -163,15 +163,24 @@ class ReferenceNames(DocumentNames):
         Where two versions of a service are referred to, names stand for those that are referred
         to more often; the others have theirs by file and fragment.
         """
-        outside = [each for each in self._references() if each[1] not in self._fragments]
+        outside = [
+            reference for reference in self._references() if reference[1] not in self._fragments
+        ]
         uses = Counter(self._model.document_of(target) for _, target, _ in outside)
-        documents = [each for each in self._model.documents if each in uses]
+        documents = [
+            used_document for used_document in self._model.documents if used_document in uses
+        ]
         imports = self._document.imports
-        imports += [each for each in documents if not each.is_library]
-        shipped = [each for each in outside if self._model.is_library(each[1])]
+        imports += [own_document for own_document in documents if not own_document.is_library]
+        shipped = [reference for reference in outside if self._model.is_library(reference[1])]
         named = self._count_named(shipped)
-        library = [each for each in documents if each.is_library]
-        for document in sorted(library, key=lambda each: (-uses[each], str(each.path))):
+        library = [
+            library_document for library_document in documents if library_document.is_library
+        ]
+        for document in sorted(
+            library,
+            key=lambda library_document: (-uses[library_document], str(library_document.path)),
+        ):
             if named == len(shipped):
                 break
             imports.append(document)
@@ -181,7 +190,7 @@ class ReferenceNames(DocumentNames):
                 imports.pop()
 
     def _count_named(self, references: Sequence[_Reference]) -> int:
-        return sum(self.short_name(*each) is not None for each in references)
+        return sum(self.short_name(*reference) is not None for reference in references)
 
     def _references(self) -> Iterator[_Reference]:
         for obj in self._fragments:
@@ -198,7 +207,7 @@ class ReferenceNames(DocumentNames):
                 value = getattr(obj, feature.name)
                 steps = [(value, f"@{feature.name}")]
                 if feature.many:
-                    steps = [(each, f"@{feature.name}.{i}") for i, each in enumerate(value)]
+                    steps = [(child, f"@{feature.name}.{i}") for i, child in enumerate(value)]
                 yield from (step for step in steps if not self.is_apart(step[0]))
 
     def _name_fragments(self, roots: Sequence[EObject]) -> dict[EObject, str]:
@@ -209,14 +218,14 @@ class ReferenceNames(DocumentNames):
         while pending:
             obj, at = pending.pop()
             fragments[obj] = at
-            pending += [(each, f"{at}/{step}") for each, step in self._owned(obj)][::-1]
+            pending += [(element, f"{at}/{step}") for element, step in self._owned(obj)][::-1]
         return fragments
 
     def _node(self, obj: EObject, parent: Node | None) -> Node:
         """Returns an element and all that it owns as light nodes, which a document consists of."""
         node = Node("", [], {}, parent, (1, 1, 0))
         node.obj = obj
-        node.children = [self._node(each, node) for each, _ in self._owned(obj)]
+        node.children = [self._node(element, node) for element, _ in self._owned(obj)]
         return node
 
 
@@ -235,7 +244,7 @@ def _path(obj: EObject) -> list[str]:
     while around is not None:
         steps.append(name_of(around))
         around = around.eContainer()
-    return [each for each in reversed(steps) if each]
+    return [step for step in reversed(steps) if step]
 
 
 ROOT = Name("root")
@@ -325,20 +334,20 @@ class ElementWriter:
     def owned(self, obj: EObject, feature: FeatureTable) -> Iterator[BlockItem]:
         """Yields the elements of one feature."""
         value = getattr(obj, feature.name)
-        for each in value if feature.many else [value]:
-            if each is not None:
-                yield self.item(obj, each, feature)
+        for child in value if feature.many else [value]:
+            if child is not None:
+                yield self.item(obj, child, feature)
 
-    def item(self, obj: EObject, each: EObject, feature: FeatureTable) -> Element | Feature:
+    def item(self, obj: EObject, element: EObject, feature: FeatureTable) -> Element | Feature:
         """Returns one of the elements of a feature of an element."""
-        if self._names.is_apart(each):
-            return Feature(Name(feature.name), [self._names.href(each)])
-        table = self._metamodels.class_of(each)
+        if self._names.is_apart(element):
+            return Feature(Name(feature.name), [self._names.href(element)])
+        table = self._metamodels.class_of(element)
         is_said_best = table is feature.target and _is_said_by(feature, table)
-        is_unclear = table.qualified_name in self.special and head_name(each) is None
+        is_unclear = table.qualified_name in self.special and head_name(element) is None
         if is_said_best or is_unclear or not self._is_obvious(obj, feature, table):
-            return self.value_item(each, feature)
-        return self.element(each)
+            return self.value_item(element, feature)
+        return self.element(element)
 
     def value_item(self, obj: EObject, feature: FeatureTable) -> Feature:
         """Returns an owned element as the value of its feature, `inputs: new message_def A {}`."""
@@ -363,13 +372,13 @@ class ElementWriter:
         value = getattr(obj, feature.name)
         values = list(value) if feature.many else [value]
         written: list[Value] = []
-        for each in values:
+        for item in values:
             if feature.kind is FeatureKind.CROSS_REFERENCE:
-                written.append(self._names.name(obj, each, feature))
-            elif feature.name in IN_THE_HEAD and each is not None:
-                written.append(Text(each))
+                written.append(self._names.name(obj, item, feature))
+            elif feature.name in IN_THE_HEAD and item is not None:
+                written.append(Text(item))
             else:
-                written.append(attribute_value(each, feature))
+                written.append(attribute_value(item, feature))
         return Feature(Name(feature.name), written)
 
 

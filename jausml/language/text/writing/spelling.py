@@ -85,7 +85,7 @@ def _wrapped(line: str, room: int) -> list[str]:
 
 
 def _escaped(text: str, mark: str) -> str:
-    return "".join(_escape(each) if each != mark else f"\\{mark}" for each in text)
+    return "".join(_escape(character) if character != mark else f"\\{mark}" for character in text)
 
 
 def _escape(character: str) -> str:

@@ -85,7 +85,7 @@ class MapWriter:
         yield from (end for end in ends.values() if end is not None)
         yield from self._elements.values(obj, without=IN_THE_HEAD | said)
         yield from self._elements.children(obj, ("openDecisions",))
-        yield from (self.table(each) for each in obj.tables)
+        yield from (self.table(table) for table in obj.tables)
         yield from map(self._elements.element, obj.quantities)
         yield from map(self._elements.element, obj.joins)
         yield from map(self._elements.element, obj.reportJoins)
@@ -94,7 +94,7 @@ class MapWriter:
                 yield self._elements.value_item(stop, self._feature(obj, name))
         yield from self._directions(obj.toRos, self._feature(obj, "toRos"))
         yield from self._directions(obj.toJaus, self._feature(obj, "toJaus"))
-        yield from (self.vector(each) for each in obj.vectors)
+        yield from (self.vector(vector) for vector in obj.vectors)
 
     def _end(self, obj: bridge.AttributeMap, name: str, target: EObject | None) -> End | None:
         """Returns the clause of one end, None when it cannot be named."""
@@ -108,17 +108,17 @@ class MapWriter:
 
     def table(self, obj: bridge.ValueTable) -> Table | Element:
         """Returns a table, as a uniform block where its own notation cannot say it."""
-        entries = [table_entry(each) for each in obj.entries]
-        pairs = [each for each in entries if each is not None]
+        entries = [table_entry(entry) for entry in obj.entries]
+        pairs = [entry for entry in entries if entry is not None]
         if not is_name(obj.name) or not _can_be_documented(obj) or len(pairs) < len(entries):
             return self._elements.element(obj)
         return documented(Table(Name(obj.name), pairs), obj)
 
     def vector(self, obj: bridge.TestVector) -> Vector | Element:
         """Returns a test vector, as a uniform block where its own notation cannot say it."""
-        given = [vector_entry(each) for each in obj.given]
-        expected = [vector_entry(each) for each in obj.expected]
-        entries = [each for each in [*given, *expected] if each is not None]
+        given = [vector_entry(vector_value) for vector_value in obj.given]
+        expected = [vector_entry(vector_value) for vector_value in obj.expected]
+        entries = [entry for entry in [*given, *expected] if entry is not None]
         if len(entries) < len(given) + len(expected) or not is_name(obj.name):
             return self._elements.element(obj)
         if not _can_be_documented(obj):
@@ -132,13 +132,13 @@ class MapWriter:
     ) -> Iterator[Direction | Feature]:
         """Yields the assignments of one direction in order, blocks where arrows cannot say them."""
         direction: Direction | None = None
-        for each in assignments:
-            arrow = self.arrow(each)
+        for assignment in assignments:
+            arrow = self.arrow(assignment)
             if arrow is None:
                 if direction is not None:
                     yield direction
                 direction = None
-                yield self._elements.value_item(each, feature)
+                yield self._elements.value_item(assignment, feature)
                 continue
             if direction is None:
                 direction = Direction(feature.name == "toRos")
@@ -163,7 +163,7 @@ class MapWriter:
             self._convert(arrow, obj)
         if isinstance(obj, bridge.ListAssignment):
             arrow.items += self._nested(obj)
-            if not any(isinstance(each, Assignment | Ignored) for each in arrow.items):
+            if not any(isinstance(item, Assignment | Ignored) for item in arrow.items):
                 return None
         return documented(arrow, obj)
 
@@ -182,20 +182,20 @@ class MapWriter:
     def _convert(
         self, arrow: Assignment, obj: bridge.FieldAssignment | bridge.ListAssignment
     ) -> None:
-        calls = [self.call(each) for each in obj.conversions]
-        sayable = [each for each in calls if each is not None]
+        calls = [self.call(conversion) for conversion in obj.conversions]
+        sayable = [call for call in calls if call is not None]
         if len(sayable) == len(calls):
             arrow.conversions = sayable
         else:
-            arrow.items += [self._elements.element(each) for each in obj.conversions]
+            arrow.items += [self._elements.element(conversion) for conversion in obj.conversions]
 
     def call(self, obj: bridge.Conversion) -> Call | None:
         """Returns a conversion as a call, None when it has what no call of its kind takes."""
         table = self._metamodels.class_of(obj)
         given = [
             name
-            for name, each in table.features.items()
-            if name != "kind" and is_written(obj, each)
+            for name, feature in table.features.items()
+            if name != "kind" and is_written(obj, feature)
         ]
         kind = obj.kind.name
         if not given:
@@ -208,7 +208,7 @@ class MapWriter:
         value = getattr(obj, holder)
         arguments: list[Any]
         if holder == "arguments":
-            arguments = [number(each) for each in value]
+            arguments = [number(argument) for argument in value]
             return Call(Name(kind), tuple(arguments)) if _are(Number, arguments) else None
         if table.features[holder].is_reference:
             arguments = [self._names.name(obj, value, table.features[holder])]
@@ -219,18 +219,18 @@ class MapWriter:
 
     def _nested(self, obj: bridge.ListAssignment) -> Iterator[BlockItem]:
         feature = self._feature(obj, "assignments")
-        for each in obj.assignments:
-            yield self.arrow(each) or self._elements.value_item(each, feature)
+        for assignment in obj.assignments:
+            yield self.arrow(assignment) or self._elements.value_item(assignment, feature)
 
 
 def _are(kind: type, values: list[Any]) -> bool:
-    return all(isinstance(each, kind) for each in values)
+    return all(isinstance(value, kind) for value in values)
 
 
 def _paths(text: str | None) -> list[Name] | None:
     """Returns the paths of a source or target, None when commas stand otherwise than usual."""
     paths = (text or "").split(", ")
-    return [Name(each) for each in paths] if all(map(_is_path, paths)) else None
+    return [Name(path) for path in paths] if all(map(_is_path, paths)) else None
 
 
 def _is_path(text: str) -> bool:
@@ -256,7 +256,7 @@ def vector_entry(obj: bridge.VectorValue) -> VectorEntry | None:
 
 
 def _can_be_documented(*elements: Documented) -> bool:
-    texts = [each.documentation for each in elements]
+    texts = [element.documentation for element in elements]
     return all(text is None or is_comment(text) for text in texts)
 
 
@@ -337,14 +337,14 @@ def _parts(root: EObject, elements: ElementWriter, model: Model, path: Path) -> 
     names = IMPLIED_PARTS.get(table.qualified_name)
     if names is None or name_of(root) != system_name(path):
         return []
-    others = (each for name, each in table.features.items() if name not in ("name", *names))
-    if any(is_written(root, each) for each in others):
+    others = (feature for name, feature in table.features.items() if name not in ("name", *names))
+    if any(is_written(root, other) for other in others):
         return []
     parts = elements.children(root, names)
-    return parts if all(isinstance(each, Element) for each in parts) else []
+    return parts if all(isinstance(part, Element) for part in parts) else []
 
 
 def _depth(items: Iterable[Item]) -> int:
     """Returns how deep the brackets of items are nested, of arrows as if all had some."""
-    inner = (_depth(each) for item in items for each, _ in lists_of(item))
-    return max((1 + each for each in inner), default=0)
+    inner = (_depth(nested_list) for item in items for nested_list, _ in lists_of(item))
+    return max((1 + depth for depth in inner), default=0)

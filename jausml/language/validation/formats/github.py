@@ -23,23 +23,28 @@ def render(report: Report) -> str:
     commands: list[str] = []
     rest: list[Diagnostic] = []
     for severity, command in _COMMANDS.items():
-        found = [each for each in report.diagnostics if each.severity is severity]
-        commands += [_command(command, each) for each in found[:_MOST]]
+        found = [diagnostic for diagnostic in report.diagnostics if diagnostic.severity is severity]
+        commands += [_command(command, diagnostic) for diagnostic in found[:_MOST]]
         rest += found[_MOST:]
     if rest:
         commands.append(f"{len(rest)} more, which GitHub does not annotate:")
     # A line that begins with a path cannot be taken for a command.
-    commands += [f"- {_inert(line)}" for each in rest for line in lines_of(each)]
+    commands += [f"- {_inert(line)}" for diagnostic in rest for line in lines_of(diagnostic)]
     return "".join(f"{line}\n" for line in commands)
 
 
-def _command(name: str, each: Diagnostic) -> str:
-    place = each.location
-    properties = {"file": place.path, "line": place.line, "col": place.column, "title": each.rule}
+def _command(name: str, diagnostic: Diagnostic) -> str:
+    place = diagnostic.location
+    properties = {
+        "file": place.path,
+        "line": place.line,
+        "col": place.column,
+        "title": diagnostic.rule,
+    }
     listed = ",".join(f"{key}={_property(one_line(str(v)))}" for key, v in properties.items())
-    hint = f" ({each.hint})" if each.hint else ""
-    notes = [f"{note.location}: {note.message}" for note in each.related]
-    text = "\n".join(one_line(line) for line in (f"{each.message}{hint}", *notes))
+    hint = f" ({diagnostic.hint})" if diagnostic.hint else ""
+    notes = [f"{note.location}: {note.message}" for note in diagnostic.related]
+    text = "\n".join(one_line(line) for line in (f"{diagnostic.message}{hint}", *notes))
     return f"::{name} {listed}::{_data(text)}"
 
 

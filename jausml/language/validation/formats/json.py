@@ -18,30 +18,32 @@ def render(report: Report) -> str:
     content = {
         "schema": SCHEMA,
         "files": list(report.files),
-        "diagnostics": [as_json(each) for each in report.diagnostics],
-        "setAside": [_set_aside(each) for each in report.set_aside],
+        "diagnostics": [as_json(diagnostic) for diagnostic in report.diagnostics],
+        "setAside": [_set_aside(suppression) for suppression in report.set_aside],
     }
     return json.dumps(content, indent=2) + "\n"
 
 
-def as_json(each: Diagnostic) -> dict[str, Any]:
+def as_json(diagnostic: Diagnostic) -> dict[str, Any]:
     """Returns every attribute of a finding."""
     return {
-        "rule": each.rule,
-        "severity": each.severity.value,
-        **_place(each.location),
-        "element": each.element,
-        "fragment": each.fragment,
-        "message": each.message,
-        "hint": each.hint,
-        "related": [{**_place(note.location), "message": note.message} for note in each.related],
+        "rule": diagnostic.rule,
+        "severity": diagnostic.severity.value,
+        **_place(diagnostic.location),
+        "element": diagnostic.element,
+        "fragment": diagnostic.fragment,
+        "message": diagnostic.message,
+        "hint": diagnostic.hint,
+        "related": [
+            {**_place(note.location), "message": note.message} for note in diagnostic.related
+        ],
     }
 
 
-def _set_aside(each: SetAside) -> dict[str, Any]:
-    said_at = _place(each.location) if each.location is not None else None
-    why = {"ground": each.ground.value, "reason": each.reason, "saidAt": said_at}
-    return {**as_json(each.diagnostic), **why}
+def _set_aside(aside: SetAside) -> dict[str, Any]:
+    said_at = _place(aside.location) if aside.location is not None else None
+    why = {"ground": aside.ground.value, "reason": aside.reason, "saidAt": said_at}
+    return {**as_json(aside.diagnostic), **why}
 
 
 def _place(location: Location) -> dict[str, Any]:

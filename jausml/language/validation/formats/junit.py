@@ -51,7 +51,7 @@ def junit_document(name: str, suites: Iterable[Suite]) -> str:
     root = _totalled("testsuites", name, [case for suite in suites for case in suite.cases])
     for suite in suites:
         element = _totalled("testsuite", suite.name, suite.cases)
-        element.extend(_case(each) for each in suite.cases)
+        element.extend(_case(case) for case in suite.cases)
         root.append(element)
     ET.indent(root)
     return f'<?xml version="1.0" encoding="UTF-8"?>\n{ET.tostring(root, encoding="unicode")}\n'
@@ -63,11 +63,11 @@ def _totalled(tag: str, name: str, cases: Sequence[Case]) -> ET.Element:
         tag,
         name=_printable(name),
         tests=str(len(cases)),
-        failures=str(sum(each.failure is not None for each in cases)),
+        failures=str(sum(case.failure is not None for case in cases)),
         errors="0",
-        skipped=str(sum(each.skipped is not None for each in cases)),
+        skipped=str(sum(case.skipped is not None for case in cases)),
     )
-    measured = [each.seconds for each in cases if each.seconds is not None]
+    measured = [case.seconds for case in cases if case.seconds is not None]
     if measured:
         element.set("time", f"{sum(measured):.3f}")
     return element
@@ -102,8 +102,8 @@ def render(report: Report) -> str:
     A file without findings has one test case that passes: an empty suite would read as no test.
     """
     by_file: dict[str, list[Diagnostic]] = {path: [] for path in report.files}
-    for each in report.diagnostics:
-        by_file.setdefault(each.location.path, []).append(each)
+    for diagnostic in report.diagnostics:
+        by_file.setdefault(diagnostic.location.path, []).append(diagnostic)
     suites = (_suite(one_line(path), findings) for path, findings in by_file.items())
     return junit_document("jausml", suites)
 
@@ -116,8 +116,8 @@ def _suite(path: str, findings: Sequence[Diagnostic]) -> Suite:
 
 
 def _finding_case(path: str, rule: str, findings: Sequence[Diagnostic]) -> Case:
-    errors = [each for each in findings if each.severity is Severity.ERROR]
-    others = _lines(each for each in findings if each.severity is not Severity.ERROR)
+    errors = [finding for finding in findings if finding.severity is Severity.ERROR]
+    others = _lines(finding for finding in findings if finding.severity is not Severity.ERROR)
     if not errors:
         return Case(path, rule, output=others)
     failure = one_line(errors[0].message)
@@ -125,4 +125,4 @@ def _finding_case(path: str, rule: str, findings: Sequence[Diagnostic]) -> Case:
 
 
 def _lines(findings: Iterable[Diagnostic]) -> str:
-    return "\n".join(line for each in findings for line in lines_of(each))
+    return "\n".join(line for finding in findings for line in lines_of(finding))

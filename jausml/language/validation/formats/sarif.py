@@ -36,31 +36,31 @@ def render(report: Report, help_uri: str | None = None) -> str:
 
     Paths are written as the user gave them: give them relative to the root of the repository.
     """
-    rules = [_rule(each, help_uri) for each in catalogue(TEXT_RULES, report.rules)]
+    rules = [_rule(entry, help_uri) for entry in catalogue(TEXT_RULES, report.rules)]
     places = {str(rule["id"]): number for number, rule in enumerate(rules)}
     driver = {"name": "jausml", "semanticVersion": __version__, "rules": rules}
     run = {
         "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
-        "results": [_result(each, places) for each in report.diagnostics]
-        + [_suppressed(each, places) for each in report.set_aside],
+        "results": [_result(diagnostic, places) for diagnostic in report.diagnostics]
+        + [_suppressed(suppression, places) for suppression in report.set_aside],
     }
     log = {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
     return json.dumps(log, indent=2) + "\n"
 
 
-def _rule(each: CatalogueEntry, help_uri: str | None) -> dict[str, Any]:
-    heading = f"**{each.id}: {each.title}**"
+def _rule(entry: CatalogueEntry, help_uri: str | None) -> dict[str, Any]:
+    heading = f"**{entry.id}: {entry.title}**"
     rule: dict[str, Any] = {
-        "id": each.id,
-        "name": each.id,
-        "shortDescription": {"text": each.title},
-        "fullDescription": {"text": each.documentation},
-        "help": {"text": each.documentation, "markdown": f"{heading}\n\n{each.documentation}"},
-        "defaultConfiguration": {"level": _LEVELS[each.severity]},
+        "id": entry.id,
+        "name": entry.id,
+        "shortDescription": {"text": entry.title},
+        "fullDescription": {"text": entry.documentation},
+        "help": {"text": entry.documentation, "markdown": f"{heading}\n\n{entry.documentation}"},
+        "defaultConfiguration": {"level": _LEVELS[entry.severity]},
     }
     if help_uri is not None:
-        rule["helpUri"] = f"{help_uri}#{_anchor(f'{each.id} {each.title}')}"
+        rule["helpUri"] = f"{help_uri}#{_anchor(f'{entry.id} {entry.title}')}"
     return rule
 
 
@@ -69,39 +69,45 @@ def _anchor(heading: str) -> str:
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 
-def _suppressed(each: SetAside, places: Mapping[str, int]) -> dict[str, Any]:
+def _suppressed(aside: SetAside, places: Mapping[str, int]) -> dict[str, Any]:
     """Returns a result that does not count, and why (SARIF, section 3.35)."""
     suppression: dict[str, Any] = {
-        "kind": "external" if each.location is None else "inSource",
+        "kind": "external" if aside.location is None else "inSource",
         "status": "accepted",
-        "justification": each.reason,
+        "justification": aside.reason,
     }
-    if each.location is not None:
-        suppression["location"] = {"physicalLocation": _physical(each.location)}
-    return {**_result(each.diagnostic, places), "suppressions": [suppression]}
+    if aside.location is not None:
+        suppression["location"] = {"physicalLocation": _physical(aside.location)}
+    return {**_result(aside.diagnostic, places), "suppressions": [suppression]}
 
 
-def _result(each: Diagnostic, places: Mapping[str, int]) -> dict[str, Any]:
-    location: dict[str, Any] = {"physicalLocation": _physical(each.location)}
-    if each.element:
-        location["logicalLocations"] = [{"fullyQualifiedName": each.element, "kind": "element"}]
+def _result(diagnostic: Diagnostic, places: Mapping[str, int]) -> dict[str, Any]:
+    location: dict[str, Any] = {"physicalLocation": _physical(diagnostic.location)}
+    if diagnostic.element:
+        location["logicalLocations"] = [
+            {"fullyQualifiedName": diagnostic.element, "kind": "element"}
+        ]
     result: dict[str, Any] = {
-        "ruleId": each.rule,
-        "level": _LEVELS[each.severity],
-        "message": {"text": f"{each.message} ({each.hint})" if each.hint else each.message},
+        "ruleId": diagnostic.rule,
+        "level": _LEVELS[diagnostic.severity],
+        "message": {
+            "text": f"{diagnostic.message} ({diagnostic.hint})"
+            if diagnostic.hint
+            else diagnostic.message
+        },
         "locations": [location],
-        "partialFingerprints": {FINGERPRINT: _fingerprint(each)},
+        "partialFingerprints": {FINGERPRINT: _fingerprint(diagnostic)},
     }
-    if each.rule in places:
-        result["ruleIndex"] = places[each.rule]
-    if each.related:
+    if diagnostic.rule in places:
+        result["ruleIndex"] = places[diagnostic.rule]
+    if diagnostic.related:
         result["relatedLocations"] = [
             {
                 "id": number,
                 "physicalLocation": _physical(note.location),
                 "message": {"text": note.message},
             }
-            for number, note in enumerate(each.related, 1)
+            for number, note in enumerate(diagnostic.related, 1)
         ]
     return result
 
@@ -123,7 +129,12 @@ def _uri(path: str) -> str:
     return text.replace(":", "%3A")
 
 
-def _fingerprint(each: Diagnostic) -> str:
-    identity = (each.rule, each.location.path, each.element or each.fragment, each.message)
+def _fingerprint(diagnostic: Diagnostic) -> str:
+    identity = (
+        diagnostic.rule,
+        diagnostic.location.path,
+        diagnostic.element or diagnostic.fragment,
+        diagnostic.message,
+    )
     text = json.dumps(identity)
     return hashlib.sha256(text.encode("ascii")).hexdigest()

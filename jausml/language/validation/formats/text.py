@@ -14,7 +14,9 @@ if TYPE_CHECKING:
 
 def render(report: Report) -> str:
     """Returns the findings, each on one line, with their related places on lines after it."""
-    return "".join(f"{line}\n" for each in report.diagnostics for line in lines_of(each))
+    return "".join(
+        f"{line}\n" for diagnostic in report.diagnostics for line in lines_of(diagnostic)
+    )
 
 
 def summary(report: Report) -> str:
@@ -28,7 +30,7 @@ def summary(report: Report) -> str:
     aside = [
         f"{number} {ground.value}"
         for ground in Ground
-        if (number := sum(each.ground is ground for each in report.set_aside))
+        if (number := sum(suppression.ground is ground for suppression in report.set_aside))
     ]
     told = f"{', '.join(counts) or 'no problems'} in {files}"
     return "; ".join([told, *([", ".join(aside)] if aside else [])])

@@ -23,9 +23,14 @@ if TYPE_CHECKING:
 @cache
 def all_rules() -> tuple[Rule, ...]:
     """Returns all rules, ordered by id."""
-    modules = (import_module(each.name) for each in pkgutil.walk_packages(__path__, f"{__name__}."))
-    found = (each for module in modules for each in vars(module).values())
-    return tuple(sorted((each for each in found if isinstance(each, Rule)), key=lambda e: e.id))
+    modules = (
+        import_module(walk_package.name)
+        for walk_package in pkgutil.walk_packages(__path__, f"{__name__}.")
+    )
+    found = (member for module in modules for member in vars(module).values())
+    return tuple(
+        sorted((member for member in found if isinstance(member, Rule)), key=lambda e: e.id)
+    )
 
 
 _WIDTH = 100
@@ -113,7 +118,7 @@ def catalogue(*further: Mapping[str, RuleInfo]) -> list[CatalogueEntry]:
         for id_, info in rules.items()
     ]
     entries += [
-        CatalogueEntry(each.id, each.severity, each.title, each.documentation)
-        for each in all_rules()
+        CatalogueEntry(rule.id, rule.severity, rule.title, rule.documentation)
+        for rule in all_rules()
     ]
     return sorted(entries, key=lambda entry: entry.id)

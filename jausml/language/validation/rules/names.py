@@ -36,7 +36,7 @@ _NAMED = (
 )
 
 
-@rule("JML501", "name is no identifier", each=_NAMED, needs=("name",))
+@rule("JML501", "name is no identifier", kinds=_NAMED, needs=("name",))
 def identifiers(_: Subject, element: Named) -> Iterator[Finding]:
     """Names of elements that become names in code are of letters, digits and underscores.
 
@@ -66,7 +66,9 @@ def _field_names(_: Subject, field: jaus.Field | jaus.SubField) -> Iterator[Find
         yield Finding(field, message, "name")
 
 
-@rule("JML502", "name of an interface package is taken", each=ros.InterfacePackage, needs=("name",))
+@rule(
+    "JML502", "name of an interface package is taken", kinds=ros.InterfacePackage, needs=("name",)
+)
 def interface_names(subject: Subject, package: ros.InterfacePackage) -> Iterator[Finding]:
     """Interface packages of a system hide no module that generated code imports.
 
@@ -83,7 +85,7 @@ def interface_names(subject: Subject, package: ros.InterfacePackage) -> Iterator
 
 
 @rule(
-    "JML503", "packages of one name", each=system.System, needs=("components", "bridges", "nodes")
+    "JML503", "packages of one name", kinds=system.System, needs=("components", "bridges", "nodes")
 )
 def package_collisions(subject: Subject, whole: system.System) -> Iterator[Finding]:
     """The packages of a system have different names, regardless of upper and lower case.
@@ -97,7 +99,9 @@ def package_collisions(subject: Subject, whole: system.System) -> Iterator[Findi
     Good: vehicle and vehicle_display
     """
     interfaces = subject.model.instances(ros.InterfacePackage)
-    holders: dict[str, Named] = {package_key(each.name): each for each in interfaces if each.name}
+    holders: dict[str, Named] = {
+        package_key(interface.name): interface for interface in interfaces if interface.name
+    }
     if whole.name:
         for ending in ("bringup", "messages"):
             holders.setdefault(package_key(f"{whole.name}_{ending}"), whole)
@@ -122,7 +126,7 @@ _SCOPES = (
 )
 
 
-@rule("JML504", "siblings of one name", each=_SCOPES, needs=())
+@rule("JML504", "siblings of one name", kinds=_SCOPES, needs=())
 def sibling_names(_: Subject, owner: EObject) -> Iterator[Finding]:
     """Elements that lie side by side have names that differ in code as well.
 
@@ -156,7 +160,7 @@ def _alike(siblings: Sequence[Named]) -> Iterator[Finding]:
             yield Finding(element, message, "name", related=(note,))
 
 
-@rule("JML505", "messages of one name in one process", each=jaus.Component)
+@rule("JML505", "messages of one name in one process", kinds=jaus.Component)
 def message_names(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Messages that meet in a process have different names, or are the same message.
 
@@ -169,7 +173,12 @@ def message_names(subject: Subject, component: jaus.Component) -> Iterator[Findi
     holders: dict[str, jaus.MessageDef] = {}
     services = with_inherited((*component.provides, *component.uses))
     messages = sorted(
-        (m for each in services for m in (*each.inputs, *each.outputs) if m.name and m.code),
+        (
+            m
+            for service in services
+            for m in (*service.inputs, *service.outputs)
+            if m.name and m.code
+        ),
         key=lambda m: (m.name, m.code),
     )
     for message in messages:
@@ -181,7 +190,7 @@ def message_names(subject: Subject, component: jaus.Component) -> Iterator[Findi
             yield Finding(component, text, related=notes)
 
 
-@rule("JML506", "names in a state machine that no code can have", each=jaus.State, needs=("name",))
+@rule("JML506", "names in a state machine that no code can have", kinds=jaus.State, needs=("name",))
 def machine_names(_: Subject, state: jaus.State) -> Iterator[Finding]:
     """States, actions and guards have names of letters, digits and underscores, joined by dots.
 

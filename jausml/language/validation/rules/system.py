@@ -25,7 +25,7 @@ _HIGHEST_TTL = 255
 _FRAGMENT_SIZES = (64, 4079)
 
 
-@rule("JML511", "impossible package metadata", each=system.System, needs=())
+@rule("JML511", "impossible package metadata", kinds=system.System, needs=())
 def metadata(_: Subject, whole: system.System) -> Iterator[Finding]:
     """The package metadata of a system is valid in a package.xml (REP 149).
 
@@ -51,8 +51,8 @@ def metadata(_: Subject, whole: system.System) -> Iterator[Finding]:
 @metadata.also(system.System, needs=())
 def _dependencies(_: Subject, whole: system.System) -> Iterator[Finding]:
     elements: list[jaus.Component | ros.Node] = [*whole.components, *whole.bridges, *whole.nodes]
-    packages = {_package(each.name or ""): each for each in elements}
-    needed = {name: list(each.dependencies) for name, each in packages.items()}
+    packages = {_package(participant.name or ""): participant for participant in elements}
+    needed = {name: list(participant.dependencies) for name, participant in packages.items()}
     for name, element in packages.items():
         way = _way_back(name, needed)
         if way:
@@ -70,16 +70,16 @@ def _way_back(package: str, needed: Mapping[str, list[str]]) -> list[str]:
     """Returns the packages from one by those that each needs back to it; none for no way."""
     ways, seen = [[package]], {package}
     for way in ways:
-        for each in needed.get(way[-1], ()):
-            if each == package:
-                return [*way, each]
-            if each not in seen:
-                seen.add(each)
-                ways.append([*way, each])
+        for dependency in needed.get(way[-1], ()):
+            if dependency == package:
+                return [*way, dependency]
+            if dependency not in seen:
+                seen.add(dependency)
+                ways.append([*way, dependency])
     return []
 
 
-@rule("JML512", "impossible network settings", each=system.System, needs=("name",))
+@rule("JML512", "impossible network settings", kinds=system.System, needs=("name",))
 def network(_: Subject, whole: system.System) -> Iterator[Finding]:
     """The ROS domain is 0..101; a host has an IPv4 address, a UDP port and a multicast group.
 
@@ -110,7 +110,7 @@ def _network_host(_: Subject, host: system.Host) -> Iterator[Finding]:
         yield Finding(host, f"{message} is no multicast address", "multicastGroup")
 
 
-@rule("JML513", "placed twice or elsewhere", each=system.System)
+@rule("JML513", "placed twice or elsewhere", kinds=system.System)
 def placements(_: Subject, whole: system.System) -> Iterator[Finding]:
     """An element runs on one host, and a system places its own elements on its own hosts.
 
@@ -138,7 +138,7 @@ def placements(_: Subject, whole: system.System) -> Iterator[Finding]:
 
 
 @rule(
-    "JML514", "hosts that cannot talk to each other", severity=Severity.WARNING, each=system.System
+    "JML514", "hosts that cannot talk to each other", severity=Severity.WARNING, kinds=system.System
 )
 def transports(_: Subject, whole: system.System) -> Iterator[Finding]:
     """Either all hosts of a system speak JAUS over TCP, or none of them does.

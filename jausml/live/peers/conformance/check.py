@@ -55,8 +55,8 @@ class Check:
 
     def run(self, session: Session) -> None:
         """Takes the steps; the first that raises CheckFailed or CheckSkipped ends the check."""
-        for each in self.steps:
-            each(session)
+        for check_step in self.steps:
+            check_step(session)
 
 
 def step(function: Callable[Concatenate[Session, P], object]) -> Callable[P, Step]:
@@ -184,9 +184,9 @@ def passes(_: Session) -> None:
 def any_of(session: Session, why: str, *steps: Step) -> None:
     """Takes steps of which some may be skipped; the check is, where all are."""
     taken = 0
-    for each in steps:
+    for check_step in steps:
         try:
-            each(session)
+            check_step(session)
         except CheckSkipped:
             continue
         taken += 1

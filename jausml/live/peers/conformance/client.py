@@ -22,7 +22,7 @@ UNDO_ORDER = (core.DeleteElement, core.ClearEmergency, core.ReleaseControl)
 
 
 _CREATING = tuple(
-    each.CODE.to_bytes(2, "little") for each in (core.CreateEvent, core.CreateCommandEvent)
+    codec.CODE.to_bytes(2, "little") for codec in (core.CreateEvent, core.CreateCommandEvent)
 )
 """Message codes whose request ids an event is confirmed for."""
 
@@ -144,7 +144,7 @@ class Client:
                 core.ClearEmergency(emergency_code=message.emergency_code).encode(),
             )
         elif isinstance(message, core.SetElement):
-            uids = [each.element_uid for each in message.element_list]
+            uids = [element.element_uid for element in message.element_list]
             records = [core.DeleteElement.DeleteElementRec(element_uid=uid) for uid in uids]
             undo = core.DeleteElement(
                 request_id_rec=core.DeleteElement.RequestIDRec(request_id=0),
@@ -197,7 +197,7 @@ class Client:
         """Returns the next message with one of the codes, or None when none comes in time."""
 
         def here() -> list[ReceivedMessage]:
-            return [each for each in self.inbox if each.code in codes]
+            return [message for message in self.inbox if message.code in codes]
 
         self._exchange.wait(lambda: bool(here()), self._exchange.timeout)
         found = here()
@@ -228,7 +228,7 @@ class Client:
 
     def asked(self, query: Message, report_class: type[M], attempts: int = 3) -> M | None:
         """Returns the report that answers a query, or None without one."""
-        self.inbox[:] = [each for each in self.inbox if each.code != report_class.CODE]
+        self.inbox[:] = [message for message in self.inbox if message.code != report_class.CODE]
         for _ in range(attempts):
             self.send(query)
             report = self.find(report_class)

@@ -37,8 +37,8 @@ def checks(session: Session) -> tuple[Check, ...]:
     for identity in session.services:
         service = session.known(identity)
         made = [_unknown(session, identity)] if service is None else _of_service(service)
-        for each in made:
-            found.setdefault(each.id, each)
+        for check in made:
+            found.setdefault(check.id, check)
     return tuple(found.values())
 
 
@@ -50,7 +50,9 @@ def _of_service(service: ServiceEntry) -> list[Check]:
 def _unknown(session: Session, identity: ServiceIdentity) -> Check:
     """Returns a check that says why nothing of a service is checked."""
     version = f"{identity.major}.{identity.minor}"
-    versions = [each for urn, each in session.catalogue.services if urn == identity.urn]
+    versions = [
+        known_version for urn, known_version in session.catalogue.services if urn == identity.urn
+    ]
     known = f"known are the versions {', '.join(versions)}" if versions else "the library lacks it"
 
     return Check(
@@ -124,7 +126,7 @@ def _judge_subsets(
 def _reports_of(service: ServiceEntry, query: MessageEntry) -> tuple[MessageEntry, ...]:
     """Returns the reports that may answer a query: by name, else all outputs of the service."""
     wanted = query.name.replace("Query", "Report", 1)
-    outputs = [entry for each in service.lineage for entry in each.outputs]
+    outputs = [entry for ancestor in service.lineage for entry in ancestor.outputs]
     named = tuple(entry for entry in outputs if entry.name == wanted)
     return named or tuple(outputs)
 
@@ -180,4 +182,4 @@ def _presence_of(fields: Any) -> int:
         return 0
     if PRESENCE in fields:
         return int(fields[PRESENCE])
-    return next((found for each in fields.values() if (found := _presence_of(each))), 0)
+    return next((found for field in fields.values() if (found := _presence_of(field))), 0)

@@ -68,8 +68,8 @@ def _of_target(session: Session) -> QueryServices:
 def _of_nobody(session: Session) -> QueryServices:
     """Asks for a component that the target has not listed."""
     known, target = _everything(session), session.probe.target
-    ids = (JausAddress(target.subsystem, target.node, each) for each in range(254, 0, -1))
-    return query_services(next(each for each in ids if each not in known))
+    ids = (JausAddress(target.subsystem, target.node, number) for number in range(254, 0, -1))
+    return query_services(next(address for address in ids if address not in known))
 
 
 def _everything(session: Session) -> Services:
@@ -86,7 +86,7 @@ def _holds_target(session: Session, report: _Listing, what: str) -> None:
 
 
 def _holds_discovery_once(session: Session, report: ReportServices, _: str) -> None:
-    urns = [each.urn for each in _services(session, report)[session.probe.target]]
+    urns = [service.urn for service in _services(session, report)[session.probe.target]]
     session.require(CORE + "Discovery" in urns, "the target answers Discovery but does not list it")
     doubled = sorted({urn for urn in urns if urns.count(urn) > 1})
     if doubled:
@@ -94,7 +94,9 @@ def _holds_discovery_once(session: Session, report: ReportServices, _: str) -> N
 
 
 def _holds_no_others(session: Session, report: ReportServices, what: str) -> None:
-    others = [str(each) for each in _services(session, report) if each != session.probe.target]
+    others = [
+        str(service) for service in _services(session, report) if service != session.probe.target
+    ]
     session.require(not others, f"{what} also holds {others}")
 
 
@@ -129,20 +131,20 @@ def _configures_target(session: Session, report: ReportConfiguration, what: str)
 
 
 def _configures_all(session: Session, report: ReportConfiguration, what: str) -> None:
-    listed = {(each.node, each.component) for each in _everything(session)}
+    listed = {(address.node, address.component) for address in _everything(session)}
     missing = listed - _members(report)
     session.require(not missing, f"{what} lacks {sorted(missing)} of ReportServices")
 
 
 def _holds_subsystem(session: Session, report: ReportSubsystemList, what: str) -> None:
     own = session.probe.target.subsystem
-    held = any(each.subsystem_id == own for each in report.subsystem_list)
+    held = any(subsystem.subsystem_id == own for subsystem in report.subsystem_list)
     session.require(held, f"{what} does not hold the target's subsystem {own}")
 
 
 def _lists_bases(session: Session) -> None:
     urns = {service.urn for service in session.services}
-    bases = (base.urn for each in session.services for base in session.known_bases(each))
+    bases = (base.urn for service in session.services for base in session.known_bases(service))
     missing = sorted({urn for urn in bases if urn not in urns})
     if missing:
         session.note(f"not listed, though inherited: {', '.join(missing)}")
@@ -176,7 +178,7 @@ CHECKS = (
         "Answers for the scope that was asked for, or not at all",
         "AS5710A Discovery, QueryIdentification 1 to 3",
         "A report about system, subsystem or node must say so; a narrower server stays silent.",
-        tuple(_identifies(each) for each in (Scope.SYSTEM, Scope.SUBSYSTEM, Scope.NODE)),
+        tuple(_identifies(scope) for scope in (Scope.SYSTEM, Scope.SUBSYSTEM, Scope.NODE)),
     ),
     Check(
         "discovery.reserved-type",

@@ -168,10 +168,15 @@ def listed(session: Session, choice: Callable[[Session], core.QueryEvents.QueryE
     found = session.client(B).ask(core.QueryEvents(chosen), core.ReportEvents).event_list
     wanted = (own, PERIODIC, subject(session)[0].encode())
     session.require(
-        any((each.event_id, each.event_type, each.query_message) == wanted for each in found),
+        any(
+            (report_event.event_id, report_event.event_type, report_event.query_message) == wanted
+            for report_event in found
+        ),
         f"ReportEvents does not hold event {own} with its type and query",
     )
-    others = [each.event_id for each in found if not _is_chosen(chosen, each)]
+    others = [
+        report_event.event_id for report_event in found if not _is_chosen(chosen, report_event)
+    ]
     session.require(not others, f"ReportEvents holds events that were not asked for: {others}")
 
 

@@ -62,9 +62,9 @@ def _comes_first(session: Session, client: int, first: type[Message], other: typ
     """Two messages come to a client in this order."""
     inbox, codes = session.client(client).inbox, (first.CODE, other.CODE)
     session.probe.wait(
-        lambda: {each.code for each in inbox} >= set(codes), 2 * session.probe.timeout
+        lambda: {message.code for message in inbox} >= set(codes), 2 * session.probe.timeout
     )
-    order = [each.code for each in inbox if each.code in codes]
+    order = [message.code for message in inbox if message.code in codes]
     session.require(
         order[:1] == [first.CODE], f"the first {other.NAME} comes before its confirmation"
     )
@@ -80,7 +80,7 @@ def _keeps_rate(session: Session, client: int, intervals: int) -> None:
     )
     periods, count = 2.5 * intervals, intervals + 2
     arrived = session.probe.wait(lambda: len(_events(found)) >= count, periods * period)
-    times = [each.time for each in _events(found)]
+    times = [event.time for event in _events(found)]
     session.require(arrived, f"{len(times)} of {count} reports came in {periods:g} periods")
     mean = (times[-1] - times[1]) / (len(times) - 2)
     session.require(
@@ -147,7 +147,7 @@ def _confirmed(session: Session) -> str:
 
 
 def _events(client: Client) -> list[ReceivedMessage]:
-    return [each for each in client.inbox if each.code == core.Event.CODE]
+    return [message for message in client.inbox if message.code == core.Event.CODE]
 
 
 CHECKS = (

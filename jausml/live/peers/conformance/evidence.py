@@ -84,11 +84,11 @@ class Trace:
 
     def since(self, count: int) -> tuple[TraceLine, ...]:
         """Returns all lines after the first ones, at the times of the clock."""
-        return tuple(each._replace(time=each.time + self._begin) for each in self._lines[count:])
+        return tuple(line._replace(time=line.time + self._begin) for line in self._lines[count:])
 
     def quote(self, lines: Iterable[TraceLine]) -> None:
         """Adds lines of an earlier exchange, whose times lie before the beginning of this one."""
-        self._lines += [each._replace(time=each.time - self._begin) for each in lines]
+        self._lines += [line._replace(time=line.time - self._begin) for line in lines]
 
     def __len__(self) -> int:
         """Returns how many lines there are."""
@@ -143,9 +143,9 @@ def core_classes() -> Mapping[int, type[Message]]:
     """Returns the codecs of the core messages by message code."""
     found = vars(core_messages).values()
     return {
-        each.CODE: each
-        for each in found
-        if isinstance(each, type) and issubclass(each, Message) and hasattr(each, "CODE")
+        member.CODE: member
+        for member in found
+        if isinstance(member, type) and issubclass(member, Message) and hasattr(member, "CODE")
     }
 
 

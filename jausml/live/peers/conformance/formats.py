@@ -33,11 +33,11 @@ def render_text(report: ConformanceReport) -> str:
     """Returns the whole report."""
     lines = [*heading(report.target, report.endpoint, report.services)]
     group = ""
-    for each in report.results:
-        if each.check.group != group:
-            group = each.check.group
+    for result in report.results:
+        if result.check.group != group:
+            group = result.check.group
             lines += ["", group]
-        lines += result_lines(each)
+        lines += result_lines(result)
     lines += ["", summary(report)]
     return "".join(f"{line}\n" for line in lines)
 
@@ -96,7 +96,7 @@ def render_json(report: ConformanceReport) -> str:
         "passed": report.passed,
         "interrupted": report.interrupted,
         "summary": {verdict.value: report.count(verdict) for verdict in Verdict},
-        "checks": [result_json(each) for each in report.results],
+        "checks": [result_json(result) for result in report.results],
     }
     return json.dumps(content, indent=2) + "\n"
 
@@ -119,10 +119,12 @@ def result_json(result: CheckResult) -> dict[str, Any]:
 def render_junit(report: ConformanceReport) -> str:
     """Returns an XML document that build servers read as test results."""
     # Checks that are left for the end stand with their group.
-    places = {each.check.group: place for place, each in reversed([*enumerate(report.results)])}
-    results = sorted(report.results, key=lambda each: places[each.check.group])
-    groups = groupby(results, key=lambda each: each.check.group)
-    suites = (Suite(group, [_case(group, each) for each in results]) for group, results in groups)
+    places = {result.check.group: place for place, result in reversed([*enumerate(report.results)])}
+    results = sorted(report.results, key=lambda result: places[result.check.group])
+    groups = groupby(results, key=lambda result: result.check.group)
+    suites = (
+        Suite(group, [_case(group, result) for result in results]) for group, results in groups
+    )
     return junit_document(f"JAUS {report.target}", suites)
 
 

@@ -110,7 +110,7 @@ def accepted(session: Session, client: int) -> None:
 
 def _uids(session: Session) -> list[int]:
     report = session.first.ask(QueryElementList(), ReportElementList)
-    return [each.element_uid for each in report.element_list]
+    return [element_list.element_uid for element_list in report.element_list]
 
 
 def _element(request_id: int) -> SetElement:

@@ -144,8 +144,8 @@ def _entered(session: Session, note: str, *steps: Step) -> None:
     if not session.reaches(EMERGENCY):
         session.note(note)
         return
-    for each in steps:
-        each(session)
+    for check_step in steps:
+        check_step(session)
 
 
 def is_down(session: Session) -> None:

@@ -230,7 +230,9 @@ class Probe:
 
         def answers() -> list[bytes]:
             payloads = [packet.payload for _, packet in self._bystanders]
-            return [each for each in payloads if int.from_bytes(each[:2], "little") == code]
+            return [
+                payload for payload in payloads if int.from_bytes(payload[:2], "little") == code
+            ]
 
         self.wait(lambda: bool(answers()), self.timeout)
         return answers()[0] if answers() else None

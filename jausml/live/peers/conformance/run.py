@@ -108,7 +108,7 @@ class CheckFilter:
         return not names & self.skip and (not self.only or bool(names & self.only))
 
     def _may_have(self, group: str) -> bool:
-        wanted = {each.partition(".")[0] for each in self.only}
+        wanted = {name.partition(".")[0] for name in self.only}
         return group not in self.skip and (not wanted or group in wanted)
 
     def _chosen(self, group: CheckGroup, session: Session) -> tuple[Check, ...]:
@@ -118,7 +118,7 @@ class CheckFilter:
 def unknown(names: Iterable[str]) -> list[str]:
     """Returns names that neither a group nor a check has; those of codecs depend on a target."""
     known = known_names()
-    return [each for each in names if each not in known and not each.startswith("codecs.")]
+    return [name for name in names if name not in known and not name.startswith("codecs.")]
 
 
 def known_names() -> set[str]:
@@ -176,7 +176,7 @@ def opened(
 
 def _why(probe: Probe, network: Network) -> str:
     if probe.others:
-        others = listed([str(each) for each in sorted(probe.others)])
+        others = listed([str(other) for other in sorted(probe.others)])
         return f"nothing came from it, but from {others}: check the id and that it runs"
     return f"nothing at all was heard; {network.hints()}"
 
@@ -229,7 +229,9 @@ def run(
     report = ConformanceReport(
         target=str(session.probe.target),
         endpoint=f"{host}:{port}",
-        services=tuple(f"{each.urn} {each.major}.{each.minor}" for each in session.services),
+        services=tuple(
+            f"{service.urn} {service.major}.{service.minor}" for service in session.services
+        ),
     )
     results: list[CheckResult] = []
     interrupted = False
@@ -268,7 +270,7 @@ def _results(session: Session, groups: Sequence[CheckGroup]) -> Iterator[CheckRe
             if result.left_silent:
                 gone = not _comes_back(session, session.limits.restart)
             yield result
-    for check, obstacle in sorted(later, key=lambda each: each[0].destructive):
+    for check, obstacle in sorted(later, key=lambda pair: pair[0].destructive):
         allowed = session.limits.destructive or not check.destructive
         reason = obstacle or ("" if allowed else "ends the target; --destructive runs it")
         if gone and not reason:

@@ -211,7 +211,7 @@ class Session:
         """Returns the services that a service inherits from, as far as we know it."""
         entry = self.known(service)
         lineage = [] if entry is None else list(entry.lineage)[1:]
-        return [ServiceIdentity(each.urn, *_version(each.version)) for each in lineage]
+        return [ServiceIdentity(ancestor.urn, *_version(ancestor.version)) for ancestor in lineage]
 
     def known(self, service: ServiceIdentity) -> ServiceEntry | None:
         """Returns what the catalogue says of a service in its announced version."""
@@ -220,16 +220,18 @@ class Session:
     def _announced(self, name: str) -> ServiceIdentity | None:
         """Returns a core service as it is announced, or as what is announced inherits it."""
         urns = _urns(name)
-        heirs = (base for each in self.services for base in self.known_bases(each))
-        return next((each for each in (*self.services, *heirs) if each.urn in urns), None)
+        heirs = (base for service in self.services for base in self.known_bases(service))
+        return next((service for service in (*self.services, *heirs) if service.urn in urns), None)
 
     def _heir(self, name: str) -> ServiceIdentity | None:
         """Returns the service through which alone a core service is announced."""
         urns = _urns(name)
-        if any(each.urn in urns for each in self.services):
+        if any(service.urn in urns for service in self.services):
             return None
-        bases = ((each, {base.urn for base in self.known_bases(each)}) for each in self.services)
-        return next((each for each, found in bases if found.intersection(urns)), None)
+        bases = (
+            (service, {base.urn for base in self.known_bases(service)}) for service in self.services
+        )
+        return next((service for service, found in bases if found.intersection(urns)), None)
 
     def answers(self) -> bool:
         """Whether the target still answers a query."""

@@ -49,11 +49,11 @@ def _numbers_rise(session: Session, reports: int) -> None:
     for _ in range(reports):
         client.send(query)
         arrived = session.probe.wait(
-            lambda: any(each.code == report_class.CODE for each in client.inbox),
+            lambda: any(message.code == report_class.CODE for message in client.inbox),
             session.probe.timeout,
         )
         session.require(arrived, f"{query.NAME} is not answered")
-        numbers += [each.packet.sequence for each in client.inbox]
+        numbers += [message.packet.sequence for message in client.inbox]
         client.clear()
     steps = [(after - before) & 0xFFFF for before, after in itertools.pairwise(numbers)]
     session.require(
@@ -292,7 +292,7 @@ CHECKS = (
         "Survives known messages without their bodies",
         "AS5684, encoding; AS5710A, core messages",
         "Queries whose body is missing; the target may ignore them and goes on.",
-        tuple(query(A, payload=each) for each in _TRUNCATED_QUERIES),
+        tuple(query(A, payload=truncated_query) for truncated_query in _TRUNCATED_QUERIES),
         risky=True,
     ),
     Check(

@@ -77,7 +77,7 @@ def task(
     name: str, title: str, rule: str, source: str, *parts: PartOf, is_unasked: bool = False
 ) -> Task:
     """Declares a task."""
-    return Task(name, title, rule, tuple(each(name, source) for each in parts), is_unasked)
+    return Task(name, title, rule, tuple(factory(name, source) for factory in parts), is_unasked)
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,11 +127,11 @@ class Sheet:
     @property
     def tasks(self) -> tuple[Task, ...]:
         """The tasks that were judged, in the order of the rules."""
-        return tuple(dict.fromkeys(each.task for each in self.scores))
+        return tuple(dict.fromkeys(score.task for score in self.scores))
 
     def of(self, task: Task) -> tuple[Score, ...]:
         """Returns the scores of a task."""
-        return tuple(each for each in self.scores if each.task is task)
+        return tuple(score for score in self.scores if score.task is task)
 
     def counts(self, score: Score) -> bool:
         """Whether the points of a part belong to what could be reached."""
@@ -139,11 +139,11 @@ class Sheet:
 
     def reached(self, task: Task | None = None) -> float:
         """Returns the points that were given, of one task or in all."""
-        return round(sum(each.points for each in self._chosen(task)), 2)
+        return round(sum(score.points for score in self._chosen(task)), 2)
 
     def possible(self, task: Task | None = None) -> float:
         """Returns the points that could be reached."""
-        chosen = (each.part.points for each in self._chosen(task) if self.counts(each))
+        chosen = (score.part.points for score in self._chosen(task) if self.counts(score))
         return round(sum(chosen), 2)
 
     @property
@@ -169,24 +169,30 @@ class Judge:
         for task in self._tasks:
             if task.is_unasked:
                 self._take(session, task, task.parts)
-        return any(each.result.verdict in _GIVEN for each in self.scores)
+        return any(score.result.verdict in _GIVEN for score in self.scores)
 
     def run(self, session: Session) -> None:
         """Takes all other tasks; those parts last after which the target cannot go on."""
         try:
             for task in self._tasks:
                 if not task.is_unasked:
-                    self._take(session, task, [each for each in task.parts if not each.is_last])
+                    self._take(
+                        session,
+                        task,
+                        [task_part for task_part in task.parts if not task_part.is_last],
+                    )
                     session.tidy()
             for task in self._tasks:
-                self._take(session, task, [each for each in task.parts if each.is_last])
+                self._take(
+                    session, task, [task_part for task_part in task.parts if task_part.is_last]
+                )
         except KeyboardInterrupt:
             self.interrupted = True
             session.tidy()
 
     def in_order(self) -> tuple[Score, ...]:
         """Returns the scores in the order of the tasks."""
-        return tuple(sorted(self.scores, key=lambda each: self._tasks.index(each.task)))
+        return tuple(sorted(self.scores, key=lambda score: self._tasks.index(score.task)))
 
     def _take(self, session: Session, task: Task, parts: Sequence[Part]) -> None:
         for part in parts:
@@ -203,8 +209,10 @@ class Judge:
         self._on_score(score)
 
     def _obstacle(self, task: Task, part: Part) -> str:
-        given = {each.part.name for each in self.scores if each.task is task and _is_given(each)}
-        lacking = [each for each in part.needs if each not in given]
+        given = {
+            score.part.name for score in self.scores if score.task is task and _is_given(score)
+        }
+        lacking = [part_name for part_name in part.needs if part_name not in given]
         return f"cannot be judged without {task.name}.{lacking[0]}" if lacking else ""
 
 

@@ -90,7 +90,10 @@ def _platform() -> Task:
         "Platform management",
         "A component of the subsystem has the services of platform management.",
         f"{RULES}; AS5710A Discovery, QueryServices, ReportServices",
-        *(part(each, 1, f"A component lists {each}")(_somebody_lists(each)) for each in PLATFORM),
+        *(
+            part(service, 1, f"A component lists {service}")(_somebody_lists(service))
+            for service in PLATFORM
+        ),
     )
 
 
@@ -99,13 +102,15 @@ def _somebody_lists(session: Session, name: str) -> None:
     report = session.first.ask(query_services(), ReportServices)
     found = services_of(report, session.probe.target.subsystem)
     session.require(
-        any(each.urn.endswith(f":{name}") for services in found.values() for each in services),
+        any(
+            service.urn.endswith(f":{name}") for services in found.values() for service in services
+        ),
         f"no component of ReportServices has {name}",
     )
 
 
 def _interfaces() -> Task:
-    checks = {each.id: each for each in fixed_checks()}
+    checks = {fixed_check.id: fixed_check for fixed_check in fixed_checks()}
     return task(
         "interfaces",
         "Navigation and reporting",
@@ -113,14 +118,17 @@ def _interfaces() -> Task:
         "standards say.",
         f"{RULES}; AS5710A and AS6009, protocol behaviour",
         part("services", 1, "Reports its services")(own_services),
-        *(part(each, 1, f"Lists {each}", "services")(lists_service(each)) for each in REPORTING),
+        *(
+            part(service, 1, f"Lists {service}", "services")(lists_service(service))
+            for service in REPORTING
+        ),
         *(
             part(f"{service}-{query}", 1, f"Answers {query}")(_answers(service, query))
             for service, query in _QUERIES
         ),
         *(
-            part(each.replace(".", "-"), 1, checks[each].title)(*checks[each].steps, _let_go)
-            for each in _CHECKS
+            part(check.replace(".", "-"), 1, checks[check].title)(*checks[check].steps, _let_go)
+            for check in _CHECKS
         ),
     )
 
@@ -148,8 +156,8 @@ class ConformanceJudge(Judge):
     def __init__(self, selection: CheckFilter, on_score: Callable[[Score], None]) -> None:
         self._selection = selection
         self._groups = {
-            each.name: Task(each.name, each.name, "one point for each check that applies")
-            for each in selection.groups()
+            group.name: Task(group.name, group.name, "one point for each check that applies")
+            for group in selection.groups()
         }
         super().__init__(self._groups.values(), on_score)
 
@@ -192,7 +200,9 @@ def task_names(name: str) -> set[str]:
     if name == CONFORMANCE:
         return known_names()
     tasks = competition(name).tasks
-    return {each.name for each in tasks} | {part.check.id for e in tasks for part in e.parts}
+    return {competition_task.name for competition_task in tasks} | {
+        part.check.id for e in tasks for part in e.parts
+    }
 
 
 def judged(
@@ -220,12 +230,12 @@ def judged(
     if rules.name == CONFORMANCE:
         judge = ConformanceJudge(CheckFilter(frozenset(only)), on_score)
     else:
-        chosen = (_chosen(each, only) for each in rules.tasks)
-        judge = Judge([each for each in chosen if each.parts], on_score)
+        chosen = (_chosen(competition_task, only) for competition_task in rules.tasks)
+        judge = Judge([chosen_task for chosen_task in chosen if chosen_task.parts], on_score)
     with opened(
         network, target, catalogue, timeout=timeout, quiet=quiet, meet=judge.meet, wire=wire
     ) as session:
-        begun = next((each.result.begun for each in judge.scores), None) or session.probe.utc()
+        begun = next((score.result.begun for score in judge.scores), None) or session.probe.utc()
         judge.run(session)
         host, port = session.probe.endpoint or ("", 0)
         return Sheet(
@@ -233,7 +243,7 @@ def judged(
             str(target),
             f"{host}:{port}",
             begun,
-            tuple(f"{each.urn} {each.major}.{each.minor}" for each in session.services),
+            tuple(f"{service.urn} {service.major}.{service.minor}" for service in session.services),
             judge.in_order(),
             judge.interrupted,
         )
@@ -242,7 +252,9 @@ def judged(
 def _chosen(task: Task, only: Collection[str]) -> Task:
     if not only or task.name in only:
         return task
-    names = {each.name for each in task.parts if each.check.id in only}
-    for each in reversed(task.parts):
-        names |= set(each.needs) if each.name in names else set()
-    return replace(task, parts=tuple(each for each in task.parts if each.name in names))
+    names = {task_part.name for task_part in task.parts if task_part.check.id in only}
+    for task_part in reversed(task.parts):
+        names |= set(task_part.needs) if task_part.name in names else set()
+    return replace(
+        task, parts=tuple(task_part for task_part in task.parts if task_part.name in names)
+    )

@@ -75,7 +75,7 @@ def holds(*names: str) -> Judgement[EntryMessage]:
     """Fails unless a report has these fields."""
 
     def judge(_: Session, found: EntryMessage, what: str) -> None:
-        lacking = [each for each in names if each not in told(found)]
+        lacking = [name for name in names if name not in told(found)]
         if lacking:
             raise CheckFailed(f"{what} lacks {', '.join(lacking)}")
 
@@ -182,12 +182,12 @@ class Drive:
         ]
         records = [
             SetElement.ElementRec(
-                each.uid,
-                each.previous_uid,
-                each.next_uid,
-                SetElement.ElementData(each.data_format, each.data),
+                content.uid,
+                content.previous_uid,
+                content.next_uid,
+                SetElement.ElementData(content.data_format, content.data),
             )
-            for each in chain(contents)
+            for content in chain(contents)
         ]
         return SetElement(SetElement.RequestIDRec(1), records)
 
@@ -205,7 +205,7 @@ class Drive:
         while not self._is_over():
             self.samples.append(self._sample(session, begun))
         session.require(
-            self._departure is not None or any(each.active for each in self.samples),
+            self._departure is not None or any(sample.active for sample in self.samples),
             "the list is not executed: no element is active, and nothing moves",
         )
 
@@ -214,7 +214,7 @@ class Drive:
         if not self.samples:
             return False
         latest = self.samples[-1]
-        ended = any(each.active for each in self.samples) or latest.time > _PATIENCE
+        ended = any(sample.active for sample in self.samples) or latest.time > _PATIENCE
         arrivals = [self.samples[at].time for at in self._arrivals() if at is not None]
         quiet = latest.time - max(arrivals, default=0.0)
         limit = _PATIENCE if len(arrivals) == len(self.uids) else self.course.seconds
@@ -223,11 +223,11 @@ class Drive:
     @property
     def _departure(self) -> int | None:
         """Returns the place of the first sample away from the start."""
-        start = next((each.place for each in self.samples if each.place is not None), None)
+        start = next((sample.place for sample in self.samples if sample.place is not None), None)
         away = (
             at
-            for at, each in enumerate(self.samples)
-            if start and each.place and _distance(each.place, start) > RADIUS
+            for at, sample in enumerate(self.samples)
+            if start and sample.place and _distance(sample.place, start) > RADIUS
         )
         return next(away, None)
 
@@ -275,11 +275,11 @@ class Drive:
         def judge(session: Session) -> None:
             x, y = self.course.waypoints[number - 1]
             at = self._arrivals()[number - 1]
-            places = [each.place for each in self.samples if each.place is not None]
+            places = [sample.place for sample in self.samples if sample.place is not None]
             session.require(bool(places), "the target did not tell where it was")
             if at is None:
                 _quote(session, self.samples[-_QUOTED:], POSE.name)
-                nearest = min(_distance(each, (x, y)) for each in places)
+                nearest = min(_distance(place, (x, y)) for place in places)
                 raise CheckFailed(
                     f"not within {RADIUS} m of {x:g}, {y:g} in its turn; the nearest place of the "
                     f"drive was {nearest:.2f} m off"
@@ -290,14 +290,14 @@ class Drive:
 
     def names_active(self, number: int) -> Step:
         """The element was told to be the active one on the way to its waypoint."""
-        return self._told(number, ACTIVE, lambda each: each.active, lambda uid: uid == number)
+        return self._told(number, ACTIVE, lambda sample: sample.active, lambda uid: uid == number)
 
     def tells_speed(self, number: int) -> Step:
         """The speed of ExecuteList was told on the way to a waypoint."""
         return self._told(
             number,
             SPEED,
-            lambda each: each.speed,
+            lambda sample: sample.speed,
             lambda speed: abs(speed - TRAVEL_SPEED) <= _CLOSE,
         )
 
@@ -307,7 +307,7 @@ class Drive:
         return self._told(
             number,
             WAYPOINT,
-            lambda each: each.waypoint,
+            lambda sample: sample.waypoint,
             lambda place: _is_near(place, goal, _CLOSE),
         )
 
@@ -320,7 +320,7 @@ class Drive:
     ) -> Step:
         def judge(session: Session) -> None:
             leg, name = self._leg(number), topic.name
-            values = [found for each in leg if (found := value(each)) is not None]
+            values = [found for sample in leg if (found := value(sample)) is not None]
             if not any(map(is_right, values)):
                 _quote(session, leg, name)
             session.require(bool(values), f"Query{name} was not answered on the way to {number}")
@@ -335,8 +335,8 @@ class Drive:
 
 def _quote(session: Session, samples: Sequence[Sample], name: str) -> None:
     """Shows what some samples hold of a topic."""
-    for each in samples[:_QUOTED]:
-        session.trace.quote(line for line in each.evidence if name in line.text)
+    for sample in samples[:_QUOTED]:
+        session.trace.quote(line for line in sample.evidence if name in line.text)
 
 
 def _latest(session: Session, client: Client, topic: Topic) -> dict[str, Any]:
@@ -365,4 +365,4 @@ def _distance(one: Place, other: Place) -> float:
 
 def _words(value: object) -> str:
     parts = value if isinstance(value, tuple) else (value,)
-    return " ".join(f"{each:.4g}" for each in parts)
+    return " ".join(f"{part:.4g}" for part in parts)

@@ -165,7 +165,10 @@ def _capabilities_discovery() -> Task:
         "under the one id of the entry.",
         f"{RULES}; AS5710A Discovery, QueryServices, ReportServices",
         part("services", 4, "Reports its services")(own_services),
-        *(part(each, 1, f"Lists {each}", "services")(lists_service(each)) for each in SERVICES),
+        *(
+            part(service, 1, f"Lists {service}", "services")(lists_service(service))
+            for service in SERVICES
+        ),
     )
 
 
@@ -181,7 +184,7 @@ def own_services(session: Session) -> None:
 @step
 def lists_service(session: Session, name: str) -> None:
     """The target has listed a service of this name."""
-    names = [each.urn.rpartition(":")[2] for each in session.services]
+    names = [service.urn.rpartition(":")[2] for service in session.services]
     session.require(name in names, f"ReportServices lacks {name}")
 
 
@@ -281,7 +284,11 @@ def waypoint_navigation(course: Course, rules: str) -> Task:
             ask(A, core.QueryElementCount(), core.ReportElementCount, has(element_count=count)),
         ),
         part("drive", 0, "Executes the list", "list")(drive.execute),
-        *(each for number in drive.uids for each in _waypoint(drive, number, share)),
+        *(
+            waypoint_part
+            for number in drive.uids
+            for waypoint_part in _waypoint(drive, number, share)
+        ),
     )
 
 

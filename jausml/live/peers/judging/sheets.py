@@ -38,8 +38,10 @@ def score_lines(score: Score) -> Iterator[str]:
     yield f"  {points:>7} {mark:4} {check.id:{_ID_WIDTH}} {check.title}"
     for message in score.result.messages:
         yield f"               {printable(message)}"
-    remarks = (each.text for each in score.result.evidence if each.direction == "remark")
-    yield from (f"               {each}" for each in remarks)
+    remarks = (
+        trace_line.text for trace_line in score.result.evidence if trace_line.direction == "remark"
+    )
+    yield from (f"               {remark}" for remark in remarks)
     if verdict is Verdict.FAIL:
         yield f"               rule: {check.source}"
         yield from (f"               {line}" for line in evidence_lines(score.result))
@@ -51,8 +53,8 @@ def ending(sheet: Sheet) -> Iterator[str]:
     for task in sheet.tasks:
         yield f"{task.title:40} {sheet.reached(task):6g} of {sheet.possible(task):g}"
     yield summary(sheet)
-    for each in sheet.competition.not_covered:
-        yield f"not judged: {each}"
+    for aspect in sheet.competition.not_covered:
+        yield f"not judged: {aspect}"
 
 
 def summary(sheet: Sheet) -> str:
@@ -89,8 +91,8 @@ def _task_json(sheet: Sheet, task: Task) -> dict[str, Any]:
         "points": sheet.reached(task),
         "of": sheet.possible(task),
         "parts": [
-            {"points": each.points, "of": each.part.points, **result_json(each.result)}
-            for each in sheet.of(task)
+            {"points": score.points, "of": score.part.points, **result_json(score.result)}
+            for score in sheet.of(task)
         ],
     }
 
@@ -142,7 +144,7 @@ def _lines(sheet: Sheet) -> Iterator[str]:
         yield from _task(sheet, task)
     if sheet.competition.not_covered:
         yield "<h2>Not judged</h2>\n<ul>"
-        yield from (f"<li>{escape(each)}</li>" for each in sheet.competition.not_covered)
+        yield from (f"<li>{escape(aspect)}</li>" for aspect in sheet.competition.not_covered)
         yield "</ul>"
     yield '<footer><p class="soft">Times are UTC, by the clock of the judge. '
     yield "→ was sent by the judge, ← by the component.</p>"
@@ -167,7 +169,7 @@ def _points(given: float, of: float) -> str:
 
 def _task(sheet: Sheet, task: Task) -> Iterator[str]:
     yield f"<h2>{escape(task.title)}</h2>\n<p>{escape(task.rule)}</p>"
-    sources = list(dict.fromkeys(each.part.check.source for each in sheet.of(task)))
+    sources = list(dict.fromkeys(task_score.part.check.source for task_score in sheet.of(task)))
     if len(sources) == 1:
         yield f'<p class="soft">{escape(sources[0])}</p>'
     yield "<table>\n<tbody>"

@@ -200,8 +200,8 @@ class JuniorPeer:
 
     def _assemble(self) -> None:
         """Delivers a message that is whole: consecutive numbers from a first to a last packet."""
-        loose = {(each.source, each.sequence): each for each in self._loose}
-        for first in (each for each in self._loose if each.place == FIRST):
+        loose = {(packet.source, packet.sequence): packet for packet in self._loose}
+        for first in (packet for packet in self._loose if packet.place == FIRST):
             parts = [first]
             while parts[-1].place != LAST:
                 following = loose.get((first.source, parts[-1].sequence + 1 & 0xFFFF))
@@ -209,8 +209,8 @@ class JuniorPeer:
                     break
                 parts.append(following)
             else:
-                self._loose = [each for each in self._loose if each not in parts]
-                self._deliver(first.source, b"".join(each.payload for each in parts))
+                self._loose = [packet for packet in self._loose if packet not in parts]
+                self._deliver(first.source, b"".join(part.payload for part in parts))
                 return
 
     def _deliver(self, source: int, payload: bytes) -> None:

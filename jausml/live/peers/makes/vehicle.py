@@ -25,8 +25,8 @@ SERVICES = (
 READY, STANDBY = 1, 2
 COMPONENT, VEHICLE = 4, 10001
 _INPUTS = {
-    each.CODE: each
-    for each in (
+    message_class.CODE: message_class
+    for message_class in (
         core.CancelEvent,
         core.CreateEvent,
         core.QueryControl,
@@ -73,9 +73,9 @@ class Place:
         is_loopback = self.interface.startswith("127.")
         by = socket.inet_aton("127.0.0.1" if is_loopback else self.interface)
         try:
-            for each in (own, group):
-                each.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
-                each.settimeout(0)
+            for udp_socket in (own, group):
+                udp_socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
+                udp_socket.settimeout(0)
             own.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_IF, by)
             own.bind(self.endpoint)
             group.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -135,7 +135,9 @@ class Vehicle:
             return [(source, report)]
         kind = _INPUTS.get(code)
         if kind is not None:
-            return [(source, each.encode()) for each in self._answers(kind.decode(payload), source)]
+            return [
+                (source, answer.encode()) for answer in self._answers(kind.decode(payload), source)
+            ]
         if source == self._controller and self._state == READY:
             self._obey(payload, source)
         return []
@@ -190,7 +192,7 @@ class Vehicle:
     def _create(self, message: core.CreateEvent, source: JausAddress) -> Sequence[Message]:
         if not self.take(message.query_message, source):
             return [core.RejectEventRequest(message.request_id, 5)]
-        number = next(each for each in range(255) if each not in self._events)
+        number = next(index for index in range(255) if index not in self._events)
         asked = (source, message.query_message)
         for known, event in self._events.items():
             if not self.doubles_events and (event.client, event.query) == asked:

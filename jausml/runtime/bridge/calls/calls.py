@@ -180,8 +180,8 @@ class Calls(Generic[CallT, AskingT]):
         """Opens the ends of the connection."""
         self._ends = ends
         self.counters = ends.component.counters
-        for each in self._translations():
-            each.open(ends)
+        for translation in self._translations():
+            translation.open(ends)
         self.service = parameters.service(ends.ros, self.name, self.service)
         self.timeout = ends.ros.parameter(
             parameters.TIMEOUT.of(self.timeout, self.name), self._set_timeout
@@ -257,9 +257,9 @@ class Calls(Generic[CallT, AskingT]):
             self.timeout = seconds
 
     def _translations(self) -> Iterator[CallTranslation]:
-        for each in (self._request, self._response):
-            if isinstance(each, CallTranslation):
-                yield each
+        for translation in (self._request, self._response):
+            if isinstance(translation, CallTranslation):
+                yield translation
 
     # ------------------------------------------------------------------ as a connection
 
@@ -312,7 +312,7 @@ class Calls(Generic[CallT, AskingT]):
         """Returns the state since the last call, for `/diagnostics`."""
         counts = self.statistics
         failures = sum(counts.drops.values()) + sum(
-            sum(each.statistics.drops.values()) for each in self._translations()
+            sum(translation.statistics.drops.values()) for translation in self._translations()
         )
         is_new, self._reported = failures > self._reported, failures
         judged = judge(
@@ -339,17 +339,17 @@ class Calls(Generic[CallT, AskingT]):
         return (
             ("service", self.service.name),
             ("translation", self.form.value),
-            *override_of(*(each.translate for each in self._translations())),
+            *override_of(*(translation.translate for translation in self._translations())),
             ("calls taken", str(counts.arrivals)),
             ("calls answered", str(counts.passed)),
             ("calls under way", str(len(self._under_way))),
             ("age (s)", age),
             *((f"failed: {reason}", str(n)) for reason, n in sorted(counts.drops.items())),
-            *(pair for each in self._translations() for pair in each.describe()),
+            *(pair for translation in self._translations() for pair in translation.describe()),
             *self.describe_peers(),
         )
 
 
 def codes_of(messages: Sequence[type[Message]]) -> dict[int, type[Message]]:
     """Returns messages by their codes."""
-    return {each.CODE: each for each in messages}
+    return {message.CODE: message for message in messages}

@@ -115,7 +115,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         """Fails a call for which there is no peer that obeys."""
         present = self._peers.present
         if present:
-            why = "; ".join(f"{each}: {self._peers.reason(each)}" for each in present)
+            why = "; ".join(f"{address}: {self._peers.reason(address)}" for address in present)
             self._fail(call, NOT_READY, f"no peer obeys ({why})")
         else:
             self._fail(call, NO_PEER, self._peers.lacking() or "no peer is there")
@@ -207,8 +207,8 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
 def _told(rejection: type[Message], payload: bytes) -> str:
     """Returns a rejection in words, with its code where it has one."""
     message = rejection.decode(payload)
-    codes = (getattr(message, each, None) for each in _RESPONSE_CODES)
-    code = next((each for each in codes if each is not None), None)
+    codes = (getattr(message, response_code, None) for response_code in _RESPONSE_CODES)
+    code = next((value for value in codes if value is not None), None)
     return rejection.NAME if code is None else f"{rejection.NAME} with the code {code}"
 
 

@@ -134,13 +134,13 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
     def describe_joins(self) -> list[tuple[str, str]]:
         """What is joined and the age of its latest message, for diagnostics."""
         return [
-            (f"join {each.name} age (s)", "never" if each.age is None else f"{each.age:.3f}")
-            for each in self._joined
+            (f"join {join.name} age (s)", "never" if join.age is None else f"{join.age:.3f}")
+            for join in self._joined
         ]
 
     def stale_joins(self) -> list[str]:
         """Names of the joins that have nothing fresh."""
-        return [each.name for each in self._joined if each.is_stale]
+        return [join.name for join in self._joined if join.is_stale]
 
     @property
     def is_latched(self) -> bool:

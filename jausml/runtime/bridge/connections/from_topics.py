@@ -179,9 +179,9 @@ class FromTopics(Connection[SourceT, TargetT]):
 
     def losses(self) -> dict[str, int]:
         """How many messages of the topics have never been taken."""
-        counts = [each.counts for each in self._feeds]
+        counts = [feed.counts for feed in self._feeds]
         return {
-            LOST_IN_QUEUE: sum(each.lost for each in counts),
-            MISSED: sum(each.missed for each in counts),
-            TOO_OLD: sum(each.too_old for each in counts),
+            LOST_IN_QUEUE: sum(count.lost for count in counts),
+            MISSED: sum(count.missed for count in counts),
+            TOO_OLD: sum(count.too_old for count in counts),
         }

@@ -270,7 +270,7 @@ class Reporter:
         new = {reason: n - before.get(reason, 0) for reason, n in failures.items()}
         if sum(new.values()) < FEWEST_FAILURES:
             return ""
-        reason = max(new, key=lambda each: new[each])
+        reason = max(new, key=lambda failure: new[failure])
         text = f"{reason} ({counts.failures.get(reason, '')})"
         return f"no message can be translated: {text}; change its map, or what is sent"
 

@@ -64,12 +64,12 @@ class EventRequests:
     @property
     def lost(self) -> int:
         """Reports that did not arrive."""
-        return self._lost + sum(each.lost for each in self._events.values())
+        return self._lost + sum(event.lost for event in self._events.values())
 
     @property
     def late(self) -> int:
         """Reports that came after newer ones."""
-        return self._late + sum(each.late for each in self._events.values())
+        return self._late + sum(event.late for event in self._events.values())
 
     def set_rate(self, hertz: float) -> None:
         """Has the events of all peers come at another rate."""
@@ -210,7 +210,7 @@ class CommandMemory:
         payload = code + self._payload[MESSAGE_CODE_SIZE:]
         if answer.same:
             report = answer.report.decode(payload)
-            if any(getattr(query, each) != getattr(report, each) for each in answer.same):
+            if any(getattr(query, field) != getattr(report, field) for field in answer.same):
                 return None
         return payload
 

@@ -99,8 +99,8 @@ class ToTopics(Connection[SourceT, TargetT]):
         only = self._publishers[0] if len(self._publishers) == 1 else None
         self._publisher = only or _Publishers(self._publishers)
         self.guard()
-        for each in self._report_joins:
-            each.open(ends, self.name, self._peers, self._refuse_sender)
+        for report_join in self._report_joins:
+            report_join.open(ends, self.name, self._peers, self._refuse_sender)
         self.join(self._report_joins)
         self._take = self._through(partial(self.take))
         self.begin(ends)
@@ -231,7 +231,7 @@ class ToTopics(Connection[SourceT, TargetT]):
 
     def losses(self) -> dict[str, int]:
         """How many messages nobody has heard."""
-        return {UNHEARD: sum(each.unmatched for each in self._publishers)}
+        return {UNHEARD: sum(publisher.unmatched for publisher in self._publishers)}
 
     def topic_faults(self) -> Iterator[TopicFault]:
         """What is wrong with the topics."""

@@ -48,10 +48,11 @@ def uses_ros_classes(translate: Callable[..., Any]) -> bool:
 def override_of(*translations: object) -> list[tuple[str, str]]:
     """Names the methods among translations that a subclass has in the place of generated ones."""
     names = [
-        each.__name__
-        for each in translations
-        if isinstance(each, MethodType)
-        and sum(each.__name__ in vars(kind) for kind in type(each.__self__).__mro__) > 1
+        translation.__name__
+        for translation in translations
+        if isinstance(translation, MethodType)
+        and sum(translation.__name__ in vars(kind) for kind in type(translation.__self__).__mro__)
+        > 1
     ]
     return [("override", ", ".join(names))] if names else []
 
@@ -112,7 +113,7 @@ def compiled_first(function: Function, names: Sequence[str], slow: Transcode) ->
         made = function(data, *(joins[name].fresh_data() for name in names))
         if made is not None:
             return made
-        return slow(data, **{name: each.fresh() for name, each in joins.items()})
+        return slow(data, **{name: join.fresh() for name, join in joins.items()})
 
     return transcode_joined
 
@@ -297,10 +298,10 @@ def with_joins(
         is_compiled: Whether it asks joins itself, since it takes bytes first.
     """
     if is_compiled:
-        asked = {each.name: each for each in joined}
+        asked = {join.name: join for join in joined}
         return lambda data: transcode(data, **asked)
 
     def transcode_joined(data: bytes) -> bytes | None:
-        return transcode(data, **{each.name: each.fresh() for each in joined})
+        return transcode(data, **{join.name: join.fresh() for join in joined})
 
     return transcode_joined

@@ -138,7 +138,7 @@ class BySender:
     @property
     def are_commands(self) -> bool:
         """Whether a message takes the place of the one before, for any of the connections."""
-        return any(each.is_command for each in self._takers)
+        return any(taker.is_command for taker in self._takers)
 
     def taking(self) -> Take:
         """Returns what takes all messages: the connection itself that alone takes anybody's."""
@@ -147,8 +147,8 @@ class BySender:
         known, find = self._known, self._find
 
         def take(data: bytes, sender: JausAddress) -> None:
-            for each in known.get(sender) or find(sender):
-                each(data, sender)
+            for taker in known.get(sender) or find(sender):
+                taker(data, sender)
 
         def fast_path(sender: JausAddress) -> FastPath | None:
             takers = known.get(sender, ())
@@ -162,11 +162,11 @@ class BySender:
 
     def _find(self, sender: JausAddress) -> tuple[Take, ...]:
         wanting = [
-            each.take
-            for each in self._takers
-            if each.senders is None or sender in each.senders.present
+            taker.take
+            for taker in self._takers
+            if taker.senders is None or sender in taker.senders.present
         ]
-        refusing = [each.refuse for each in self._takers if each.refuse is not None]
+        refusing = [taker.refuse for taker in self._takers if taker.refuse is not None]
         found = self._known[sender] = tuple(wanting or refusing[:1])
         if len(self._known) > _MOST_SENDERS:  # inventions of a peer must not fill the memory
             self._known.clear()
@@ -281,8 +281,8 @@ def to_each(takers: Sequence[Take]) -> Take:
     several = tuple(takers)
 
     def take(data: bytes, origin: Any) -> None:
-        for each in several:
-            each(data, origin)
+        for taker in several:
+            taker(data, origin)
 
     return take
 

@@ -30,14 +30,14 @@ def topic_stops(publishers: Iterable[RosPublisher], data: bytes) -> list[dict[st
     """
     return [
         {
-            "topic": each.published.topic,
-            "type": each.published.type,
-            "library": type_library(each.published.type.partition("/")[0]),
-            "qos": asdict(each.published.qos),
+            "topic": publisher.published.topic,
+            "type": publisher.published.type,
+            "library": type_library(publisher.published.type.partition("/")[0]),
+            "qos": asdict(publisher.published.qos),
             "data": data.hex(),
             "stamps": list(_stamps(data)),
         }
-        for each in publishers
+        for publisher in publishers
     ]
 
 

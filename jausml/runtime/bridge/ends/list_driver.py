@@ -126,7 +126,9 @@ class ListDriver:
 
     def supports(self, element: ListElement) -> bool:
         """Whether the list may hold an element: somebody can execute it."""
-        return any(each.is_of(element) and each.can_carry(element) for each in self._executors)
+        return any(
+            executor.is_of(element) and executor.can_carry(element) for executor in self._executors
+        )
 
     def list_changed(self) -> None:
         """Follows a change of the list."""
@@ -144,7 +146,9 @@ class ListDriver:
     def elements_from(self, uid: int) -> list[ListElement]:
         """Returns the elements from one on, in their order; none when it is not there."""
         elements = list(self._component.elements)
-        start = next((at for at, each in enumerate(elements) if each.uid == uid), len(elements))
+        start = next(
+            (at for at, element in enumerate(elements) if element.uid == uid), len(elements)
+        )
         return elements[start:]
 
     @property
@@ -217,10 +221,10 @@ class ListDriver:
         if not elements:
             counters.count("list_driver.unknown_element", f"{sender} wants element {uid} executed")
             return None
-        for each in self._executors:
-            if all(map(each.is_of, elements)):
-                if each.obeys(sender):
-                    return each
+        for executor in self._executors:
+            if all(map(executor.is_of, elements)):
+                if executor.obeys(sender):
+                    return executor
                 counters.count("list_driver.unexpected_source", f"list of {sender}")
                 return None
         counters.count("list_driver.mixed_list", f"the list of {sender} has elements of two kinds")
@@ -269,5 +273,5 @@ class ListDriver:
         return self._component.elements.get(uid)
 
     def _tell(self) -> None:
-        for each in self._reports:
-            self._component.report_changed(each)
+        for report in self._reports:
+            self._component.report_changed(report)

@@ -215,17 +215,21 @@ class MissionDriver(ListDriver):
         if former is not None and former.state not in (State.ABORTED, State.FINISHED):
             return MissionError.NOT_INIT
         tasks = _in_order(message.mission_plan)
-        found = [(each.task_data, data) for each in tasks for data in each.task_data.jaus_messages]
+        found = [(task.task_data, data) for task in tasks for data in task.task_data.jaus_messages]
         if not found or len(tasks) < len(message.mission_plan):
             return MissionError.NO_TREE
         elements = [
-            ListElement(at, data=each.jaus_message) for at, (_, each) in enumerate(found, 1)
+            ListElement(at, data=task_message.jaus_message)
+            for at, (_, task_message) in enumerate(found, 1)
         ]
-        if not all(_is_for(self._component.address, each.destination_id) for _, each in found):
+        if not all(
+            _is_for(self._component.address, task_message.destination_id)
+            for _, task_message in found
+        ):
             return MissionError.NOT_FOR_US
-        if not all(super(MissionDriver, self).supports(each) for each in elements):
+        if not all(super(MissionDriver, self).supports(element) for element in elements):
             return MissionError.UNKNOWN_MESSAGE
-        names = [(task.task_info.task_id, each.uid) for task, each in found]
+        names = [(task.task_info.task_id, task_message.uid) for task, task_message in found]
         return Mission(message.mission_info.mission_id, sender, elements, names)
 
     def _execute(self, message: Any, sender: JausAddress) -> Completion:
@@ -318,8 +322,8 @@ class MissionDriver(ListDriver):
 
 def _in_order(tasks: Sequence[Any]) -> list[Any]:
     """Returns the tasks of a tree, each before its subtasks; too few when they are no tree."""
-    children = [[each.child_task_index for each in task.sub_tasks] for task in tasks]
-    named = [index for each in children for index in each]
+    children = [[sub_task.child_task_index for sub_task in task.sub_tasks] for task in tasks]
+    named = [index for child in children for index in child]
     if len(set(named)) < len(named) or any(index >= len(tasks) for index in named):
         return []
 

@@ -151,8 +151,8 @@ def digital_resources(urls: Sequence[str]) -> Parameter:
     """Returns where streams and files of the bridge are, for Digital Resource Discovery."""
 
     def check(text: str) -> None:
-        for each in text.split():
-            server_type(each)
+        for word in text.split():
+            server_type(word)
 
     text = "URLs of streams and files, such as rtsp://10.0.0.7/front, with spaces between them."
     return Parameter("jaus_digital_resources", " ".join(urls), text, check=check)
@@ -287,10 +287,10 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
         if len(names) != len(modelled):
             raise ValueError(f"{owner} has {len(modelled)} topics, not {len(names)}")
 
-    default = [each.name for each in modelled]
+    default = [topic.name for topic in modelled]
     text = f"Topics of {owner}, in the order of the model."
     names = ros.parameter(Parameter(f"{owner}.topics", default, text, check=check))
-    return tuple(replace(each, name=name) for each, name in zip(modelled, names, strict=True))
+    return tuple(replace(topic, name=name) for topic, name in zip(modelled, names, strict=True))
 
 
 def action(ros: RosSide, connection: str, modelled: ListAction) -> ListAction:
@@ -317,7 +317,7 @@ def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
     if not modelled.present:
         return modelled
     text = f"JAUS components at the other end of {connection}."
-    default = [str(each) for each in modelled.present]
+    default = [str(peer) for peer in modelled.present]
     parameter = Parameter(f"{connection}.peers", default, text, check=addresses)
     return PeerBinding(addresses(ros.parameter(parameter)))
 

@@ -300,7 +300,7 @@ class EndpointHealth:
         if len(names) > 1:
             text = f"{' and '.join(names)} publish on {self.topic}: the report jumps between them"
             found.append(TopicFault(SEVERAL, text))
-        found += [TopicFault(OTHER_TYPE, self._strange(*each)) for each in self.strangers()]
+        found += [TopicFault(OTHER_TYPE, self._strange(*stranger)) for stranger in self.strangers()]
         now = self.clock()
         if now - self._missed < self.qos.deadline + 1.0:
             verb = "was published on" if self.publishes else "came on"
@@ -330,9 +330,9 @@ class EndpointHealth:
 
     def _incompatible(self) -> list[TopicFault]:
         found = [
-            TopicFault(INCOMPATIBLE, self._text(name, each))
+            TopicFault(INCOMPATIBLE, self._text(name, conflict))
             for name, qos in self.others()
-            for each in self._conflicts(qos)
+            for conflict in self._conflicts(qos)
         ]
         if found:
             self._was_seen = True
@@ -353,7 +353,7 @@ class EndpointHealth:
         return conflicts(self.qos, other) if self.publishes else conflicts(other, self.qos)
 
     def _text(self, name: str, conflict: Conflict) -> str:
-        offered, requested = (_shown(each) for each in (conflict.offered, conflict.requested))
+        offered, requested = (_shown(value) for value in (conflict.offered, conflict.requested))
         if self.publishes:
             head = f"{name} gets nothing from {self.topic}: it requests"
             text = f"{head} {conflict.policy} {requested}, offered is {offered}"

@@ -187,7 +187,7 @@ class Library:
             }
         except (OSError, AttributeError) as error:
             raise NoFastPathError(str(error)) from error
-        addresses = {name: _address_of(each) for name, each in found.items()}
+        addresses = {name: _address_of(entry_point) for name, entry_point in found.items()}
         self._core, self._ros = core, Ros(**addresses)
         self.ros = ctypes.addressof(self._ros)
 

@@ -290,9 +290,9 @@ class FastReceiver:
             else:
                 reassembly.note_whole(len(sizes))
                 start, first = 0, number - len(sizes) + 1
-                for each, size in enumerate(sizes, first):
+                for sequence_number, size in enumerate(sizes, first):
                     part = payload[start : start + size]
-                    window.remember(pair, numbers, each & 0xFFFF, destination, part, at)
+                    window.remember(pair, numbers, sequence_number & 0xFFFF, destination, part, at)
                     start += size
             sent.count += answered
             passed(payload, number, at, unknown)

@@ -218,8 +218,8 @@ class FastSide:
             self._transport.receive_by(None)
 
     def _end_subscribers(self) -> None:
-        for each in self._subscribers:
-            each.is_current = False
+        for subscriber in self._subscribers:
+            subscriber.is_current = False
         self._subscribers.clear()
 
     def _wait(self, seconds: float | None, _most: int) -> list[tuple[int, int]]:
@@ -243,7 +243,7 @@ class FastSide:
         ready = set(waited.ready[: waited.ready_count])
         if waited.left_count:
             ready.add(receiver.descriptor)
-        return [(each, EPOLLIN) for each in ready]
+        return [(descriptor, EPOLLIN) for descriptor in ready]
 
     def _settle(self) -> None:
         """Writes down what has passed."""

@@ -232,7 +232,9 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self.note_usable()
         self._goal, self._count = goal, len(payloads)
         run = self._run_at(peer)
-        self._runs = {at: each for at, each in self._runs.items() if each.remains} | {peer: run}
+        self._runs = {
+            at: earlier_run for at, earlier_run in self._runs.items() if earlier_run.remains
+        } | {peer: run}
         self._run = run
         first = self._first
         self._first = (first + len(payloads)) % _UIDS or 1

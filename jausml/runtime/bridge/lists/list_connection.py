@@ -61,8 +61,8 @@ class ListConnection(Connection[SourceT, TargetT]):
         """Returns the elements of a list, translated; None, counted, when one cannot be."""
         made: list[bytes] = []
         try:
-            for each in elements:
-                payload = self._transcode(each)
+            for element in elements:
+                payload = self._transcode(element)
                 if payload is None:
                     self.drop(FILTERED)
                     return None

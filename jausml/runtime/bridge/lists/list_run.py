@@ -362,9 +362,9 @@ class ListRun(Run):
 
     def _drop_requests(self) -> None:
         super()._drop_requests()
-        for each in (self._request, self._events, self._command):
-            if each is not None:
-                each.cancel()
+        for exchange in (self._request, self._events, self._command):
+            if exchange is not None:
+                exchange.cancel()
         self._request = self._events = self._command = None
 
 

@@ -183,8 +183,8 @@ class ListToAction(ListConnection[SourceT, TargetT]):
     def list_changed(self) -> None:
         """Goes on with the new list from the active element, unless that is not there any more."""
         active = self._driver.active
-        rest = [(each.uid, each.data) for each in self._driver.elements_from(active)]
-        sent = [(each.uid, each.data) for each in self._elements]
+        rest = [(element.uid, element.data) for element in self._driver.elements_from(active)]
+        sent = [(element.uid, element.data) for element in self._elements]
         if not rest:
             self._finish(succeeded=False)
         elif self._goal is not None and rest != sent[len(sent) - len(rest) :]:
@@ -232,7 +232,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         if self._halt is not None:
             self.drop(NOT_READY, self._halt.value)
             return None
-        return self.all_transcoded(each.data for each in elements)
+        return self.all_transcoded(element.data for element in elements)
 
     def _cancel(self) -> None:
         if self._goal is not None:

@@ -205,8 +205,8 @@ class MissionRun(Run):
         if not stops:
             then()
             return
-        for each in stops[:-1]:
-            self._send(each)
+        for stop in stops[:-1]:
+            self._send(stop)
         self._send(stops[-1], partial(self._see, then, RETRIES))
 
     def _see(self, then: Callable[[], None], left: int) -> None:

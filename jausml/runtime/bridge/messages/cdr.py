@@ -106,7 +106,7 @@ def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
     if code == "B":
         return bytearray(raw)
     if code == "?":
-        return [each != 0 for each in raw]
+        return [raw_value != 0 for raw_value in raw]
     found = array(code, raw)
     if order != _NATIVE:
         found.byteswap()
@@ -257,8 +257,8 @@ def _several(
     for _ in range(count):
         layout = _LENGTH[offset & 7 | order]
         (length,) = layout.unpack_from(data, offset)
-        each, offset = read(offset + layout.size, length)
-        found.append(each)
+        text, offset = read(offset + layout.size, length)
+        found.append(text)
     return found, offset
 
 
@@ -268,8 +268,8 @@ def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0)
     Args:
         most: Largest number of characters; 0 for no limit.
     """
-    for each in values:
-        found = encoded(each, most)
+    for value in values:
+        found = encoded(value, most)
         layout = _LENGTH[offset & 7]
         append(layout.pack(len(found)))
         append(found)
@@ -279,8 +279,8 @@ def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0)
 
 def put_wide_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
     """Appends texts of wide characters as `put_texts` does."""
-    for each in values:
-        found = wide(each, most)
+    for value in values:
+        found = wide(value, most)
         layout = _LENGTH[offset & 7]
         append(layout.pack(len(found) // 4))
         append(found)

@@ -80,10 +80,10 @@ class Core:
         """
         found = sorted(Path(self.module).parent.glob(LIBRARIES))
         reason = "it is not built"
-        for each in found:
+        for path in found:
             try:
                 # With the lock of the interpreter held: a function takes microseconds.
-                library = ctypes.PyDLL(str(each))
+                library = ctypes.PyDLL(str(path))
                 made_of = (ctypes.c_char * _DIGEST_SIZE).in_dll(library, _DIGEST).value.decode()
             except (OSError, ValueError) as error:
                 reason = str(error)

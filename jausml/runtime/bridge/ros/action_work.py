@@ -98,7 +98,7 @@ class ActionMessages:
     def goal(self, elements: Sequence[bytes]) -> Any:
         """Returns a goal with these serialized elements."""
         goal = self.type.Goal()
-        made = [self._codec.decode(each) for each in elements]
+        made = [self._codec.decode(element) for element in elements]
         assign(goal, self._action.goal, value=made[0] if self._is_single else made)
         # A nav_msgs/Path is in the frame of its own header, not in those of its poses.
         around = self._action.goal.rpartition(".")[0]
@@ -112,7 +112,8 @@ class ActionMessages:
         if self._action.counting is not Progress.DISTANCE:
             return []
         places = [
-            (each.x, each.y, each.z) for each in map(_position, attrgetter(self._action.goal)(goal))
+            (position.x, position.y, position.z)
+            for position in map(_position, attrgetter(self._action.goal)(goal))
         ]
         lengths = map(math.dist, places[:0:-1], places[-2::-1])
         return [*accumulate(lengths, initial=0.0)][::-1]
@@ -120,7 +121,7 @@ class ActionMessages:
     def elements(self, goal: Any) -> list[bytes]:
         """Returns the elements of a goal, serialized: one more than it may have at most."""
         found = attrgetter(self._action.goal)(goal)
-        return [self._codec.encode(each) for each in islice(found, LONGEST_GOAL + 1)]
+        return [self._codec.encode(element) for element in islice(found, LONGEST_GOAL + 1)]
 
     def feedback(self, number: int) -> Any:
         """Returns a feedback that says how far the list is; None when there is no such number."""
@@ -141,7 +142,7 @@ class ActionMessages:
         number: float = attrgetter(self._action.progress)(feedback)
         if self._action.counting is not Progress.DISTANCE:
             return int(number)
-        return sum(each > number for each in distances)
+        return sum(distance > number for distance in distances)
 
     def result(self, reason: str) -> Any:
         """Returns a result that gives a reason, if results have a place for one."""

@@ -79,10 +79,10 @@ class FormerGoals:
         self._work.guarded(self._look, message)
 
     def _look(self, message: Any) -> None:
-        for each in message.status_list:
-            goal = bytes(each.goal_info.goal_id.uuid)
+        for status in message.status_list:
+            goal = bytes(status.goal_info.goal_id.uuid)
             is_former = goal.startswith(self._mark) and goal not in self._own
-            if is_former and each.status in _GOES_ON:
+            if is_former and status.status in _GOES_ON:
                 self._own.add(goal)  # to be cancelled once
                 LOGGER.warning("%s: a goal of a former life is cancelled", self._name)
                 request = CancelGoal.Request()
@@ -398,5 +398,5 @@ class NodeActions:
 
     def destroy(self) -> None:
         """Leaves ROS; the executor must not run any more."""
-        for each in self._ends:
-            each.destroy()
+        for end in self._ends:
+            end.destroy()

@@ -32,9 +32,9 @@ def middleware_fault(name: str, distribution: str) -> tuple[str, str] | None:
         return None
     shares = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
     libraries = os.environ.get("LD_LIBRARY_PATH", "").split(os.pathsep)
-    places = [Path(each, "share", name) for each in shares if each]
-    places += [Path(each, f"lib{name}.so") for each in libraries if each]
-    if any(each.exists() for each in places):
+    places = [Path(share, "share", name) for share in shares if share]
+    places += [Path(library, f"lib{name}.so") for library in libraries if library]
+    if any(place.exists() for place in places):
         return None
     package = f"ros-{distribution}-{name.replace('_', '-')}"
     return f"{name} is not installed", f"apt install {package}, or unset RMW_IMPLEMENTATION"

@@ -54,8 +54,8 @@ class CallIntrospection:
     def _change(self, word: str) -> None:
         with self._loop.lock:
             self._state = _STATES[word]
-            for each in self._ends:
-                self._configure(each)
+            for end in self._ends:
+                self._configure(end)
 
     def _configure(self, end: Any) -> None:
         end.configure_introspection(self._node.get_clock(), _PROFILE, self._state)

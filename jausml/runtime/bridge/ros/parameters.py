@@ -87,8 +87,8 @@ class LazyParameters(Node):
 
     def _declare_set(self, parameters: list[Any]) -> list[Any]:
         """Returns parameters that are to be set, once they are there: 10 is 10.0."""
-        self._declare(*(each.name for each in parameters))
-        return [self._as_declared(each) for each in parameters]
+        self._declare(*(parameter.name for parameter in parameters))
+        return [self._as_declared(parameter) for parameter in parameters]
 
     def _as_declared(self, parameter: Any) -> Any:
         wanted = RclpyParameter.Type.DOUBLE
@@ -189,18 +189,18 @@ class NodeParameters:
         return value
 
     def _check(self, parameters: Sequence[Any]) -> SetParametersResult:
-        for each in parameters:
+        for parameter in parameters:
             try:
-                self._checks.get(each.name, bool)(each.value)
+                self._checks.get(parameter.name, bool)(parameter.value)
             except ValueError as error:
-                return SetParametersResult(successful=False, reason=f"{each.name}: {error}")
+                return SetParametersResult(successful=False, reason=f"{parameter.name}: {error}")
         return SetParametersResult(successful=True)
 
     def _apply(self, parameters: Sequence[Any]) -> None:
-        for each in parameters:
+        for parameter in parameters:
             # A declaration is no change.
-            if each.name in self._declared and each.name in self._followers:
-                self._followers[each.name](each.value)
+            if parameter.name in self._declared and parameter.name in self._followers:
+                self._followers[parameter.name](parameter.value)
 
 
 def tell_unknown(node: Any, possible: Iterable[str] = ()) -> None:

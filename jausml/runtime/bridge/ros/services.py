@@ -70,9 +70,9 @@ class NodeServices:
 
     def destroy(self) -> None:
         """Leaves ROS."""
-        for each in self._served:
-            self._node.remove_waitable(each)
-            each.handle.destroy_when_not_in_use()
+        for service in self._served:
+            self._node.remove_waitable(service)
+            service.handle.destroy_when_not_in_use()
         for client in self._clients:
             self._node.destroy_client(client)
 

@@ -256,7 +256,7 @@ class NodeTopics:
         entity = ("publisher" if publishes else "subscription") + (f"_{kin + 1}" if kin else "")
 
         def others() -> list[tuple[str, Qos]]:
-            return [(_node_name(each), qos_of(each.qos_profile)) for each in find(name)]
+            return [(_node_name(endpoint), qos_of(endpoint.qos_profile)) for endpoint in find(name)]
 
         health = EndpointHealth(publishes, name, qos, entity, others)
         health.qos = overridden(health, self._parameters.given, self._parameters.declare)
@@ -273,7 +273,7 @@ class NodeTopics:
             if count():
                 return []
             ends = find(health.topic)
-            return [(_node_name(each), each.topic_type) for each in ends if each.topic_type != own]
+            return [(_node_name(end), end.topic_type) for end in ends if end.topic_type != own]
 
         health.strangers, health.count = strangers, count
 
@@ -302,7 +302,9 @@ class NodeTopics:
     def listen(self, fail: Callable[[BaseException], None]) -> None:
         """Begins to take the messages of what was subscribed to."""
         possible = (
-            each.parameter(policy) for each in self._health.values() for policy in OVERRIDABLE
+            endpoint_health.parameter(policy)
+            for endpoint_health in self._health.values()
+            for policy in OVERRIDABLE
         )
         tell_unknown(self._node, possible)
         self._waiting.start(fail)

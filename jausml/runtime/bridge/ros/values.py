@@ -122,7 +122,7 @@ def _elements(check: Check, count: int | None, is_fixed: bool, values: Any) -> A
         cdr.at_most(values, count)
     if isinstance(values, array) or hasattr(values, "dtype"):
         return values  # of rclpy, which has made numbers of the field of them
-    found = [_at(str(index), check, each) for index, each in enumerate(values)]
+    found = [_at(str(index), check, value) for index, value in enumerate(values)]
     return values if all(map(operator.is_, found, values)) else found
 
 

@@ -150,7 +150,9 @@ class _TopicSet(_ServedSet):
 
     def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
         del reads
-        return [by_pointer[each] for each in wait_set.get_ready_entities("subscription")]
+        return [
+            by_pointer[ready_entity] for ready_entity in wait_set.get_ready_entities("subscription")
+        ]
 
 
 class _EventSet(_ServedSet):

@@ -115,7 +115,14 @@ class Account:
         if number is None or others[number][0] <= self._compared:
             return
         since = others[number][0]
-        near = next((each for each in reversed(numbers) if numbers[each][0] <= since + NEAR), None)
+        near = next(
+            (
+                sequence_number
+                for sequence_number in reversed(numbers)
+                if numbers[sequence_number][0] <= since + NEAR
+            ),
+            None,
+        )
         if near is not None and numbers[near][0] >= since - NEAR:
             self._compared = since
             self.is_exact = abs(_step(near, number)) > SPAN
@@ -173,8 +180,8 @@ class Account:
         self.restarts += 1
         numbers, self._doubted = self._doubted, []
         self._begin(numbers[0])
-        for each in numbers[1:]:
-            self._advance(each - self._top & 0xFFFF)
+        for sequence_number in numbers[1:]:
+            self._advance(sequence_number - self._top & 0xFFFF)
             self.came += 1
 
     def _begin(self, number: int) -> None:
@@ -318,5 +325,5 @@ class DuplicateWindow:
         if entry is not None:
             entry[2].look(numbers)
             entry[2].forget(len(sequences))
-        for each in sequences:
-            del numbers[each]
+        for sequence in sequences:
+            del numbers[sequence]

@@ -227,7 +227,9 @@ class Outbox:
 
     def _add_lane(self, destination: JausAddress) -> Lane:
         if len(self._lanes) >= _MAX_IDLE_LANES:
-            self._lanes = {each: lane for each, lane in self._lanes.items() if not lane.is_empty}
+            self._lanes = {
+                address: lane for address, lane in self._lanes.items() if not lane.is_empty
+            }
         lane = self._lanes[destination] = Lane()
         return lane
 
@@ -376,8 +378,8 @@ class Outbox:
         self._forget(message, lane)
         is_alive = self._is_alive(flight, self._loop.now())
         waiting = [] if is_alive else lane.give_up_waiting()
-        for each in waiting:
-            self._drop(each)
+        for queued_message in waiting:
+            self._drop(queued_message)
         return [message, *waiting]
 
     def _outcome_of(self, message: Message) -> Outcome:

@@ -286,9 +286,9 @@ class Lane:
 
     def give_up_waiting(self) -> list[Message]:
         """Forget the messages of which nothing was sent yet, and return them."""
-        waiting = [*self._singles, *[each for each in self._large if not each.sent]]
+        waiting = [*self._singles, *[message for message in self._large if not message.sent]]
         self._singles.clear()
-        self._large = deque(each for each in self._large if each.sent)
+        self._large = deque(message for message in self._large if message.sent)
         return waiting
 
 

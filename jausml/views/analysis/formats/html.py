@@ -55,19 +55,19 @@ class _Table:
     def bars(self) -> list[float]:
         octets = list(map(_octets, self.loads))
         longest = max(octets, default=0) or 1
-        return [100 * each / longest for each in octets]
+        return [100 * octet / longest for octet in octets]
 
 
 def render(report: Report) -> str:
     """Returns a report as a page."""
     sums = list(words.sums(report, ("judp", "ip", "ethernet")))
-    loads = [each.load for each in report.components]
-    loads += [each.load for each in report.hosts]
+    loads = [component.load for component in report.components]
+    loads += [host.load for host in report.hosts]
     bridges = []
-    for each in report.bridges:
-        heaviest = sorted(each.connections, key=lambda one: (-_octets(one.load), one.name))
+    for bridge in report.bridges:
+        heaviest = sorted(bridge.connections, key=lambda one: (-_octets(one.load), one.name))
         table = _Table(_LOAD, list(map(_row, heaviest)), [one.load for one in heaviest])
-        bridges.append((each, table, heaviest))
+        bridges.append((bridge, table, heaviest))
     known = {"report": report, "words": words, "bridges": bridges}
     known["sums"] = _Table(_SUMS, sums, loads)
     return page(__package__, "report", f"Load and times of {report.system}", known)

@@ -59,7 +59,9 @@ def to_plain(report: Report) -> dict[str, Any]:
             "rates_hz": {name: _number(rate) for name, rate in sorted(assumptions.rates.items())},
             "lengths": dict(sorted(assumptions.lengths.items())),
         },
-        "constants": {name: _number(each) for name, each in asdict(runtime_constants()).items()},
+        "constants": {
+            name: _number(constant) for name, constant in asdict(runtime_constants()).items()
+        },
         "hosts": _plain(report.hosts),
         "components": _plain(report.components),
     }
@@ -69,7 +71,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float):
         return _number(value)
     if isinstance(value, tuple):
-        return [_plain(each) for each in value]
+        return [_plain(item) for item in value]
     if isinstance(value, Budget):
         seconds, steps = _plain(value.seconds), _plain(value.steps)
         return {"case": value.case, "seconds": seconds, "never": value.never, "steps": steps}
@@ -77,7 +79,8 @@ def _plain(value: Any) -> Any:
         return value
     keys = _KEYS.get(type(value), {})
     return {
-        keys.get(each.name, each.name): _plain(getattr(value, each.name)) for each in fields(value)
+        keys.get(field.name, field.name): _plain(getattr(value, field.name))
+        for field in fields(value)
     }
 
 

@@ -39,15 +39,17 @@ def sizes(connection: ConnectionReport) -> str:
     """Returns the bounds of the greatest message that a connection carries."""
     if not connection.flows:
         return "-"
-    return size(max((each.size for each in connection.flows), key=lambda each: each.expected))
+    return size(
+        max((flow.size for flow in connection.flows), key=lambda flow_size: flow_size.expected)
+    )
 
 
 def rate(connection: ConnectionReport) -> str:
     """Returns the rate of a connection; `~` before one that is assumed."""
-    flows = [each for each in connection.flows if each.kind != "query"]
+    flows = [flow for flow in connection.flows if flow.kind != "query"]
     if not flows:
         return "-"
-    fastest = max(flows, key=lambda each: each.hertz)
+    fastest = max(flows, key=lambda flow: flow.hertz)
     return f"{'~' if fastest.basis == 'assumed' else ''}{fastest.hertz:g}"
 
 
@@ -61,19 +63,24 @@ def call(report: CallReport) -> str:
 def ends(connection: ConnectionReport) -> str:
     """Returns the peers of a connection, and its topics."""
     peers = ", ".join(connection.peers) or "nobody"
-    joins = (f"{each} (joined)" for each in connection.joins)
+    joins = (f"{join} (joined)" for join in connection.joins)
     return f"{peers}; {', '.join((*connection.topics, *joins))}"
 
 
 def sums(report: Report, layers: Sequence[str]) -> Iterator[tuple[str, ...]]:
     """Yields name, host and figures of each component and host: sent and received in turn."""
-    rows = [(each.name, each.host or "-", each.load) for each in report.components]
-    rows += [(f"host {each.name}", each.transport, each.load) for each in report.hosts]
+    rows = [
+        (component.name, component.host or "-", component.load) for component in report.components
+    ]
+    rows += [
+        (f"host {host_report.name}", host_report.transport, host_report.load)
+        for host_report in report.hosts
+    ]
     for name, host, load in rows:
         both = load.sent, load.received
         figures = [number(load.messages_sent), number(load.messages_received)]
-        figures += [number(each.packets) for each in both]
-        figures += [kilobytes(getattr(each, layer)) for layer in layers for each in both]
+        figures += [number(wire.packets) for wire in both]
+        figures += [kilobytes(getattr(wire, layer)) for layer in layers for wire in both]
         yield (name, host, *figures)
 
 
@@ -99,7 +106,7 @@ def steps(budget: Budget) -> str:
     """Returns the steps of a budget, or why it has no bound."""
     if budget.never:
         return budget.never
-    named = (f"{each.name}: {each.seconds:.3f}" for each in budget.steps)
+    named = (f"{step.name}: {step.seconds:.3f}" for step in budget.steps)
     return " + ".join(named) or "passed on at once"
 
 
@@ -171,9 +178,9 @@ def _lines(report: Report) -> Iterator[str]:
     for component in report.components:
         for warning in component.warnings:
             yield from _wrapped(f"warning: {component.name}: {warning}", "")
-    for each in report.bridges:
+    for bridge in report.bridges:
         yield ""
-        yield from _bridge(each)
+        yield from _bridge(bridge)
     yield ""
     for note in notes(report.assumptions):
         yield from _wrapped(note, "")
@@ -183,10 +190,10 @@ def _bridge(bridge: ComponentReport) -> Iterator[str]:
     share = number(bridge.share * 100)
     yield f"bridge {_cut(bridge.name, _NAME)} ({bridge.address}), {share} % of a processor"
     yield ""
-    yield from _table(_LOAD, [_row(each) for each in bridge.connections], _LEFT)
-    for each in bridge.connections:
+    yield from _table(_LOAD, [_row(connection) for connection in bridge.connections], _LEFT)
+    for connection in bridge.connections:
         yield ""
-        yield from _details(each)
+        yield from _details(connection)
     for served in bridge.calls:
         yield ""
         yield from _wrapped(call(served), "  ")

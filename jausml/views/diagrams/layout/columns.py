@@ -70,11 +70,13 @@ class _Work:
     def content(self, frame: str) -> Block:
         """Returns what stands in a frame: columns, or frames and boxes side by side."""
         boxes = self._boxes[frame]
-        inner = [block for each in self._frames[frame] for block in self._framed(each)]
+        inner = [
+            block for inner_frame in self._frames[frame] for block in self._framed(inner_frame)
+        ]
         if not inner:
             return self._columns(boxes)
-        loose = [each for each in boxes if each.id not in self._lines]
-        rest = self._columns([each for each in boxes if each.id in self._lines])
+        loose = [box for box in boxes if box.id not in self._lines]
+        rest = self._columns([box for box in boxes if box.id in self._lines])
         return packed([*inner, *([rest] if rest.corners else ()), *map(_alone, loose)])
 
     def _framed(self, frame: Frame) -> Iterable[Block]:
@@ -90,24 +92,34 @@ class _Work:
         for box in boxes:
             columns[box.column].append(box)
         # That of the most rows keeps its order, as bridges do.
-        first = max(columns, key=lambda each: sum(len(b.rows) for b in columns[each]), default=0)
+        first = max(
+            columns,
+            key=lambda column_index: sum(len(b.rows) for b in columns[column_index]),
+            default=0,
+        )
         tops = _stacked(columns[first])
         for number, column in columns.items():
             if number != first:
                 wanted = self._wanted(column, columns[first], tops)
-                column.sort(key=lambda each: wanted[each.id])
+                column.sort(key=lambda column_box: wanted[column_box.id])
         stacks = {number: _stacked(columns[number]) for number in sorted(columns)}
         heights = {
-            number: max((top[each.id] + each.height for each in columns[number]), default=0)
+            number: max(
+                (top[column_box.id] + column_box.height for column_box in columns[number]),
+                default=0,
+            )
             for number, top in stacks.items()
         }
         tallest = max(heights.values(), default=0)
         left, corners = 0.0, {}
         for number, top in stacks.items():
-            width = max((each.width for each in columns[number]), default=0)
+            width = max((column_box.width for column_box in columns[number]), default=0)
             down = round((tallest - heights[number]) / 2)
-            for each in columns[number]:
-                corners[each.id] = left + (width - each.width) // 2, top[each.id] + down
+            for column_box in columns[number]:
+                corners[column_box.id] = (
+                    left + (width - column_box.width) // 2,
+                    top[column_box.id] + down,
+                )
             left += width + LANE
         return Block(max(0, left - LANE), tallest, corners)
 
@@ -120,7 +132,7 @@ class _Work:
             for box in others
             for row, down in box.middles().items()
         }
-        return {each.id: self._middle(each.id, rows) for each in boxes}
+        return {box.id: self._middle(box.id, rows) for box in boxes}
 
     def _middle(self, box: str, rows: Mapping[tuple[str, str], float]) -> float:
         """Returns the middle of the rows to which the lines of a box lead."""
@@ -152,20 +164,20 @@ def _stacked(boxes: Sequence[Box]) -> dict[str, float]:
 
 def packed(blocks: Sequence[Block]) -> Block:
     """Returns blocks on shelves, tall ones first, as wide as a screen is."""
-    area = sum((each.width + FRAME_GAP) * (each.height + FRAME_GAP) for each in blocks)
-    least = max(sqrt(area * _ASPECT), *(each.width for each in blocks), 0)
+    area = sum((block.width + FRAME_GAP) * (block.height + FRAME_GAP) for block in blocks)
+    least = max(sqrt(area * _ASPECT), *(block.width for block in blocks), 0)
     # A shelf that just lacks room for one more would leave half of the screen bare.
-    tried = [_shelved(blocks, least * each) for each in _WIDER]
-    return min(tried, key=lambda each: max(each.width / _ASPECT, each.height))
+    tried = [_shelved(blocks, least * factor) for factor in _WIDER]
+    return min(tried, key=lambda block: max(block.width / _ASPECT, block.height))
 
 
 def _shelved(blocks: Sequence[Block], widest: float) -> Block:
     corners: dict[str, Point] = {}
     left = top = height = width = 0.0
-    for each in sorted(blocks, key=lambda each: -each.height):
-        if left and left + each.width > widest:
+    for block in sorted(blocks, key=lambda candidate: -candidate.height):
+        if left and left + block.width > widest:
             left, top, height = 0, top + height + FRAME_GAP, 0
-        corners |= _moved(each, left, top)
-        left += each.width + FRAME_GAP
-        width, height = max(width, left - FRAME_GAP), max(height, each.height)
+        corners |= _moved(block, left, top)
+        left += block.width + FRAME_GAP
+        width, height = max(width, left - FRAME_GAP), max(height, block.height)
     return Block(width, top + height, corners)

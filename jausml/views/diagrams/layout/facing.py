@@ -62,7 +62,7 @@ class _Work:
         found: dict[frozenset[tuple[str, str]], list[Line]] = defaultdict(list)
         for line in self._sheet.lines:
             found[frozenset((line.source, line.target))].append(line)
-        return [sorted(each, key=self._goes_left) for each in found.values()]
+        return [sorted(bundle, key=self._goes_left) for bundle in found.values()]
 
     def _goes_left(self, line: Line) -> bool:
         return self._boxes[line.source[0]].column != self._left
@@ -92,7 +92,7 @@ class _Work:
         Those are the labels of lines of the same rows, and the widest two where lines cross.
         """
         widths = sorted(line.width + _ROOM for line in self._sheet.lines if line.width)
-        wide = (sum(line.width + _ROOM for line in each) for each in self._bundles)
+        wide = (sum(line.width + _ROOM for line in bundle) for bundle in self._bundles)
         return max(_LEAST_LANE, sum(widths[-2:]), *wide)
 
     def routes(self, corners: dict[str, Point]) -> dict[str, Route]:
@@ -110,7 +110,7 @@ class _Work:
         labels: dict[str, Point | None] = {}
         taken: list[Area] = []
         # Wide ones first: short ones find room between them.
-        for line, wanted, aside in sorted(wishes, key=lambda each: -each[0].width):
+        for line, wanted, aside in sorted(wishes, key=lambda wish: -wish[0].width):
             labels[line.id] = _label(line, ways[line.id], wanted, aside, taken)
         return {line: Route(way, labels[line]) for line, way in ways.items()}
 
@@ -155,7 +155,7 @@ def _label(
         return None
     ways = [on_curve(points, part) for part in (wanted, *_PARTS)]
     places = [(round(x, 1), round(y, 1) + aside) for x, y in ways]
-    areas = [label_area(line, each) for each in places]
+    areas = [label_area(line, place) for place in places]
     free = (at for at, area in enumerate(areas) if not any(area.overlaps(t) for t in taken))
     chosen = next(free, 0)
     taken.append(areas[chosen])

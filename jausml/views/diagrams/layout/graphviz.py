@@ -62,7 +62,7 @@ class Graphviz:
         return cleared(
             sheet,
             _beside(
-                [spaced(each, _places(each, its)) for each, its in zip(parts, found, strict=True)]
+                [spaced(part, _places(part, its)) for part, its in zip(parts, found, strict=True)]
             ),
         )
 
@@ -129,9 +129,9 @@ def _parts(sheet: Sheet) -> list[Sheet]:
 
     `dot` sets all parts above each other, and packed by itself leaves no room for labels.
     """
-    parents = {each.id: each.parent for each in sheet.frames}
-    outer = {each: list(chain(each, parents))[-1] for each in parents}
-    whole = {each.id: {each.id} for each in sheet.boxes}
+    parents = {frame.id: frame.parent for frame in sheet.frames}
+    outer = {parent: list(chain(parent, parents))[-1] for parent in parents}
+    whole = {box.id: {box.id} for box in sheet.boxes}
     first: dict[str, str] = {}
     pairs = [(line.source[0], line.target[0]) for line in sheet.lines]
     pairs += [
@@ -142,20 +142,20 @@ def _parts(sheet: Sheet) -> list[Sheet]:
         if whole[one] is not whole[other]:
             joined = whole[one] | whole[other]
             whole |= dict.fromkeys(joined, joined)
-    parts = {id(each): each for each in whole.values()}.values()
+    parts = {id(part): part for part in whole.values()}.values()
     if len(parts) <= _FEW_PARTS:
         return [sheet]
-    return [_part(sheet, each, outer) for each in parts]
+    return [_part(sheet, part, outer) for part in parts]
 
 
 def _part(sheet: Sheet, names: set[str], outer: Mapping[str, str]) -> Sheet:
-    boxes = tuple(each for each in sheet.boxes if each.id in names)
-    frames = {outer.get(each.group) for each in boxes}
+    boxes = tuple(box for box in sheet.boxes if box.id in names)
+    frames = {outer.get(box.group) for box in boxes}
     return replace(
         sheet,
         boxes=boxes,
-        frames=tuple(each for each in sheet.frames if outer[each.id] in frames),
-        lines=tuple(each for each in sheet.lines if each.source[0] in names),
+        frames=tuple(frame for frame in sheet.frames if outer[frame.id] in frames),
+        lines=tuple(line for line in sheet.lines if line.source[0] in names),
     )
 
 
@@ -215,8 +215,8 @@ def _lines(sheet: Sheet) -> Iterator[str]:
         else:
             linked |= {end[0] for end in ends}
         start, end = (
-            ports.get(each, f"{names[each[0]]}:h" if columns else names[each[0]]) + side
-            for each, side in zip(ends, sides, strict=True)
+            ports.get(line_end, f"{names[line_end[0]]}:h" if columns else names[line_end[0]]) + side
+            for line_end, side in zip(ends, sides, strict=True)
         )
         end += ":n" if line.course == "down" else ""
         yield f"  {start} -> {end} [{', '.join(options)}]"
@@ -257,22 +257,22 @@ def _strays(
 ) -> Iterator[str]:
     """Yields what keeps boxes in their columns that no line keeps there."""
     for box in sheet.boxes if columns else ():
-        others = [each for each in sheet.boxes if each.column != box.column]
+        others = [neighbour for neighbour in sheet.boxes if neighbour.column != box.column]
         if box.id not in linked and not sheet.packed:
-            other = min(others, key=lambda each: abs(each.column - box.column))
+            other = min(others, key=lambda neighbour: abs(neighbour.column - box.column))
             pair = (box, other) if box.column < other.column else (other, box)
             yield f"  {names[pair[0].id]} -> {names[pair[1].id]} [style=invis]"
 
 
 def _places(sheet: Sheet, found: dict[str, Any]) -> Places:
-    _, _, width, height = (float(each) for each in found["bb"].split(","))
+    _, _, width, height = (float(word) for word in found["bb"].split(","))
 
     def point(text: str) -> Point:
         x, y = text.split(",")
         return round(float(x), 1), round(height - float(y), 1)
 
     boxes, frames, lines = {}, {}, {}
-    objects = {each["name"]: each for each in found.get("objects", ())}
+    objects = {record["name"]: record for record in found.get("objects", ())}
     for number, box in enumerate(sheet.boxes):
         x, y = point(objects[f"b{number}"]["pos"])
         boxes[box.id] = round(x - box.width / 2, 1), round(y - box.height / 2, 1)
@@ -280,11 +280,11 @@ def _places(sheet: Sheet, found: dict[str, Any]) -> Places:
         left, low, right, high = objects[f"cluster_{number}"]["bb"].split(",")
         frames[frame.id] = point(f"{left},{high}"), point(f"{right},{low}")
     ends = _ends(sheet, boxes)
-    for each in found.get("edges", ()):
-        if "line" in each:
-            line = sheet.lines[int(each["line"])]
-            points = tuple(point(text) for text in each["pos"].split(" ") if text[0] not in "es")
-            label = point(each["lp"]) if "lp" in each else None
+    for edge in found.get("edges", ()):
+        if "line" in edge:
+            line = sheet.lines[int(edge["line"])]
+            points = tuple(point(text) for text in edge["pos"].split(" ") if text[0] not in "es")
+            label = point(edge["lp"]) if "lp" in edge else None
             lines[line.id] = Route(_from_source(points, line, ends), label)
     return Places(width, height, boxes, frames, lines)
 

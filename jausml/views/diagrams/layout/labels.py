@@ -48,10 +48,10 @@ class Ground:
     """What labels may lie on: boxes, borders and titles of frames, lines, and other labels."""
 
     def __init__(self, sheet: Sheet, places: Places) -> None:
-        self.labels = {name: each.label for name, each in places.lines.items() if each.label}
-        self._lines = {each.id: each for each in sheet.lines}
-        self._ways = {name: samples(each.points) for name, each in places.lines.items()}
-        self._boxes = [area_of(each, places.boxes[each.id]) for each in sheet.boxes]
+        self.labels = {name: route.label for name, route in places.lines.items() if route.label}
+        self._lines = {line.id: line for line in sheet.lines}
+        self._ways = {name: samples(route.points) for name, route in places.lines.items()}
+        self._boxes = [area_of(box, places.boxes[box.id]) for box in sheet.boxes]
         self._thin = [
             Area(x - _TIP, y - _TIP, x + _TIP, y + _TIP)
             for x, y in (way[-1] for way in self._ways.values() if way)
@@ -67,12 +67,12 @@ class Ground:
         if wanted is None or not self.hidden(line.id, wanted):
             return
         # Nearest first, and of equal ones the first: the same for the same sheet.
-        places = sorted(self._candidates(line), key=lambda each: dist(each, wanted))
+        places = sorted(self._candidates(line), key=lambda candidate: dist(candidate, wanted))
         least = self.hidden(line.id, wanted)
-        for each in places:
-            found = self.hidden(line.id, each)
+        for place in places:
+            found = self.hidden(line.id, place)
             if found < least:
-                least, self.labels[line.id] = found, each
+                least, self.labels[line.id] = found, place
             if not least:
                 return
 
@@ -82,13 +82,13 @@ class Ground:
         Texts count more than what can be followed beneath a label.
         """
         area = self.area(line, middle)
-        others = [self.area(name, each) for name, each in self.labels.items() if name != line]
+        others = [self.area(name, centre) for name, centre in self.labels.items() if name != line]
         found = _TEXTS * sum(map(area.overlaps, (*self._boxes, *others)))
         return (
             found
             + sum(map(area.overlaps, self._thin))
             + sum(
-                any(_crosses(each, area) for each in pairwise(way))
+                any(_crosses(segment, area) for segment in pairwise(way))
                 for name, way in self._ways.items()
                 if name != line
             )

@@ -28,14 +28,14 @@ def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
 
     It stays where there is no room for another.
     """
-    areas = {each.id: area_of(each, places.boxes[each.id]) for each in sheet.boxes}
+    areas = {box.id: area_of(box, places.boxes[box.id]) for box in sheet.boxes}
     lines = dict(places.lines)
     beside: dict[frozenset[str], list[Line]] = defaultdict(list)
     for line in sheet.lines:
         (source, leaving), (target, entering) = line.source, line.target
         if source != target and not (leaving or entering):  # from box to box, not row to row
             beside[frozenset((source, target))].append(line)
-    pairs = (pair for each in beside.values() for pair in combinations(each, 2))
+    pairs = (pair for bundle in beside.values() for pair in combinations(bundle, 2))
     for one, other in pairs:
         if nearness(lines[one.id], lines[other.id]) < APART:
             for line, kept in ((one, other), (other, one)):
@@ -48,14 +48,14 @@ def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
 
 def nearness(one: Route, other: Route) -> float:
     """Returns how near two ways come to each other."""
-    return min(dist(*each) for each in product(samples(one.points), samples(other.points)))
+    return min(dist(*pair) for pair in product(samples(one.points), samples(other.points)))
 
 
 def _another(
     line: Line, kept: Route, areas: Mapping[str, Area], lines: Mapping[str, Route]
 ) -> Route | None:
     """Returns a way apart from one that is kept, through no box; that over the fewest lines."""
-    others = [samples(each.points) for name, each in lines.items() if name != line.id]
+    others = [samples(kept_route.points) for name, kept_route in lines.items() if name != line.id]
     found: list[tuple[int, float, Route]] = []
     for points in _ways(areas[line.source[0]], areas[line.target[0]]):
         x, y = on_curve(points, 0.5)
@@ -64,9 +64,9 @@ def _another(
         is_clear = not any(a.left < x < a.right and a.top < y < a.bottom
                            for a in areas.values() for x, y in way)  # fmt: skip
         if is_clear and nearness(route, kept) >= APART:
-            crossed = sum(_cross(way, each) for each in others)
+            crossed = sum(_cross(way, other) for other in others)
             found.append((crossed, dist(points[0], points[-1]), route))
-    return min(found, default=(0, 0.0, None), key=lambda each: each[:2])[2]
+    return min(found, default=(0, 0.0, None), key=lambda candidate: candidate[:2])[2]
 
 
 def _ways(source: Area, target: Area) -> Iterator[tuple[Point, Point, Point, Point]]:

@@ -80,12 +80,12 @@ def settle(
         if box.id in known and box.id in fixed:
             ground.put(box, known[box.id])
     stays = [box for box in sheet.boxes if box.id in known and box.id not in fixed]
-    for box in sorted(stays, key=lambda each: (known[each.id][::-1], each.id)):
+    for box in sorted(stays, key=lambda placed_box: (known[placed_box.id][::-1], placed_box.id)):
         corner = known[box.id]
         ground.put(box, corner if ground.is_bare(box, corner) else ground.nearest(box, corner))
     new = [box for box in sheet.boxes if box.id not in known]
     while new:
-        box = next((each for each in new if ground.peers(each)), new[0])
+        box = next((new_box for new_box in new if ground.peers(new_box)), new[0])
         new.remove(box)
         # What is joined with nothing comes behind what there is, and never before it.
         is_last = not ground.peers(box)
@@ -140,8 +140,8 @@ class _Ground:
 
     def __init__(self, sheet: Sheet) -> None:
         self._sheet = sheet
-        self._boxes = {each.id: each for each in sheet.boxes}
-        self._parents = {each.id: each.parent for each in sheet.frames}
+        self._boxes = {box.id: box for box in sheet.boxes}
+        self._parents = {frame.id: frame.parent for frame in sheet.frames}
         self._has_columns = not sheet.downwards and len({b.column for b in sheet.boxes}) > 1
         self._areas: dict[str, Area] = {}
         self._cells: dict[tuple[int, int], list[Area]] = defaultdict(list)
@@ -175,20 +175,20 @@ class _Ground:
     def beside(self, box: Box) -> Point:
         """Returns where a box would stand best, if nothing stood there."""
         peers = self.peers(box)
-        column = [self._areas[each.id] for each in self._column(box)]
+        column = [self._areas[column_box.id] for column_box in self._column(box)]
         if not peers:
             among = column or list(self._areas.values())
             if not among:
                 return 0, 0
-            lowest = max(among, key=lambda each: each.bottom)
+            lowest = max(among, key=lambda area: area.bottom)
             left = _centred(box, lowest) if column and self._has_columns else lowest.left
             return left, lowest.bottom + GAP
-        y = sum(each.y for each in peers) / len(peers) - box.height / 2
+        y = sum(end.y for end in peers) / len(peers) - box.height / 2
         peer = self._areas[peers[0].box.id]
         if not self._has_columns:
             return peer.right + COLUMN_GAP, peer.top
         if column:
-            near = min(column, key=lambda each: abs((each.top + each.bottom - box.height) / 2 - y))
+            near = min(column, key=lambda area: abs((area.top + area.bottom - box.height) / 2 - y))
             return _centred(box, near), y
         if box.column < peers[0].box.column:
             return peer.left - COLUMN_GAP - box.width, y
@@ -200,11 +200,12 @@ class _Ground:
         All are in one column where there are no others.
         """
         same = [
-            each
-            for each in self._sheet.boxes
-            if each.id in self.corners and (each.column == box.column or not self._has_columns)
+            column_box
+            for column_box in self._sheet.boxes
+            if column_box.id in self.corners
+            and (column_box.column == box.column or not self._has_columns)
         ]
-        return [each for each in same if each.group == box.group] or same
+        return [column_box for column_box in same if column_box.group == box.group] or same
 
     def nearest(self, box: Box, wanted: Point, *, is_last: bool = False) -> Point:
         """Returns the place above or below one that is wanted, where a box has room.
@@ -214,31 +215,33 @@ class _Ground:
         x, y = wanted
         frames = self._all_frames()
         tops = [y]
-        for each in (*self._areas.values(), *frames.values()):
+        for area in (*self._areas.values(), *frames.values()):
             for gap in (GAP, GAP + 2 * FRAME_MARGIN):
-                tops += [each.bottom + gap, each.top - gap - box.height]
-        for top in sorted(tops, key=lambda each: (abs(each - y), -each)):
+                tops += [area.bottom + gap, area.top - gap - box.height]
+        for top in sorted(tops, key=lambda candidate: (abs(candidate - y), -candidate)):
             if (top >= y or not is_last) and self._has_room(box, (x, top)):
                 return round(x), round(top)
-        lowest = max(each.bottom for each in (*self._areas.values(), *frames.values()))
+        lowest = max(area.bottom for area in (*self._areas.values(), *frames.values()))
         return round(x), round(lowest + GAP)
 
     def is_bare(self, box: Box, corner: Point) -> bool:
         """Tells whether no box stands where one would."""
         area = area_of(box, corner)
         return not any(
-            area.overlaps(each) for cell in _cells(area) for each in self._cells.get(cell, ())
+            area.overlaps(other_area)
+            for cell in _cells(area)
+            for other_area in self._cells.get(cell, ())
         )
 
     def _has_room(self, box: Box, corner: Point) -> bool:
         """Tells whether a box has room, and the frames around it, which grow with it."""
         area = area_of(box, corner)
-        if any(area.overlaps(each, GAP - 1) for each in self._areas.values()):
+        if any(area.overlaps(other_area, GAP - 1) for other_area in self._areas.values()):
             return False
         around = set(self._around(box.group))
         frames = self._all_frames()
-        others = (each for name, each in frames.items() if name not in around)
-        if any(area.overlaps(each, FRAME_MARGIN) for each in others):
+        others = (frame_area for name, frame_area in frames.items() if name not in around)
+        if any(area.overlaps(other, FRAME_MARGIN) for other in others):
             return False
         grown = frames_around(self._sheet, {**self.corners, box.id: corner})
         return not any(
@@ -291,28 +294,30 @@ def surrounding(
     stands elsewhere. `corners`: upper left corners of boxes by id. `routes`: ways of lines by id,
     None for lines that a page draws from end to end.
     """
-    boxes = {each.id: each for each in sheet.boxes}
-    parents = {each.id: each.parent for each in sheet.frames}
+    boxes = {box.id: box for box in sheet.boxes}
+    parents = {sheet_frame.id: sheet_frame.parent for sheet_frame in sheet.frames}
     grown = frames_around(sheet, corners)
-    chains = {each.id: tuple(chain(each.group, parents)) for each in sheet.boxes}
+    chains = {box.id: tuple(chain(box.group, parents)) for box in sheet.boxes}
     more: dict[str, list[Area]] = {}
     for line in sheet.lines:
         source, target = chains[line.source[0]], chains[line.target[0]]
-        frame = next((each for each in source if each in target), "")
+        frame = next((ancestor for ancestor in source if ancestor in target), "")
         if frame:
             route = routes[line.id]
             between = () if route is not None else _bent(line, boxes, corners)
             more.setdefault(frame, []).extend(covered(line, route) if route else between)
-    areas = {each.id: area_of(each, corners[each.id]) for each in sheet.boxes}
+    areas = {box.id: area_of(box, corners[box.id]) for box in sheet.boxes}
     cells: defaultdict[tuple[int, int], set[str]] = defaultdict(set)
     for name, area in areas.items():
         for cell in _cells(area):
             cells[cell].add(name)
-    frames = {each.id: each for each in sheet.frames}
+    frames = {sheet_frame.id: sheet_frame for sheet_frame in sheet.frames}
     for frame, found in more.items():
-        reach = reduce(Area.around, (_framed(frames[frame], each) for each in found), grown[frame])
+        reach = reduce(
+            Area.around, (_framed(frames[frame], line_area) for line_area in found), grown[frame]
+        )
         reach = reach.wider(_APART)
-        near = set().union(*(cells[each] for each in _cells(reach) if each in cells))
+        near = set().union(*(cells[grid_cell] for grid_cell in _cells(reach) if grid_cell in cells))
         outside = [areas[name] for name in near if frame not in chains[name]]
         around = set(chain(frame, parents))
         outside += [
@@ -321,9 +326,11 @@ def surrounding(
             if area.overlaps(reach) and name not in around and frame not in chain(name, parents)
         ]
         more[frame] = [
-            each
-            for each in found
-            if not any(_framed(frames[frame], each).overlaps(other, _APART) for other in outside)
+            line_area
+            for line_area in found
+            if not any(
+                _framed(frames[frame], line_area).overlaps(other, _APART) for other in outside
+            )
         ]
         # What grows later shall not cover this one.
         for area in more[frame]:

@@ -43,18 +43,18 @@ class Box:
     @property
     def height(self) -> int:
         """Its height."""
-        return self.head + sum(each.height for each in self.rows)
+        return self.head + sum(row.height for row in self.rows)
 
     def middles(self) -> dict[str, float]:
         """Returns how far below its top the middles of its rows are; of its head without a name."""
         tops = self.tops()
-        rows = {each.id: tops[each.id] + each.height / 2 for each in self.rows}
+        rows = {row.id: tops[row.id] + row.height / 2 for row in self.rows}
         return {"": self.head / 2, **rows}
 
     def tops(self) -> dict[str, int]:
         """Returns how far below its top its rows begin."""
-        heights = accumulate((each.height for each in self.rows), initial=self.head)
-        return {each.id: top for each, top in zip(self.rows, heights, strict=False)}
+        heights = accumulate((row.height for row in self.rows), initial=self.head)
+        return {row.id: top for row, top in zip(self.rows, heights, strict=False)}
 
 
 @dataclass(frozen=True)
@@ -156,11 +156,11 @@ class Places:
 
         return replace(
             self,
-            boxes={name: to(each) for name, each in self.boxes.items()},
+            boxes={name: to(corner) for name, corner in self.boxes.items()},
             frames={name: (to(one), to(other)) for name, (one, other) in self.frames.items()},
             lines={
-                name: Route(tuple(map(to, each.points)), to(each.label) if each.label else None)
-                for name, each in self.lines.items()
+                name: Route(tuple(map(to, route.points)), to(route.label) if route.label else None)
+                for name, route in self.lines.items()
             },
         )
 

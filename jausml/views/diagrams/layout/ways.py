@@ -36,8 +36,8 @@ _NEAR = 2
 
 def spaced(sheet: Sheet, places: Places) -> Places:
     """Returns places of which lines and frames keep their distance."""
-    areas = {each.id: area_of(each, places.boxes[each.id]) for each in sheet.boxes}
-    boxes = {each.id: each for each in sheet.boxes}
+    areas = {box.id: area_of(box, places.boxes[box.id]) for box in sheet.boxes}
+    boxes = {box.id: box for box in sheet.boxes}
     lines = {}
     for line in sheet.lines:
         route = _beside(line, boxes, areas, places.lines[line.id])
@@ -60,9 +60,9 @@ def spaced(sheet: Sheet, places: Places) -> Places:
 
 def fitted(sheet: Sheet, places: Places) -> Places:
     """Returns places on a picture that is just as large as all that stands on it."""
-    areas = [area_of(each, places.boxes[each.id]) for each in sheet.boxes]
+    areas = [area_of(box, places.boxes[box.id]) for box in sheet.boxes]
     areas += [Area(*one, *other) for one, other in places.frames.values()]
-    areas += [area for each in sheet.lines for area in covered(each, places.lines[each.id])]
+    areas += [area for line in sheet.lines for area in covered(line, places.lines[line.id])]
     whole = reduce(Area.around, areas) if areas else Area(0, 0, 0, 0)
     size = replace(
         places,
@@ -85,7 +85,9 @@ def _beside(line: Line, boxes: Mapping[str, Box], areas: Mapping[str, Area], rou
             _is_at(route.points[0], start) and _is_at(route.points[-1], end)
         ):
             continue
-        out = max(xs, key=lambda each: each * sign) + sign * min(LEAST + STEEP * abs(y1 - y0), MOST)
+        out = max(xs, key=lambda coordinate: coordinate * sign) + sign * min(
+            LEAST + STEEP * abs(y1 - y0), MOST
+        )
         points = (x0, y0), (out, y0), (out, y1), (x1, y1)
         middle = round((x0 + x1) / 8 + 0.75 * out, 1), round((y0 + y1) / 2, 1)
         if not any(_enters(points, area) for area in areas.values()):

@@ -27,7 +27,7 @@ class UnknownViewError(Exception):
     def __init__(self, view: str, known: Iterable[str]) -> None:
         names = list(known)
         kind = view.partition(":")[0]
-        same = [each for each in names if each.partition(":")[0] == kind]
+        same = [name for name in names if name.partition(":")[0] == kind]
         near = nearest(view, names)
         if near:
             hint = f"did you mean {near}?"
@@ -48,7 +48,7 @@ def view_names(model: Model, *, library: bool = True) -> list[str]:
     found: list[str] = []
     taken: set[str] = set()
     for names, _ in _offered(model, library=library):
-        found += [each for each in names if each not in taken][:1]
+        found += [name for name in names if name not in taken][:1]
         taken.update(names)
     return found
 

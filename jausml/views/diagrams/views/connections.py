@@ -78,22 +78,22 @@ def add_idle_services(builder: Builder, owner: jaus.Component) -> None:
     """
     context, own = builder.context, builder.context.id_of(owner)
     carried = [
-        each if isinstance(each, jaus.Service) else each.eContainer()
-        for each in builder.carried.get(own, ())
+        element if isinstance(element, jaus.Service) else element.eContainer()
+        for element in builder.carried.get(own, ())
     ]
     for way, services in ((PROVIDES, owner.provides), (USES, owner.uses)):
-        for each in services:
-            if each.urn in SERVED_BY_RUNTIME or any(one in carried for one in lineage(each)):
+        for service in services:
+            if service.urn in SERVED_BY_RUNTIME or any(one in carried for one in lineage(service)):
                 continue
             builder.put(
                 own,
                 Port(
-                    f"{own}!{way}!{name_of(each)}",
-                    name_of(each),
+                    f"{own}!{way}!{name_of(service)}",
+                    name_of(service),
                     way,
                     IDLE,
-                    details=details(each),
-                    element=context.reference(each),
+                    details=details(service),
+                    element=context.reference(service),
                 ),
             )
 
@@ -105,8 +105,8 @@ def add_bridge(builder: Builder, owner: bridge.Bridge) -> None:
     for service in owner.serviceConnections:
         to_ros = service.direction.name == "jausToRos"
         asked = calls.asking(service)
-        messages = [each for each in (asked, calls.answering(service)) if each is not None]
-        note = " / ".join(name_of(each) for each in messages) or "?"
+        messages = [message for message in (asked, calls.answering(service)) if message is not None]
+        note = " / ".join(name_of(message) for message in messages) or "?"
         call = _Call(service, "service", service.service, service.type, note, asked)
         _add_call(builder, owner, call, to_ros=to_ros)
     for action in owner.actionConnections:
@@ -145,10 +145,10 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
         peers += _jaus_ends(builder, owner, source.peers, None, joined, "sends")
     for peer in peers:
         _join(builder, row, peer, here, label, name_of(message), forwards=to_ros)
-    for each in connection.topics:
-        name = topic(each.name, owner)
+    for ros_topic in connection.topics:
+        name = topic(ros_topic.name, owner)
         wanted = "subscribes" if to_ros else "publishes"
-        its = kind if each.join is None else each.join.type
+        its = kind if ros_topic.join is None else ros_topic.join.type
         for end in _ros_ends(builder, owner, name, wanted, _type(its)):
             _join(builder, row, here, end, "", name, forwards=to_ros)
 
@@ -219,20 +219,20 @@ def _jaus_ends(
 ) -> list[End]:
     """Returns the ends at the JAUS side: rows of the peers for the message."""
     context = builder.context
-    boxes = [context.id_of(each) for each in peers]
-    boxes = [each for each in boxes if each in builder.boxes]
+    boxes = [context.id_of(peer) for peer in peers]
+    boxes = [box_id for box_id in boxes if box_id in builder.boxes]
     if not boxes:
         words = "any component"
         if search is not None:
-            words = "found: " + ", ".join(name_of(each) for each in search.services)
+            words = "found: " + ", ".join(name_of(service) for service in search.services)
         box = Node(
             f"{context.id_of(owner)}!{words}", "others", words, "not named", column=JAUS_COLUMN
         )
         boxes = [builder.add(box)]
     name = name_of(message)
-    for each in (context.id_of(owner), *boxes):
-        builder.carry(each, message)
-    return [builder.put(each, Port(f"{each}!{way}!{name}", name, way)) for each in boxes]
+    for box_id in (context.id_of(owner), *boxes):
+        builder.carry(box_id, message)
+    return [builder.put(box_id, Port(f"{box_id}!{way}!{name}", name, way)) for box_id in boxes]
 
 
 def _ros_ends(builder: Builder, owner: bridge.Bridge, name: str, way: str, kind: str) -> list[End]:
@@ -273,7 +273,7 @@ def qos(profile: ros.QoSProfile | None) -> str:
 
 def topics_qos(connection: bridge.Connection) -> str:
     """Returns the quality of service of the topics of a connection, of those that state one."""
-    told = ((str(each.name or "?"), qos(each.qos)) for each in connection.topics)
+    told = ((str(ros_topic.name or "?"), qos(ros_topic.qos)) for ros_topic in connection.topics)
     return "; ".join(f"{name}: {words}" for name, words in told if words)
 
 
@@ -303,7 +303,9 @@ def when_lost(connection: bridge.Connection) -> str:
             return ""
         return ": ".join(filter(None, ("the last command stands", stops.hold_reason(connection))))
     seconds = stops.silence_timeout(connection)
-    values = ", ".join(_value(each) for each in stops.stop_assignments(connection))
+    values = ", ".join(
+        _value(stop_assignment) for stop_assignment in stops.stop_assignments(connection)
+    )
     when = f"after {number(seconds)} s of silence" if seconds else "when control of it is lost"
     return f"{when}: {values or 'the defaults'}"
 

@@ -42,9 +42,11 @@ class Context:
         self._ids: dict[EObject, str] = {}
         self._keys: dict[EObject, str] = {}
         self._findings: dict[tuple[str, str], list[Finding]] = defaultdict(list)
-        for each in sorted(diagnostics):
-            found = Finding(each.severity.value, each.rule, each.message)
-            key = (each.location.path, each.fragment) if each.fragment else ("", "")
+        for diagnostic in sorted(diagnostics):
+            found = Finding(diagnostic.severity.value, diagnostic.rule, diagnostic.message)
+            key = (
+                (diagnostic.location.path, diagnostic.fragment) if diagnostic.fragment else ("", "")
+            )
             self._findings[key].append(found)
 
     def id_of(self, element: EObject) -> str:
@@ -71,7 +73,7 @@ class Context:
 
     def _key_of(self, identifier: str) -> str:
         known = ((word, self._elements.get(word)) for word in identifier.split("!"))
-        return "!".join(word if each is None else self.key(each) for word, each in known)
+        return "!".join(word if element is None else self.key(element) for word, element in known)
 
     def key(self, element: EObject) -> str:
         """Returns what names an element when positions of elements change."""
@@ -87,13 +89,13 @@ class Context:
         if not self._findings:
             return ()
         found: dict[Finding, None] = {}
-        pending = [each for each in reversed(elements) if each is not None]
+        pending = [subject for subject in reversed(elements) if subject is not None]
         while pending:
             element = pending.pop()
             document = self.model.document_of(element)
             path = document.display if document is not None else ""
-            for each in self._findings.get((path, self.model.fragment(element)), ()):
-                found[each] = None
+            for finding in self._findings.get((path, self.model.fragment(element)), ()):
+                found[finding] = None
             if deep:
                 pending += reversed(self.model.owned(element))
         return tuple(found)
@@ -155,7 +157,7 @@ class Builder:
         """Adds a box unless there is one of its id, and returns the id."""
         if node.id not in self.boxes:
             self.boxes[node.id] = node
-            self._ports[node.id] = {each.id: each for each in node.ports}
+            self._ports[node.id] = {port.id: port for port in node.ports}
         return node.id
 
     def put(self, node: str, port: Port) -> End:
@@ -185,15 +187,15 @@ class Builder:
             for node in self.boxes.values()
         )
         used = {node.group for node in nodes}
-        for each in reversed(self.groups):
-            if each.id in used:
-                used.add(each.parent)
+        for group in reversed(self.groups):
+            if group.id in used:
+                used.add(group.parent)
         return Graph(
             self.context.view,
             title,
             nodes,
-            tuple(named(each) for each in self.groups if each.id in used),
-            tuple(named(each) for each in _distinct(self.edges)),
+            tuple(named(group) for group in self.groups if group.id in used),
+            tuple(named(edge) for edge in _distinct(self.edges)),
             downwards,
             self.context.of_files(),
             self.context.reference(element),
@@ -204,8 +206,8 @@ def _distinct(edges: list[Edge]) -> list[Edge]:
     """Returns edges with ids of their own: later ones that share one are numbered."""
     counts: dict[str, int] = {}
     found = []
-    for each in edges:
-        counts[each.id] = counts.get(each.id, 0) + 1
-        number = counts[each.id]
-        found.append(each if number == 1 else replace(each, id=f"{each.id}!{number}"))
+    for edge in edges:
+        counts[edge.id] = counts.get(edge.id, 0) + 1
+        number = counts[edge.id]
+        found.append(edge if number == 1 else replace(edge, id=f"{edge.id}!{number}"))
     return found

@@ -37,9 +37,9 @@ def offered(
     model: Model, *, library: bool
 ) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
     """Yields the views of maps: names, and what makes the graphs."""
-    for each in model.instances(bridge.AttributeMap, library=library):
-        if each.name:
-            yield (f"map:{each.name}",), partial(graph, attribute_map=each)
+    for attribute_map in model.instances(bridge.AttributeMap, library=library):
+        if attribute_map.name:
+            yield (f"map:{attribute_map.name}",), partial(graph, attribute_map=attribute_map)
 
 
 class _Side:
@@ -105,10 +105,10 @@ class _MapView:
 
     def graph(self) -> Graph:
         """Returns the view."""
-        for each in self.map.toRos:
-            self._add(each, to_ros=True)
-        for each in self.map.toJaus:
-            self._add(each, to_ros=False)
+        for assignment in self.map.toRos:
+            self._add(assignment, to_ros=True)
+        for assignment in self.map.toJaus:
+            self._add(assignment, to_ros=False)
         builder = Builder(self.context)
         for node in self._nodes():
             builder.add(node)
@@ -171,18 +171,23 @@ class _MapView:
         target = self.ros if to_ros else self.jaus
         source = self.jaus if to_ros else self.ros
         mark = _mark(assignment)
-        targets = [target.end(_below(target_base, each), mark) for each in target_paths(assignment)]
-        paths = [each for each in source_paths(assignment) if each not in COUNTERS]
-        sources = [self._source(each, source_base, source) for each in paths]
-        pairs = [(each, targets[0]) for each in sources] if targets else []
-        pairs += [(sources[0], each) for each in targets[1:]] if sources else []
+        targets = [
+            target.end(_below(target_base, target_path), mark)
+            for target_path in target_paths(assignment)
+        ]
+        paths = [
+            source_path for source_path in source_paths(assignment) if source_path not in COUNTERS
+        ]
+        sources = [self._source(path, source_base, source) for path in paths]
+        pairs = [(source_end, targets[0]) for source_end in sources] if targets else []
+        pairs += [(sources[0], target_end) for target_end in targets[1:]] if sources else []
         for index, (start, end) in enumerate(pairs):
             self._join_ends(assignment, start, end, index, to_ros=to_ros)
         if isinstance(assignment, bridge.ListAssignment):
             bases = (_below(source_base, paths[0]) if paths else source_base,
                      _below(target_base, (target_paths(assignment) or [""])[0]))  # fmt: skip
-            for each in assignment.assignments:
-                self._add(each, *bases, to_ros=to_ros)
+            for inner_assignment in assignment.assignments:
+                self._add(inner_assignment, *bases, to_ros=to_ros)
 
     def _source(self, path: str, base: str, side: _Side) -> End:
         if path.startswith("/"):
@@ -245,11 +250,11 @@ def _conversions(assignment: bridge.Assignment) -> Iterator[str]:
         yield f"by map {name_of(assignment.map)}"
     if not isinstance(assignment, bridge.FieldAssignment | bridge.ListAssignment):
         return
-    for each in assignment.conversions:
-        more = [number(value) for value in each.arguments]
-        more += [str(each.expression)] if each.expression else []
-        more += [str(each.method)] if each.method else []
-        more += [str(each.units)] if each.units else []
-        more += [name_of(each.table)] if each.table is not None else []
-        more += [name_of(each.quantity)] if each.quantity is not None else []
-        yield " ".join([each.kind.name, *more])
+    for conversion in assignment.conversions:
+        more = [number(value) for value in conversion.arguments]
+        more += [str(conversion.expression)] if conversion.expression else []
+        more += [str(conversion.method)] if conversion.method else []
+        more += [str(conversion.units)] if conversion.units else []
+        more += [name_of(conversion.table)] if conversion.table is not None else []
+        more += [name_of(conversion.quantity)] if conversion.quantity is not None else []
+        yield " ".join([conversion.kind.name, *more])

@@ -63,24 +63,24 @@ def rows(members: tuple[Member, ...], marks: Mapping[str, str]) -> Iterator[Port
 def _rows(
     members: tuple[Member, ...], marks: Mapping[str, str], outer: Collection[str]
 ) -> Iterator[Port]:
-    for each in members:
-        within = each.path in outer
-        if each.path in marks:
-            yield replace(each.port, mark=marks[each.path] or each.port.mark)
+    for member in members:
+        within = member.path in outer
+        if member.path in marks:
+            yield replace(member.port, mark=marks[member.path] or member.port.mark)
         elif not within:
-            mark = "required, unmapped" if each.port.mark == "required" else "unmapped"
-            yield replace(each.port, mark=mark)
+            mark = "required, unmapped" if member.port.mark == "required" else "unmapped"
+            yield replace(member.port, mark=mark)
         else:
-            yield each.port
+            yield member.port
         if within:
-            yield from _rows(each.inner, marks, outer)
+            yield from _rows(member.inner, marks, outer)
 
 
 def paths_of(members: tuple[Member, ...]) -> Iterator[str]:
     """Yields the paths of members and of what they hold."""
-    for each in members:
-        yield each.path
-        yield from paths_of(each.inner)
+    for member in members:
+        yield member.path
+        yield from paths_of(member.inner)
 
 
 def _of_jaus(context: Context, place: JausPlace, before: str, depth: int) -> Iterator[Member]:
@@ -137,7 +137,7 @@ def _of_ros(context: Context, place: RosPlace, before: str, depth: int) -> Itera
 
 def _note(kind: str, attribute: Attribute) -> str:
     unit = attribute.units if attribute.units != "one" else ""
-    return " · ".join(each for each in (kind, unit, _range(attribute), _axes(attribute)) if each)
+    return " · ".join(part for part in (kind, unit, _range(attribute), _axes(attribute)) if part)
 
 
 def _details(part: Part, attribute: Attribute) -> tuple[tuple[str, str], ...]:
@@ -147,7 +147,7 @@ def _details(part: Part, attribute: Attribute) -> tuple[tuple[str, str], ...]:
         range=_range(attribute),
         axes=_axes(attribute),
         values=", ".join(f"{value} {name}" for name, value in attribute.constants),
-        markers="; ".join(in_words(each) for each in getattr(part, "markers", ())),
+        markers="; ".join(in_words(marker) for marker in getattr(part, "markers", ())),
     )
 
 

@@ -25,18 +25,18 @@ def offered(
     model: Model, *, library: bool
 ) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
     """Yields the names of each service, by name, name and version, and URN, and its graph."""
-    for each in model.instances(jaus.Service, library=library):
-        if each.name:
-            names = (each.name, f"{each.name}/{each.version}", each.urn)
-            yield tuple(f"service:{name}" for name in names), partial(graph, service=each)
+    for service in model.instances(jaus.Service, library=library):
+        if service.name:
+            names = (service.name, f"{service.name}/{service.version}", service.urn)
+            yield tuple(f"service:{name}" for name in names), partial(graph, service=service)
 
 
 def graph(context: Context, service: jaus.Service) -> Graph:
     """Returns the view of a service."""
     builder = Builder(context)
     chain = lineage(service)
-    for each in chain:
-        _add_service(builder, each)
+    for ancestor in chain:
+        _add_service(builder, ancestor)
     for heir, parent in pairwise(chain):
         own = context.id_of(heir)
         builder.edges.append(
@@ -56,7 +56,7 @@ def _add_service(builder: Builder, service: jaus.Service) -> None:
             "service",
             name_of(service),
             str(service.urn or ""),
-            tuple(context.row(each, name_of(each), "internal event") for each in service.events),
+            tuple(context.row(event, name_of(event), "internal event") for event in service.events),
             own,
             column=0,
             details=details(service),
@@ -67,7 +67,7 @@ def _add_service(builder: Builder, service: jaus.Service) -> None:
     sends = _messages(builder, service, service.outputs, "sends", 2)
     if takes:
         builder.edges.append(Edge(f"{takes}!edge", End(own), End(takes), "owns", "takes"))
-    reports = {name_of(each): each for each in service.outputs}
+    reports = {name_of(output): output for output in service.outputs}
     queries: defaultdict[str, list[jaus.MessageDef]] = defaultdict(list)
     for query in service.inputs:
         queries[name_of(query)].append(query)
@@ -82,7 +82,7 @@ def _add_service(builder: Builder, service: jaus.Service) -> None:
                     "answered by",
                 )
             )
-    if sends and not any(each.target.node == sends for each in builder.edges):
+    if sends and not any(edge.target.node == sends for edge in builder.edges):
         builder.edges.append(Edge(f"{sends}!edge", End(takes or own), End(sends), "owns", "sends"))
 
 
@@ -96,7 +96,7 @@ def _messages(
     """Adds a box of messages, and returns its id, empty when there are none."""
     context = builder.context
     own = context.id_of(service)
-    ports = tuple(_message(context, each) for each in messages)
+    ports = tuple(_message(context, message) for message in messages)
     if not ports:
         return ""
     return builder.add(Node(f"{own}!{way}", "messages", way, ports=ports, group=own, column=column))
@@ -111,11 +111,14 @@ def offered_machines(
     model: Model, *, library: bool
 ) -> Iterator[tuple[tuple[str, ...], Callable[[Context], Graph]]]:
     """Yields the names of each machine, by service and name, and by name alone, and its graph."""
-    for each in model.instances(jaus.StateMachine, library=library):
-        service = each.eContainer()
-        if each.name:
-            names = (f"{name_of(service)}.{each.name}", each.name)
-            yield tuple(f"machine:{name}" for name in names), partial(machine_graph, element=each)
+    for state_machine in model.instances(jaus.StateMachine, library=library):
+        service = state_machine.eContainer()
+        if state_machine.name:
+            names = (f"{name_of(service)}.{state_machine.name}", state_machine.name)
+            yield (
+                tuple(f"machine:{name}" for name in names),
+                partial(machine_graph, element=state_machine),
+            )
 
 
 def machine_graph(context: Context, element: jaus.StateMachine) -> Graph:
@@ -135,20 +138,20 @@ def machine_graph(context: Context, element: jaus.StateMachine) -> Graph:
 
 def _drawn(machine: Machine) -> list[str]:
     """Returns the paths of the states that are shown, enclosing ones first."""
-    core = [each for each in machine.core_states if each not in machine.nodes]
+    core = [core_state for core_state in machine.core_states if core_state not in machine.nodes]
     targets = {
-        machine.resolve(path, each.target)
+        machine.resolve(path, transition.target)
         for path, node in machine.nodes.items()
         for state in node.elements
-        for each in (*state.transitions, *state.defaults)
-        if each.target
+        for transition in (*state.transitions, *state.defaults)
+        if transition.target
     }
-    paths = [*machine.nodes, *(each for each in core if each in targets)]
-    enclosing = {outer for each in paths for outer in _enclosing(each)}
+    paths = [*machine.nodes, *(state_path for state_path in core if state_path in targets)]
+    enclosing = {outer for path in paths for outer in _enclosing(path)}
     ordered = dict.fromkeys([*paths, *sorted(enclosing)])
     return sorted(
-        (each for each in ordered if each.count(".") < DEEPEST),
-        key=lambda each: each.count("."),
+        (state_path for state_path in ordered if state_path.count(".") < DEEPEST),
+        key=lambda state_path: state_path.count("."),
     )
 
 
@@ -185,7 +188,7 @@ def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: b
             tuple(rows),
             own if is_composite else around,
             column=0 if initial and not is_composite else 1,
-            details=tuple(each for state in elements for each in details(state)),
+            details=tuple(detail for state in elements for detail in details(state)),
             findings=tuple(f for s in elements for f in context.findings(s, deep=False)),
             element=element,
             key=context.key(elements[-1]) if elements else "",
@@ -198,41 +201,41 @@ def _rows(context: Context, machine: Machine, path: str, state: jaus.State) -> I
     for word, actions in (("entry", state.entry), ("exit", state.exit)):
         for action in actions:
             yield context.row(action, f"{word} / {_action(action)}")
-    for each in (*state.transitions, *state.defaults):
-        target = machine.resolve(path, each.target) if each.target else None
+    for transition in (*state.transitions, *state.defaults):
+        target = machine.resolve(path, transition.target) if transition.target else None
         if target is None:
-            goal = f"\N{RIGHTWARDS ARROW} {each.target}" if each.target else ""
-            wrong = Finding("error", "", f"there is no state '{each.target}'")
-            findings = context.findings(each) or ((wrong,) if each.target else ())
-            first, *more = [*_labels(each), *filter(None, (goal,))]
-            yield Port(context.id_of(each), first, each.kind.name,
-                       details=details(each), findings=findings)  # fmt: skip
+            goal = f"\N{RIGHTWARDS ARROW} {transition.target}" if transition.target else ""
+            wrong = Finding("error", "", f"there is no state '{transition.target}'")
+            findings = context.findings(transition) or ((wrong,) if transition.target else ())
+            first, *more = [*_labels(transition), *filter(None, (goal,))]
+            yield Port(context.id_of(transition), first, transition.kind.name,
+                       details=details(transition), findings=findings)  # fmt: skip
             # A guard and what is done have rows of their own: together they are too long to read.
             for number, text in enumerate(more):
-                yield Port(f"{context.id_of(each)}!{number}", text, depth=1,
-                           element=context.reference(each))  # fmt: skip
+                yield Port(f"{context.id_of(transition)}!{number}", text, depth=1,
+                           element=context.reference(transition))  # fmt: skip
 
 
 def _add_transitions(builder: Builder, machine: Machine, path: str) -> None:
     context = builder.context
     own = _id(builder, machine, path)
     for state in machine.nodes[path].elements:
-        for each in (*state.transitions, *state.defaults):
-            target = machine.resolve(path, each.target) if each.target else None
+        for transition in (*state.transitions, *state.defaults):
+            target = machine.resolve(path, transition.target) if transition.target else None
             end = _id(builder, machine, target) if target is not None else ""
             end = _inside(builder, machine, target, end) if target is not None else ""
             if end and own in builder.boxes:
-                labels = tuple(_labels(each))
+                labels = tuple(_labels(transition))
                 builder.edges.append(
                     Edge(
-                        context.id_of(each),
+                        context.id_of(transition),
                         End(own),
                         End(end),
                         "transition",
                         labels[0],
                         labels,
-                        details=details(each, kind=each.kind.name, target=target),
-                        findings=context.findings(each),
+                        details=details(transition, kind=transition.kind.name, target=target),
+                        findings=context.findings(transition),
                     )
                 )
 
@@ -244,7 +247,7 @@ def _inside(builder: Builder, machine: Machine, target: str, end: str) -> str:
     inner = _id(builder, machine, machine.innermost(target))
     if inner in builder.boxes:
         return inner
-    below = [each for each in builder.boxes if each.startswith(f"{end}.")]
+    below = [box for box in builder.boxes if box.startswith(f"{end}.")]
     return below[0] if below else ""
 
 
@@ -259,7 +262,7 @@ def _labels(transition: jaus.Transition) -> Iterator[str]:
     if transition.kind.name in ("push", "pop"):
         yield f"({transition.kind.name})"
     if transition.actions:
-        yield "/ " + ", ".join(_action(each) for each in transition.actions)
+        yield "/ " + ", ".join(_action(action) for action in transition.actions)
 
 
 def _action(action: jaus.Action) -> str:

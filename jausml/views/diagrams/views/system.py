@@ -42,24 +42,26 @@ def graph(context: Context) -> Graph:
     """Returns the system view."""
     builder = Builder(context)
     found = participants(context.model)
-    boxes = [_box(context, each) for each in found]
-    _add_hosts(context, builder, {each.group for each in boxes})
+    boxes = [_box(context, participant) for participant in found]
+    _add_hosts(context, builder, {node.group for node in boxes})
     for box in boxes:
         builder.add(box)
-    for each in found:
-        if isinstance(each, ros.Node):
-            _add_endpoints(builder, each)
-    for each in found:
-        if isinstance(each, jaus.Component):
-            for connection in each.connections:
-                connections.add_service_connection(builder, each, connection)
-            _add_control(builder, each)
-        if isinstance(each, bridge.Bridge):
-            connections.add_bridge(builder, each)
-    for each in found:
-        if isinstance(each, jaus.Component):
-            connections.add_idle_services(builder, each)
-    _add_topics(builder, [each for each in found if isinstance(each, ros.Node)])
+    for participant in found:
+        if isinstance(participant, ros.Node):
+            _add_endpoints(builder, participant)
+    for participant in found:
+        if isinstance(participant, jaus.Component):
+            for connection in participant.connections:
+                connections.add_service_connection(builder, participant, connection)
+            _add_control(builder, participant)
+        if isinstance(participant, bridge.Bridge):
+            connections.add_bridge(builder, participant)
+    for participant in found:
+        if isinstance(participant, jaus.Component):
+            connections.add_idle_services(builder, participant)
+    _add_topics(
+        builder, [participant for participant in found if isinstance(participant, ros.Node)]
+    )
     root = context.model.root
     name = name_of(root) if isinstance(root, systems.System) else context.view
     return builder.graph(f"system {name}" if isinstance(root, systems.System) else name)
@@ -104,8 +106,8 @@ def _box(context: Context, element: jaus.Component | ros.Node) -> Box:
         column=BRIDGE_COLUMN if is_bridge else JAUS_COLUMN,
         details=details(
             element,
-            provides=", ".join(name_of(each) for each in element.provides),
-            uses=", ".join(name_of(each) for each in element.uses),
+            provides=", ".join(name_of(provide) for provide in element.provides),
+            uses=", ".join(name_of(service) for service in element.uses),
         ),
         # What a bridge has in its connections is told there.
         findings=context.findings(element, *element.connections, deep=False)
@@ -120,11 +122,11 @@ def _add_endpoints(builder: Builder, node: ros.Node) -> None:
     services = ("serviceServers", "serves"), ("serviceClients", "calls")
     for named, ends in (("topic", topics), ("service", services)):
         for feature, way in ends:
-            for each in getattr(node, feature):
-                name, kind = connections.topic(getattr(each, named), node), _type(each.type)
-                told = connections.qos(each.qos) if named == "topic" else ""
-                more = details(each, way=way, type=kind, QoS=told)
-                port = Port(context.id_of(each), name, kind, details=more)
+            for endpoint in getattr(node, feature):
+                name, kind = connections.topic(getattr(endpoint, named), node), _type(endpoint.type)
+                told = connections.qos(endpoint.qos) if named == "topic" else ""
+                more = details(endpoint, way=way, type=kind, QoS=told)
+                port = Port(context.id_of(endpoint), name, kind, details=more)
                 builder.put(context.id_of(node), port)
                 builder.endpoints.append((name, way, End(context.id_of(node), port.id)))
 
@@ -151,8 +153,8 @@ def _add_control(builder: Builder, component: jaus.Component) -> None:
 
 def _add_topics(builder: Builder, nodes: Sequence[ros.Node]) -> None:
     """Adds what flows among ROS nodes."""
-    inside = {builder.context.id_of(each) for each in nodes}
-    ends = [each for each in builder.endpoints if each[2].node in inside]
+    inside = {builder.context.id_of(node) for node in nodes}
+    ends = [endpoint for endpoint in builder.endpoints if endpoint[2].node in inside]
     pairs = (("publishes", "subscribes", "topic"), ("calls", "serves", "call"))
     found: defaultdict[tuple[str, str], list[End]] = defaultdict(list)
     for name, way, end in ends:

@@ -89,7 +89,7 @@ def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]
         for port in node.ports:
             told = _entry(port.label, f"{port.label} {port.note}", port, [own])
             yield keys.port(node.id, port.id), told
-    titles = {each.id: each.title for each in graph.nodes}
+    titles = {graph_node.id: graph_node.title for graph_node in graph.nodes}
     labels = {(node.id, port.id): port.label for node in graph.nodes for port in node.ports}
     for edge in graph.edges:
         source, target = titles[edge.source.node], titles[edge.target.node]
@@ -105,7 +105,7 @@ def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]
 
 
 def _text(node: Node) -> str:
-    return " ".join([node.title, node.subtitle, *(each.label for each in node.ports)])
+    return " ".join([node.title, node.subtitle, *(port.label for port in node.ports)])
 
 
 def _entry(title: str, text: str, part: Node | Port | Edge, ends: list[str]) -> dict[str, Any]:
@@ -116,8 +116,8 @@ def _entry(title: str, text: str, part: Node | Port | Edge, ends: list[str]) -> 
         "title": title,
         "text": text,
         "ends": ends,
-        "findings": [[each.severity, each.message] for each in part.findings],
-        "details": [each for each in [*first, *map(list, part.details)] if each[1]],
+        "findings": [[finding.severity, finding.message] for finding in part.findings],
+        "details": [detail for detail in [*first, *map(list, part.details)] if detail[1]],
     }
 
 
@@ -140,17 +140,17 @@ def _table(
     name: str, caption: str, heads: Sequence[str], rows: Iterable[tuple[str, Sequence[str]]]
 ) -> Iterator[str]:
     yield f'<table id="{name}"><caption>{caption}</caption>'
-    cells = "".join(f'<th scope="col"><button type="button">{each}</button></th>' for each in heads)
+    cells = "".join(f'<th scope="col"><button type="button">{head}</button></th>' for head in heads)
     yield f"<thead><tr>{cells}</tr></thead><tbody>"
     for key, texts in rows:
-        first, *others = (escape(cut(each, _LONGEST)) for each in texts)
-        cells = "".join(f"<td>{each}</td>" for each in others)
+        first, *others = (escape(cut(text, _LONGEST)) for text in texts)
+        cells = "".join(f"<td>{other}</td>" for other in others)
         yield f'<tr data-key="{key}"><td><button type="button">{first}</button></td>{cells}</tr>'
     yield "</tbody></table>"
 
 
 def _edges(graph: Graph, keys: Keys) -> Iterator[tuple[str, Sequence[str]]]:
-    titles = {each.id: each.title for each in graph.nodes}
+    titles = {node.id: node.title for node in graph.nodes}
     labels = {(node.id, port.id): port.label for node in graph.nodes for port in node.ports}
 
     def end(at: End) -> tuple[str, str]:
@@ -162,7 +162,7 @@ def _edges(graph: Graph, keys: Keys) -> Iterator[tuple[str, Sequence[str]]]:
 
 
 def _how(edge: Edge) -> str:
-    labels = [each for each in edge.labels if each != edge.title]
+    labels = [label for label in edge.labels if label != edge.title]
     if edge.count > 1:
         labels.append(f"{edge.count} connections")
     return ", ".join(labels) or edge.kind
@@ -178,4 +178,4 @@ def _boxes(graph: Graph, keys: Keys) -> Iterator[tuple[str, Sequence[str]]]:
 
 
 def _findings(findings: tuple[Finding, ...]) -> str:
-    return "; ".join(f"{each.severity}: {each.message}" for each in findings)
+    return "; ".join(f"{finding.severity}: {finding.message}" for finding in findings)

@@ -50,7 +50,7 @@ def mermaid(course: Course) -> str:
     actors = course.actors
     names = {actor: f"a{number}" for number, actor in enumerate(actors)}
     lines = ["sequenceDiagram", f"  title {as_data(course.title)}"]
-    lines += [f"  participant {names[each]} as {as_data(each)}" for each in actors]
+    lines += [f"  participant {names[actor]} as {as_data(actor)}" for actor in actors]
     everybody = ",".join(dict.fromkeys([names[actors[0]], names[actors[-1]]]))
     for line in course.lines:
         text = as_data(f"{line.time} {line.text}".strip())
@@ -70,14 +70,16 @@ def svg(course: Course) -> str:
 
 
 def _parts(course: Course) -> Iterator[str]:
-    texts = [width(cut(each.text, _LONGEST), SMALL) for each in course.lines]
-    heads = [width(cut(each, _LONGEST), TITLE, bold=True) for each in course.actors]
+    texts = [width(cut(course_line.text, _LONGEST), SMALL) for course_line in course.lines]
+    heads = [width(cut(participant, _LONGEST), TITLE, bold=True) for participant in course.actors]
     column = round(max([*texts, *heads]) + _GAP, 1)
     first = MARGIN + _TIMES + column / 2
-    places = {each: round(first + column * n, 1) for n, each in enumerate(course.actors)}
+    places = {
+        participant: round(first + column * n, 1) for n, participant in enumerate(course.actors)
+    }
     foot = _HEAD + 20 + _ROW_HEIGHT * len(course.lines)
     ends = (width(cut(course.title, _LONGEST), 16), width(cut(course.end, _LONGEST), ROW))
-    right = max(first + column * len(heads), *(MARGIN + 1.1 * each for each in ends))
+    right = max(first + column * len(heads), *(MARGIN + 1.1 * end for end in ends))
     size = (round(right + MARGIN, 1), foot + 2 * MARGIN + 10)
     yield from opening(size, cut(course.title, _LONGEST), style("auto"), {"arrow": "head"})
     for actor, x in places.items():

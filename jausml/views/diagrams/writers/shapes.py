@@ -49,7 +49,9 @@ def title_of(node: Node) -> str:
 def subtitles(node: Node) -> list[tuple[str, str]]:
     """Returns the lines below the title of a box, each with a severity or an empty text."""
     lines = [(cut(node.subtitle, _LONGEST_NOTE), "")] if node.subtitle else []
-    lines += [(finding_text(each), each.severity) for each in node.findings[:_MOST_FINDINGS]]
+    lines += [
+        (finding_text(finding), finding.severity) for finding in node.findings[:_MOST_FINDINGS]
+    ]
     more = len(node.findings) - _MOST_FINDINGS
     return lines + ([(f"and {more} more", "")] if more > 0 else [])
 
@@ -80,8 +82,8 @@ def label_lines(edge: Edge) -> list[str]:
     lines = [f"{_SIGNS[grave]}{grave}"] if grave else []
     lines += [
         cut(line, _LONGEST_LINE)
-        for each in edge.labels
-        for line in wrap(each, _WRAPPED, break_long_words=False, break_on_hyphens=False)
+        for label in edge.labels
+        for line in wrap(label, _WRAPPED, break_long_words=False, break_on_hyphens=False)
     ]
     if edge.kind in _ACROSS:
         return [cut(", ".join(lines), _LONGEST_LINE)] if lines else []
@@ -93,13 +95,13 @@ def label_lines(edge: Edge) -> list[str]:
 def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
     """Returns what a layout is to place."""
     return Sheet(
-        tuple(box_of(each) for each in graph.nodes),
+        tuple(box_of(node) for node in graph.nodes),
         tuple(
-            Frame(each.id, each.parent, math.ceil(width(cut(each.title, LONGEST_TITLE), ROW)) + 8,
-                  LINE_HEIGHT + 5)
-            for each in graph.groups
+            Frame(group.id, group.parent,
+                  math.ceil(width(cut(group.title, LONGEST_TITLE), ROW)) + 8, LINE_HEIGHT + 5)
+            for group in graph.groups
         ),
-        tuple(_line(each, is_labelled=not packed) for each in graph.edges),
+        tuple(_line(edge, is_labelled=not packed) for edge in graph.edges),
         graph.downwards,
         packed,
         facing=graph.view.startswith("map:"),
@@ -114,7 +116,7 @@ def head_height(node: Node) -> int:
 def box_of(node: Node) -> Box:
     """Returns a box with its size."""
     widest = max(_widths(node))
-    rows = tuple(Row(each.id, ROW_HEIGHT) for each in node.ports)
+    rows = tuple(Row(port.id, ROW_HEIGHT) for port in node.ports)
     return Box(
         node.id,
         math.ceil(widest) + 2 * PADDING,
@@ -132,14 +134,14 @@ def _widths(node: Node) -> Iterator[float]:
     for port in node.ports:
         row = row_text(port)
         found = row.indent + width(row.label, ROW)
-        found += sum(GAP + width(each, SMALL) for each in (row.note, row.mark) if each)
+        found += sum(GAP + width(remark, SMALL) for remark in (row.note, row.mark) if remark)
         yield found
 
 
 def _line(edge: Edge, *, is_labelled: bool) -> Line:
     # Bundles have no room for labels: their boxes say what is wrong, and details the rest.
     lines = label_lines(edge) if is_labelled else []
-    widest = max((width(each, SMALL) for each in lines), default=0)
+    widest = max((width(line, SMALL) for line in lines), default=0)
     return Line(
         edge.id,
         (edge.source.node, edge.source.port),
@@ -187,15 +189,15 @@ def width(text: str, size: float, *, bold: bool = False) -> float:
     `size`: font size in pixels.
     """
     widths = _BOLD_WIDTHS if bold else _WIDTHS
-    return round(sum(_advance(each, widths) for each in text) * size / 1000, 1)
+    return round(sum(_advance(character, widths) for character in text) * size / 1000, 1)
 
 
 @lru_cache(maxsize=_MOST_TEXTS)
 def cut(text: str, longest: int) -> str:
     """Returns a text on one line, cut where it is too long; what cannot be shown is replaced."""
     flat = "".join(
-        each if each.isprintable() else "\N{REPLACEMENT CHARACTER}"
-        for each in " ".join(text.split())
+        character if character.isprintable() else "\N{REPLACEMENT CHARACTER}"
+        for character in " ".join(text.split())
     )
     return flat if len(flat) <= longest else f"{flat[: longest - 1]}\N{HORIZONTAL ELLIPSIS}"
 
@@ -274,7 +276,9 @@ def style(theme: str, *, compares: bool = False) -> str:
 
     `theme`: `light`, `dark`, or `auto` for that of whoever looks.
     """
-    light, dark = (_rules(each) + (_compared(each) if compares else "") for each in (_LIGHT, _DARK))
+    light, dark = (
+        _rules(palette) + (_compared(palette) if compares else "") for palette in (_LIGHT, _DARK)
+    )
     if theme == "auto":
         return f"{_SHARED}{light}@media(prefers-color-scheme:dark){{{dark}}}"
     return _SHARED + (dark if theme == "dark" else light)
@@ -317,10 +321,10 @@ def _rules(colours: dict[str, str]) -> str:
 
 def _compared(colours: dict[str, str]) -> str:
     rules = [".removed .body,.frame.removed rect,.edge.removed{stroke-dasharray:6 4}"]
-    for each in STATES:
+    for state in STATES:
         rules += [
-            f".box.{each} .body,.frame.{each} rect{{fill:%({each}_body)s}}",
-            f".edge.{each}{{stroke:%({each})s;stroke-width:2.6}}",
-            f"text.{each}{{fill:%({each})s;font-weight:bold}}",
+            f".box.{state} .body,.frame.{state} rect{{fill:%({state}_body)s}}",
+            f".edge.{state}{{stroke:%({state})s;stroke-width:2.6}}",
+            f"text.{state}{{fill:%({state})s;font-weight:bold}}",
         ]
     return "".join(rules) % colours

@@ -85,7 +85,7 @@ def _lines(
     places = engine.place(shapes.sheet_of(graph, packed=is_bundled))
     title = cut(graph.title, _LONGEST_TITLE)
     notes = _notes(graph)
-    least = max(width(title, 16, bold=True), *(width(each, shapes.SMALL) for each, _ in notes))
+    least = max(width(title, 16, bold=True), *(width(note, shapes.SMALL) for note, _ in notes))
     top = TOP + shapes.LINE_HEIGHT * (len(notes) - 1)
     size = (
         round(max(places.width, least) + 2 * MARGIN, 1),
@@ -135,7 +135,7 @@ def opening(
 def _notes(graph: Graph) -> list[tuple[str, str]]:
     """Returns what stands below the title: what is drawn how, and what is wrong with files."""
     legend = _LEGENDS.get(graph.view.partition(":")[0], graph.view)
-    wrong = [(shapes.finding_text(each), each.severity) for each in graph.findings]
+    wrong = [(shapes.finding_text(finding), finding.severity) for finding in graph.findings]
     states = [(_STATES, "")] if graph.compares else []
     return [(legend, ""), *states, *wrong]
 
@@ -195,7 +195,7 @@ def _row(port: Port, key: str, left: float, top: float, right: float) -> Iterato
 def _edge(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
     grave = severity(edge.findings)
     weight = f' stroke-width="{min(1.2 + 0.4 * edge.count, 5):g}"' if edge.count > 1 else ""
-    words = ": ".join(each for each in (edge.title, ", ".join(edge.labels)) if each)
+    words = ": ".join(part for part in (edge.title, ", ".join(edge.labels)) if part)
     yield (
         f'<path class="edge {edge.kind} {grave}{_behind(edge.state)}" '
         f"{_ids(keys.edge(edge.id), edge.id)}{weight} "
@@ -220,7 +220,7 @@ def _label(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
         return
     x, y = route.label
     grave = severity(edge.findings)
-    widest = max(width(each, shapes.SMALL) for each in lines) + 6
+    widest = max(width(line, shapes.SMALL) for line in lines) + 6
     height = shapes.LINE_HEIGHT * len(lines) + 2
     yield f'<g class="label" data-key="{keys.edge(edge.id)}">'
     corner = f'x="{_n(x - widest / 2)}" y="{_n(y - height / 2)}"'
@@ -264,7 +264,9 @@ def _ids(key: str, identifier: str) -> str:
 
 def _data(text: str) -> str:
     """Returns an id as data of XML, which has no control characters."""
-    return "".join(each if each.isprintable() else "\N{REPLACEMENT CHARACTER}" for each in text)
+    return "".join(
+        character if character.isprintable() else "\N{REPLACEMENT CHARACTER}" for character in text
+    )
 
 
 def _n(number: float) -> str:
@@ -316,9 +318,9 @@ def installed_font() -> str:
     if find_spec("resvg_py") is None:
         raise LayoutError(MISSING)
     lacking = [_drawn(_probe(_NO_NAME, text), 1, _NO_NAME) for text in ("", "Ag")]
-    for each in FONTS:
-        if _drawn(_probe(each, "Ag"), 1, each) not in lacking:
-            return each
+    for font in FONTS:
+        if _drawn(_probe(font, "Ag"), 1, font) not in lacking:
+            return font
     raise LayoutError(NO_FONT.format(", ".join(FONTS)))
 
 

@@ -25,7 +25,7 @@ def render_mermaid(graph: Graph) -> str:
 
 
 def _mermaid_lines(graph: Graph) -> Iterator[str]:
-    names = {each.id: f"n{index}" for index, each in enumerate(graph.nodes)}
+    names = {graph_node.id: f"n{index}" for index, graph_node in enumerate(graph.nodes)}
     yield f"flowchart {'TB' if graph.downwards else 'LR'}"
     for what, number, depth in nested(graph.nodes, graph.groups):
         indent = "  " * (depth + 1)
@@ -53,10 +53,10 @@ def _class(node: Node) -> str:
 def _mermaid_node(node: Node, names: dict[str, str]) -> str:
     before, after = _SHAPES.get(node.kind, ("[", "]"))
     lines = [f"<b>{as_data(node.title)}</b>", *([as_data(node.subtitle)] if node.subtitle else [])]
-    lines += [_mermaid_row(each) for each in node.ports[:_MOST_ROWS]]
+    lines += [_mermaid_row(port) for port in node.ports[:_MOST_ROWS]]
     if len(node.ports) > _MOST_ROWS:
         lines.append(f"and {len(node.ports) - _MOST_ROWS} more")
-    lines += [as_data(f"{each.severity}: {each.message}") for each in node.findings]
+    lines += [as_data(f"{finding.severity}: {finding.message}") for finding in node.findings]
     return f'{names[node.id]}{before}"{"<br/>".join(lines)}"{after}'
 
 
@@ -66,14 +66,14 @@ def _mermaid_row(port: Port) -> str:
 
 def _words(port: Port, gap: str) -> str:
     """Returns what a row says, and first how grave it is."""
-    words = gap.join(each for each in (port.label, port.note, port.mark) if each)
+    words = gap.join(part for part in (port.label, port.note, port.mark) if part)
     wrong = severity(port.findings)
     return f"{wrong}: {words}" if wrong else words
 
 
 def _labels(edge: Edge) -> list[str]:
     first = () if edge.title in edge.labels else (edge.title,)
-    return [each for each in (*first, *edge.labels) if each]
+    return [label for label in (*first, *edge.labels) if label]
 
 
 def _mermaid_edge(edge: Edge, names: dict[str, str]) -> str:
@@ -85,7 +85,7 @@ def _mermaid_edge(edge: Edge, names: dict[str, str]) -> str:
 
 def as_data(text: str) -> str:
     """Returns a text as data: Mermaid and HTML find no signs of theirs in it."""
-    return "".join(_sign(each) for each in " ".join(text.split()))
+    return "".join(_sign(character) for character in " ".join(text.split()))
 
 
 def _sign(sign: str) -> str:
@@ -102,7 +102,7 @@ def render_dot(graph: Graph) -> str:
 
 
 def _dot_lines(graph: Graph) -> Iterator[str]:
-    names = {each.id: f"n{index}" for index, each in enumerate(graph.nodes)}
+    names = {node.id: f"n{index}" for index, node in enumerate(graph.nodes)}
     ports = {
         (node.id, port.id): f"{names[node.id]}:p{index}"
         for node in graph.nodes
@@ -132,10 +132,10 @@ def _dot_node(node: Node, names: dict[str, str]) -> str:
     rows = [f"<tr><td><b>{_text(node.title)}</b></td></tr>"]
     if node.subtitle:
         rows.append(f"<tr><td>{_text(node.subtitle)}</td></tr>")
-    rows += [_dot_row(index, each) for index, each in enumerate(node.ports)]
+    rows += [_dot_row(index, port) for index, port in enumerate(node.ports)]
     rows += [
-        f'<tr><td align="left">{_text(f"{each.severity}: {each.message}")}</td></tr>'
-        for each in node.findings
+        f'<tr><td align="left">{_text(f"{finding.severity}: {finding.message}")}</td></tr>'
+        for finding in node.findings
     ]
     table = f'<table border="2" cellborder="0" cellspacing="0" color="{colour}">'
     return f"{names[node.id]} [label=<{table}{''.join(rows)}</table>>]"
@@ -160,7 +160,7 @@ def _dot_edge(edge: Edge, names: dict[str, str], ports: dict[tuple[str, str], st
 def _text(text: str) -> str:
     """Returns a text as data: Graphviz finds no signs of its own in it."""
     flat = "".join(
-        each if each.isprintable() else "\N{REPLACEMENT CHARACTER}"
-        for each in " ".join(text.split())
+        character if character.isprintable() else "\N{REPLACEMENT CHARACTER}"
+        for character in " ".join(text.split())
     )
     return escape(flat) or " "

@@ -83,7 +83,7 @@ class Settled:
         """
         graph, places = self.graph, self.places
         corners, frames = places.corners, places.frames
-        boxes = {each.id: each for each in places.sheet.boxes}
+        boxes = {box.id: box for box in places.sheet.boxes}
         areas = [*frames.values(), *(area_of(box, corners[name]) for name, box in boxes.items())]
         shown = graph if opened is None else folded(graph, opened)
         return {
@@ -93,17 +93,19 @@ class Settled:
             "downwards": graph.downwards,
             "crowded": graph.is_crowded,
             "folded": opened is not None,
-            "width": round(max((each.right for each in areas), default=0)),
-            "height": round(max((each.bottom for each in areas), default=0)),
+            "width": round(max((area.right for area in areas), default=0)),
+            "height": round(max((area.bottom for area in areas), default=0)),
             "findings": _findings(graph.findings),
             "nodes": [
-                _closed(each, frames[each.id])
-                if each.kind == CLOSED
-                else _node(each, boxes[each.id], corners[each.id], is_moved=each.id in places.fixed)
-                for each in shown.nodes
+                _closed(node, frames[node.id])
+                if node.kind == CLOSED
+                else _node(node, boxes[node.id], corners[node.id], is_moved=node.id in places.fixed)
+                for node in shown.nodes
             ],
-            "groups": [_group(each, frames[each.id]) for each in shown.groups if each.id in frames],
-            "edges": [_edge(each, places.routes.get(each.id), graph.view) for each in shown.edges],
+            "groups": [
+                _group(group, frames[group.id]) for group in shown.groups if group.id in frames
+            ],
+            "edges": [_edge(edge, places.routes.get(edge.id), graph.view) for edge in shown.edges],
         }
 
 
@@ -132,7 +134,7 @@ def settled(
     moved = moved or {}
     standing = standing if standing is not None else Standing()
     sheet = _sheet(graph)
-    keys = {each.id: each.key or each.id for each in graph.nodes}
+    keys = {node.id: node.key or node.id for node in graph.nodes}
     fixed = {name for name, key in keys.items() if key in moved}
     _take_over(graph, keys, standing)
     if not standing.shown:
@@ -145,7 +147,7 @@ def settled(
     corners = places.corners
     # A box that users moved goes back to where it stood when they undo that.
     standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
-    standing.shown = {keys[each.id]: (each.kind, corners[each.id]) for each in graph.nodes}
+    standing.shown = {keys[node.id]: (node.kind, corners[node.id]) for node in graph.nodes}
     return Settled(graph, places)
 
 
@@ -173,7 +175,7 @@ def _sheet(graph: Graph) -> Sheet:
     sheet = shapes.sheet_of(plain, packed=graph.is_crowded)
     return replace(
         sheet,
-        boxes=tuple(replace(each, width=each.width + SIGN_ROOM) for each in sheet.boxes),
+        boxes=tuple(replace(box, width=box.width + SIGN_ROOM) for box in sheet.boxes),
         lines=tuple(map(_with_live_text, sheet.lines)) if graph.view == SYSTEM else sheet.lines,
     )
 
@@ -196,9 +198,9 @@ def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> Non
 
     Names change no order: they are found where a picture has as many boxes of a kind as before.
     """
-    for kind in {each.kind for each in graph.nodes} if standing.shown else ():
+    for kind in {node.kind for node in graph.nodes} if standing.shown else ():
         old = [(key, corner) for key, (its, corner) in standing.shown.items() if its == kind]
-        new = [keys[each.id] for each in graph.nodes if each.kind == kind]
+        new = [keys[node.id] for node in graph.nodes if node.kind == kind]
         for (before, corner), key in zip(old, new, strict=False) if len(old) == len(new) else ():
             if before not in new and key not in standing.boxes:
                 standing.boxes[key] = corner
@@ -214,7 +216,7 @@ def _keep_routes(
 
 def _line_ends(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _Way]]:
     """Returns where lines start and end; those that share both are numbered."""
-    boxes = {each.id: each for each in sheet.boxes}
+    boxes = {box.id: box for box in sheet.boxes}
     rows = {
         (box.id, name): corners[box.id][1] + down
         for box in sheet.boxes
@@ -256,7 +258,7 @@ def _node(node: Node, box: Box, corner: Point, *, is_moved: bool) -> dict[str, A
         "height": box.height,
         "head": box.head,
         "moved": is_moved,
-        "ports": [_port(each, tops[each.id]) for each in node.ports],
+        "ports": [_port(port, tops[port.id]) for port in node.ports],
     }
 
 
@@ -323,12 +325,13 @@ def _edge(edge: Edge, route: Route | None, view: str) -> dict[str, Any]:
         "count": edge.count,
         "details": list(map(list, edge.details)),
         "findings": _findings(edge.findings),
-        "route": [list(each) for each in route.points] if route is not None else [],
+        "route": [list(point) for point in route.points] if route is not None else [],
         "label": [label[0], label[1] + down] if label is not None else None,
     }
 
 
 def _findings(findings: tuple[Finding, ...]) -> list[dict[str, str]]:
     return [
-        {"severity": each.severity, "rule": each.rule, "message": each.message} for each in findings
+        {"severity": finding.severity, "rule": finding.rule, "message": finding.message}
+        for finding in findings
     ]

@@ -20,10 +20,10 @@ FILE = "catvehicle.xmi"
 
 def test_the_form_of_each_box(page: Page) -> None:
     graph = page.ask("view", file=FILE, view="system")["graph"]
-    for each in graph["nodes"]:
-        if each["element"]:
-            form = page.ask("form", element=each["element"])
-            assert form["element"] == each["element"]
+    for node in graph["nodes"]:
+        if node["element"]:
+            form = page.ask("form", element=node["element"])
+            assert form["element"] == node["element"]
             assert form["class"]
 
 
@@ -37,7 +37,7 @@ def test_the_picture_is_that_of_the_command_line(page: Page) -> None:
 
 def test_the_palette_offers_commands_that_can_be_carried_out(page: Page) -> None:
     items = page.ask("palette", file=FILE, query="node", limit=50)["items"]
-    added = next(each for each in items if each["group"] == "elements")
+    added = next(item for item in items if item["group"] == "elements")
     done = page.ask("edit", commands=added["drop"]["commands"], label=added["label_of_edit"])
     assert done["created"]
     assert page.ask("form", element=done["created"][0])["element"] == done["created"][0]
@@ -76,9 +76,9 @@ REFUSED = [
 
 def test_what_is_refused_is_told_without_places_in_files_and_names_of_classes(page: Page) -> None:
     told = re.compile(r"#|//|@|\b(jaus|ros|bridge)\.|[a-z][A-Z]")
-    for each in REFUSED:
+    for command in REFUSED:
         with pytest.raises(RefusedError) as refused:
-            page.ask("edit", commands=[each], label="try", dry=True)
+            page.ask("edit", commands=[command], label="try", dry=True)
         assert not told.search(re.sub("'[^']*'|PrimitiveDriver", "", str(refused.value)))
     with pytest.raises(RefusedError, match="there is no component 100 of catvehicle"):
         page.ask("form", element=f"{FILE}#//@components.99")
@@ -86,7 +86,7 @@ def test_what_is_refused_is_told_without_places_in_files_and_names_of_classes(pa
 
 def test_ends_can_be_connected(page: Page) -> None:
     graph = page.ask("view", file=FILE, view="system")["graph"]
-    start = next(each for each in graph["nodes"] if each["kind"] == "component")
+    start = next(node for node in graph["nodes"] if node["kind"] == "component")
     ends = page.ask("ends", file=FILE, view="system", node=start["id"], port="")["ends"]
     assert ends
     target = {"node": ends[0]["node"], "port": ends[0]["port"]}
@@ -99,9 +99,9 @@ def test_ends_can_be_connected(page: Page) -> None:
 
 def test_members_are_assigned(page: Page) -> None:
     view = next(
-        each["name"]
-        for each in page.ask("views", file=FILE)["views"]
-        if each["kind"] == "map" and not each["library"]
+        entry["name"]
+        for entry in page.ask("views", file=FILE)["views"]
+        if entry["kind"] == "map" and not entry["library"]
     )
     edge = page.ask("view", file=FILE, view=view)["graph"]["edges"][0]
     ends = {"source": edge["source"], "target": edge["target"]}
@@ -113,7 +113,7 @@ def test_a_member_is_filled_without_a_source(page: Page) -> None:
     view = "map:velocity_state"
     ros = page.ask("members", file=FILE, view=view)["sides"][1]["node"]
     ends = page.ask("ends", file=FILE, view=view, node=ros, port="header.stamp")["ends"]
-    assert [(each["port"], each["why"]) for each in ends] == [("TimeStamp", "by a conversion")]
+    assert [(end["port"], end["why"]) for end in ends] == [("TimeStamp", "by a conversion")]
     asked = {"file": FILE, "view": view, "target": {"node": ros, "port": "twist.twist.linear.z"}}
     found = page.ask("fill", **asked, value="2.5")
     [option] = found["constant"]["options"]
@@ -125,13 +125,13 @@ def test_a_member_is_filled_without_a_source(page: Page) -> None:
 
 def test_values_are_tried(page: Page) -> None:
     view = next(
-        each["name"]
-        for each in page.ask("views", file=FILE)["views"]
-        if each["kind"] == "map" and not each["library"]
+        entry["name"]
+        for entry in page.ask("views", file=FILE)["views"]
+        if entry["kind"] == "map" and not entry["library"]
     )
     asked = {"file": FILE, "map": view.removeprefix("map:"), "direction": "to_ros"}
     inputs = page.ask("tried", **asked)["inputs"]
-    values = {each["path"]: each["default"] for each in inputs}
+    values = {member["path"]: member["default"] for member in inputs}
     found = page.ask("try", **asked, values=values)
     assert found["values"] or found["error"]
 
@@ -139,7 +139,7 @@ def test_values_are_tried(page: Page) -> None:
 def test_the_plan_is_carried_out_as_it_was_shown(page: Page, folder: Path) -> None:
     planned = page.ask("plan", file=FILE, out="ws/src")
     assert not planned["problems"]
-    created = [each["path"] for each in planned["files"] if each["action"] == "create"]
+    created = [file["path"] for file in planned["files"] if file["action"] == "create"]
     shown = {"file": FILE, "out": "ws/src"}
     assert page.ask("diff", **shown, path=created[0])["diff"].startswith("--- ")
     with pytest.raises(RefusedError, match="look at the plan again"):
@@ -161,13 +161,13 @@ def test_an_edited_file_is_overwritten_only_when_that_was_shown(page: Page, fold
     planned = page.ask("plan", **shown)
     page.ask("generate", **shown, digest=planned["digest"])
     names = [
-        each["path"] for each in page.ask("plan", **shown)["files"] if each["action"] == "same"
+        file["path"] for file in page.ask("plan", **shown)["files"] if file["action"] == "same"
     ]
-    edited = next(each for each in names if each.endswith(".py"))
+    edited = next(name for name in names if name.endswith(".py"))
     path = folder / "edited" / "src" / edited
     path.write_text("# mine\n", encoding="utf-8")
     refused = page.ask("plan", **shown)
-    assert [each["path"] for each in refused["files"] if each["action"] == "refuse"] == [edited]
+    assert [file["path"] for file in refused["files"] if file["action"] == "refuse"] == [edited]
     with pytest.raises(RefusedError):
         page.ask("generate", **shown, digest=refused["digest"])
     forced = page.ask("plan", **shown, force=True)

@@ -20,7 +20,7 @@ FILE = "catvehicle.xmi"
 
 def node_of(page: Page, kind: str) -> str:
     graph = page.ask("view", file=FILE, view="system")["graph"]
-    ref: str = next(each["element"] for each in graph["nodes"] if each["kind"] == kind)
+    ref: str = next(node["element"] for node in graph["nodes"] if node["kind"] == kind)
     return ref
 
 
@@ -58,8 +58,8 @@ def test_edits_that_are_sent_at_once_are_done_in_turn(page: Page) -> None:
         for i in range(20)
     ]
     undo = page.send("undo")
-    for each in edits:
-        page.answer(each)
+    for edit in edits:
+        page.answer(edit)
     assert page.answer(undo)["entry"]["label"] == "edit 19"
 
 
@@ -93,11 +93,11 @@ def test_a_copied_bridge_stands_for_itself(page: Page) -> None:
     text = page.ask("copy", elements=[element])["text"]
     done = page.ask("paste", owner=element, text=text)
     form = page.ask("form", element=done["created"][0])
-    values = {each["feature"]: each["values"] for each in form["fields"]}
+    values = {field["feature"]: field["values"] for field in form["fields"]}
     assert values["name"] == ["bridge_2"]
     # Two components of one address would be an error.
     found = page.ask("problems", file=FILE)["problems"]
-    assert [each for each in found if each["severity"] == "error"] == []
+    assert [problem for problem in found if problem["severity"] == "error"] == []
     page.ask("undo")
     assert "bridge_2" not in page.ask("text", file=FILE)["text"]
 
@@ -107,27 +107,27 @@ def test_problems_come_with_each_change(page: Page) -> None:
     element = node_of(page, "component")
     clash = {"kind": "set", "element": element, "feature": "address", "values": ["0.0.0"]}
     revision = page.ask("edit", commands=[clash], label="break")["revision"]
-    told = page.await_told("problems", lambda each: each["revision"] == revision)
-    found = [each for each in told["problems"] if each["severity"] == "error"]
-    assert any(each["element"] == element and each["file"] == FILE for each in found)
+    told = page.await_told("problems", lambda notification: notification["revision"] == revision)
+    found = [problem for problem in told["problems"] if problem["severity"] == "error"]
+    assert any(problem["element"] == element and problem["file"] == FILE for problem in found)
 
 
 def test_a_problem_is_cured_by_its_cure(page: Page) -> None:
     element = node_of(page, "component")
     before = page.ask("form", element=element)
-    address = next(each for each in before["fields"] if each["feature"] == "address")["values"]
+    address = next(field for field in before["fields"] if field["feature"] == "address")["values"]
     bridge = node_of(page, "bridge")
     same = {"kind": "set", "element": bridge, "feature": "address", "values": address}
     page.ask("edit", commands=[same], label="break")
     found = page.ask("problems", file=FILE)["problems"]
-    cure = next(each for problem in found for each in problem["cures"])
+    cure = next(offered for problem in found for offered in problem["cures"])
     page.ask("edit", commands=cure["commands"], label=cure["label"])
     assert page.ask("problems", file=FILE)["problems"] == []
 
 
 def test_an_open_decision_is_a_problem_until_somebody_takes_it_away(page: Page) -> None:
     form = page.ask("form", element=node_of(page, "bridge"))
-    maps = next(each for each in form["children"] if each["feature"] == "maps")
+    maps = next(child for child in form["children"] if child["feature"] == "maps")
     owner = maps["elements"][0]["element"]
     add = {"kind": "add", "owner": owner, "feature": "openDecisions"}
     add |= {"type": "bridge.OpenDecision", "values": {"text": ["whose axes are these?"]}}
@@ -135,12 +135,12 @@ def test_an_open_decision_is_a_problem_until_somebody_takes_it_away(page: Page) 
     [open_] = page.ask("problems", file=FILE)["problems"]
     assert (open_["rule"], open_["severity"]) == ("JML498", "error")
     children = page.ask("form", element=owner)["children"]
-    listed = next(each["elements"] for each in children if each["feature"] == "openDecisions")
-    assert [(each["label"], each["element"]) for each in listed] == [
+    listed = next(child["elements"] for child in children if child["feature"] == "openDecisions")
+    assert [(decision["label"], decision["element"]) for decision in listed] == [
         ("whose axes are these?", open_["element"])
     ]
     values = page.ask("form", element=open_["element"])["fields"]
-    assert {each["feature"] for each in values} == {"text", "blocking"}
+    assert {value["feature"] for value in values} == {"text", "blocking"}
     [cure] = open_["cures"]
     page.ask("edit", commands=cure["commands"], label=cure["label"])
     assert page.ask("problems", file=FILE)["problems"] == []

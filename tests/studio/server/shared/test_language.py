@@ -40,7 +40,9 @@ def opened(editor: Page, path: Path, text: str) -> str:
 
 def test_a_text_is_judged(editor: Page, folder: Path) -> None:
     uri = opened(editor, folder / "maps.ros2jaus", TEXT)
-    told = editor.await_told("textDocument/publishDiagnostics", lambda each: each["diagnostics"])
+    told = editor.await_told(
+        "textDocument/publishDiagnostics", lambda notification: notification["diagnostics"]
+    )
     assert told["uri"] == uri
 
 
@@ -69,7 +71,9 @@ def test_an_import_leads_to_no_text_elsewhere(editor: Page, folder: Path) -> Non
     hidden = "/** hidden */\nros package secret_msgs {\n  message Hidden { }\n}\n"
     (folder.parent / "secret.ros2jaus").write_text(hidden, encoding="utf-8")
     uri = opened(editor, folder / "maps.ros2jaus", 'import "../secret.ros2jaus"\n')
-    told = editor.await_told("textDocument/publishDiagnostics", lambda each: each["diagnostics"])
+    told = editor.await_told(
+        "textDocument/publishDiagnostics", lambda notification: notification["diagnostics"]
+    )
     assert "Hidden" not in json.dumps(told)
     place = {"line": 0, "character": 12}
     asked = {"textDocument": {"uri": uri}, "position": place}

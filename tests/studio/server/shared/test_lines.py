@@ -19,11 +19,13 @@ SERVICE = {"file": FILE, "view": "service:Winch"}
 def test_a_transition_is_drawn_from_state_to_state(page: Page) -> None:
     graph = page.ask("view", **MACHINE)["graph"]
     assert page.ask("form", element=graph["element"])["class"] == "state machine"
-    boxes = {each["title"]: {"node": each["id"], "port": ""} for each in graph["nodes"]}
+    boxes = {node["title"]: {"node": node["id"], "port": ""} for node in graph["nodes"]}
     ends = page.ask("ends", **MACHINE, **boxes["Idle"])["ends"]
-    assert {"Locked", "PayingIn", "Idle"} <= {each["label"] for each in ends}
+    assert {"Locked", "PayingIn", "Idle"} <= {end["label"] for end in ends}
     found = page.ask("connect", **MACHINE, source=boxes["Idle"], target=boxes["Locked"])
-    option = next(each for each in found["options"] if each["label"] == "transition on EndStop")
+    option = next(
+        offered for offered in found["options"] if offered["label"] == "transition on EndStop"
+    )
     page.ask("edit", commands=option["commands"], label=option["label"])
     after = page.ask("view", **MACHINE)["graph"]["edges"]
     assert len(after) == len(graph["edges"]) + 1
@@ -31,18 +33,18 @@ def test_a_transition_is_drawn_from_state_to_state(page: Page) -> None:
 
 def test_what_a_service_inherits_is_picked_and_taken_away(page: Page) -> None:
     graph = page.ask("view", **SERVICE)["graph"]
-    own = next(each for each in graph["nodes"] if each["element"] == graph["element"])
+    own = next(node for node in graph["nodes"] if node["element"] == graph["element"])
     ends = page.ask("ends", **SERVICE, node=own["id"], port="")["ends"]
-    events = next(each for each in ends if each["label"].startswith("Events"))
+    events = next(end for end in ends if end["label"].startswith("Events"))
     source = {"node": own["id"], "port": ""}
     target = {"node": events["node"], "port": events["port"]}
     [option] = page.ask("connect", **SERVICE, source=source, target=target)["options"]
     page.ask("edit", commands=option["commands"], label=option["label"])
     edges = page.ask("view", **SERVICE)["graph"]["edges"]
-    line = next(each["id"] for each in edges if each["kind"] == "inherits")
+    line = next(edge["id"] for edge in edges if edge["kind"] == "inherits")
     [option] = page.ask("unlink", file=FILE, line=line)["options"]
     page.ask("edit", commands=option["commands"], label=option["label"])
-    assert {each["kind"] for each in page.ask("view", **SERVICE)["graph"]["edges"]} <= {
+    assert {edge["kind"] for edge in page.ask("view", **SERVICE)["graph"]["edges"]} <= {
         "owns",
         "answers",
     }

@@ -25,7 +25,7 @@ def test_the_text_of_a_file_is_what_is_stored(page: Page, folder: Path) -> None:
 
 def test_an_element_is_found_in_its_text_and_the_text_leads_back(page: Page) -> None:
     graph = page.ask("view", file=FILE, view="system")["graph"]
-    [element] = [each["element"] for each in graph["nodes"] if each["kind"] == "bridge"]
+    [element] = [node["element"] for node in graph["nodes"] if node["kind"] == "bridge"]
     place = page.ask("source", element=element)
     text = page.ask("text", file=FILE)["text"]
     assert place["file"] == FILE
@@ -44,12 +44,12 @@ def test_library_texts_are_shown_and_nothing_else_of_the_computer(page: Page) ->
 
 def test_a_map_has_all_its_members(page: Page) -> None:
     views = page.ask("views", file=FILE)["views"]
-    view = next(each["name"] for each in views if each["kind"] == "map" and not each["library"])
+    view = next(entry["name"] for entry in views if entry["kind"] == "map" and not entry["library"])
     graph = page.ask("view", file=FILE, view=view)["graph"]
-    shown = {each["id"]: {port["id"] for port in each["ports"]} for each in graph["nodes"]}
+    shown = {node["id"]: {port["id"] for port in node["ports"]} for node in graph["nodes"]}
     sides = page.ask("members", file=FILE, view=view)["sides"]
-    assert {each["node"] for each in sides} == set(shown)
-    for each in sides:
-        assert shown[each["node"]] <= {member["path"] for member in each["members"]}
+    assert {side["node"] for side in sides} == set(shown)
+    for side in sides:
+        assert shown[side["node"]] <= {member["path"] for member in side["members"]}
     with pytest.raises(RefusedError, match="no view of a map"):
         page.ask("members", file=FILE, view="system")

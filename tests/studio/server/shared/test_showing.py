@@ -21,19 +21,19 @@ def test_hello_tells_of_the_project(page: Page) -> None:
     assert page.project["name"] == "project"
     assert page.project["opened"] == FILE
     assert page.project["version"] == __version__
-    assert [each["path"] for each in page.project["files"]] == [FILE, "service.xmi"]
+    assert [file["path"] for file in page.project["files"]] == [FILE, "service.xmi"]
 
 
 def test_views_are_those_of_the_file(page: Page) -> None:
     views = page.ask("views", file=FILE)["views"]
     assert {"name": "system", "kind": "system", "title": "system", "library": False} in views
-    assert any(each["kind"] == "service" and each["library"] for each in views)
+    assert any(view["kind"] == "service" and view["library"] for view in views)
 
 
 def test_the_system_is_a_graph(page: Page) -> None:
     graph = page.ask("view", file=FILE, view="system")["graph"]
-    assert {each["kind"] for each in graph["nodes"]} >= {"component", "bridge", "node"}
-    assert all(each["width"] > 0 and each["key"] for each in graph["nodes"])
+    assert {node["kind"] for node in graph["nodes"]} >= {"component", "bridge", "node"}
+    assert all(node["width"] > 0 and node["key"] for node in graph["nodes"])
 
 
 def test_an_unknown_view_is_refused(page: Page) -> None:
@@ -43,21 +43,21 @@ def test_an_unknown_view_is_refused(page: Page) -> None:
 
 def test_problems_of_the_example_are_none(page: Page) -> None:
     found = page.ask("problems", file=FILE)
-    assert [each for each in found["problems"] if each["severity"] == "error"] == []
+    assert [problem for problem in found["problems"] if problem["severity"] == "error"] == []
     assert found["files"] == [FILE]
 
 
 def test_the_outline_reaches_what_no_diagram_shows(page: Page) -> None:
     rows = page.ask("outline", file=FILE)["rows"]
-    assert [each["depth"] for each in rows[:2]] == [0, 1]
-    assert {"host", "placement", "bridge"} <= {each["kind"] for each in rows}
-    bridge = next(each for each in rows if each["kind"] == "bridge")
+    assert [row["depth"] for row in rows[:2]] == [0, 1]
+    assert {"host", "placement", "bridge"} <= {row["kind"] for row in rows}
+    bridge = next(row for row in rows if row["kind"] == "bridge")
     assert bridge["inner"]
     assert not bridge["is_open"]
     opened = page.ask("outline", file=FILE, opened=[bridge["element"]])["rows"]
     assert len(opened) == len(rows) + bridge["inner"]
     found = page.ask("outline", file=FILE, query="placement")["rows"]
-    assert [each["kind"] for each in found] == ["placement"]
+    assert [row["kind"] for row in found] == ["placement"]
     assert page.ask("form", element=found[0]["element"])["class"] == "placement"
 
 
@@ -73,10 +73,12 @@ def test_only_what_has_changed_is_sent_to_who_has_the_picture_before(page: Page)
 
 def test_a_box_is_found_by_the_element_of_its_row(page: Page) -> None:
     graph = page.ask("view", file=FILE, view="system")["graph"]
-    bridge = next(each for each in graph["nodes"] if each["kind"] == "bridge")
+    bridge = next(drawn for drawn in graph["nodes"] if drawn["kind"] == "bridge")
     row = bridge["ports"][0]["element"]
     # Where several boxes have a row of it, the first is looked at.
-    node = next(each for each in graph["nodes"] if row in [row["element"] for row in each["ports"]])
+    node = next(
+        drawn for drawn in graph["nodes"] if row in [row["element"] for row in drawn["ports"]]
+    )
     left, top = page.ask("where", file=FILE, view="system", element=row)["place"]
     assert node["x"] < left < node["x"] + node["width"]
     assert node["y"] < top < node["y"] + node["height"]

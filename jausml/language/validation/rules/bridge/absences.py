@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _UNSTATED = "unstated"
 
 
-@rule("JML459", "value that would be made up", severity=Severity.WARNING, each=DIRECTED)
+@rule("JML459", "value that would be made up", severity=Severity.WARNING, kinds=DIRECTED)
 def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """What becomes of a target without its source is stated, or the target can say it too.
 

@@ -29,18 +29,18 @@ GREATEST_SPEED = 327.67
 _ENDS = ("name", "direction", "type", "driver", "element", "peers", "search")
 
 
-def _is_sound(subject: Subject, each: bridge.RosActionConnection) -> bool:
-    used = each.element
-    if used is None or not subject.is_intact(each.driver, each.type):
+def _is_sound(subject: Subject, connection: bridge.RosActionConnection) -> bool:
+    used = connection.element
+    if used is None or not subject.is_intact(connection.driver, connection.type):
         return False
     return subject.is_intact(used.message, used.type)
 
 
-_of_lists = partial(rule, each=bridge.RosActionConnection, needs=_ENDS, given=_is_sound)
+_of_lists = partial(rule, kinds=bridge.RosActionConnection, needs=_ENDS, given=_is_sound)
 
 
 @_of_lists("JML481", "no list driver for the elements")
-def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+def drives_lists(_: Subject, connection: bridge.RosActionConnection) -> Iterator[Finding]:
     """The driver of an action connection executes lists with the message of its map.
 
     It inherits ListManager, takes ExecuteList and QueryActiveElement, and sends
@@ -52,22 +52,26 @@ def drives_lists(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findi
 
     Good: `driver="LocalWaypointListDriver"` with the map of SetLocalWaypoint
     """
-    messages = driver_messages(each.driver)
+    messages = driver_messages(connection.driver)
     if messages is None:
-        message = f"'{each.driver.name}' executes no lists"
+        message = f"'{connection.driver.name}' executes no lists"
         hint = "name a service that inherits ListManager and takes ExecuteList"
-        yield Finding(each, message, "driver", hint)
-    elif messages.is_single and not _to_ros(each):
-        message = f"goals become lists or missions of a peer, not waypoints of {each.driver.name}"
-        yield Finding(each, message, "driver", "name a list driver or MissionSpooler")
-    elif not takes(each.driver, each.element.message):
-        note = Note(each.element, f"map '{each.element.name}'")
-        message = f"the list of {each.driver.name} does not hold {each.element.message.name}"
-        yield Finding(each, message, "element", related=(note,))
+        yield Finding(connection, message, "driver", hint)
+    elif messages.is_single and not _to_ros(connection):
+        message = (
+            f"goals become lists or missions of a peer, not waypoints of {connection.driver.name}"
+        )
+        yield Finding(connection, message, "driver", "name a list driver or MissionSpooler")
+    elif not takes(connection.driver, connection.element.message):
+        note = Note(connection.element, f"map '{connection.element.name}'")
+        message = (
+            f"the list of {connection.driver.name} does not hold {connection.element.message.name}"
+        )
+        yield Finding(connection, message, "element", related=(note,))
 
 
 @_of_lists("JML482", "goal without the elements", needs=(*_ENDS, "goalMember"))
-def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+def goal_holds_elements(_: Subject, connection: bridge.RosActionConnection) -> Iterator[Finding]:
     """The goal of an action has at goalMember a sequence of the ROS type of the map.
 
     A waypoint driver has one waypoint, so a single message will do there.
@@ -76,19 +80,19 @@ def goal_holds_elements(_: Subject, each: bridge.RosActionConnection) -> Iterato
 
     Good: `goalMember="poses"` of FollowWaypoints with a map to PoseStamped
     """
-    found = _place(each.type.goal, each.goalMember)
-    wanted = ros_name(each.element.type)
+    found = _place(connection.type.goal, connection.goalMember)
+    wanted = ros_name(connection.element.type)
     if isinstance(found, PathFault):
-        yield Finding(each, found.message, "goalMember", found.hint)
-    elif found is not None and not _holds(found, each):
-        message = f"'{each.goalMember}' is no sequence of {wanted}, which the map makes"
-        yield Finding(each, message, "goalMember")
+        yield Finding(connection, found.message, "goalMember", found.hint)
+    elif found is not None and not _holds(found, connection):
+        message = f"'{connection.goalMember}' is no sequence of {wanted}, which the map makes"
+        yield Finding(connection, message, "goalMember")
 
 
 @_of_lists(
     "JML483", "progress or reason that is none", needs=(*_ENDS, "progressMember", "reasonMember")
 )
-def members_fit(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+def members_fit(_: Subject, connection: bridge.RosActionConnection) -> Iterator[Finding]:
     """The feedback has at progressMember a number, the result at reasonMember a string.
 
     The number is an integer. With `progress="distance"` it is a floating-point number, the elements
@@ -98,25 +102,29 @@ def members_fit(_: Subject, each: bridge.RosActionConnection) -> Iterator[Findin
 
     Good: `progressMember="number_of_poses_remaining" progress="remaining"`
     """
-    is_distance = each.progress.name == "distance"
-    if is_distance and not (_to_ros(each) and _has_position(each.element.type)):
+    is_distance = connection.progress.name == "distance"
+    if is_distance and not (_to_ros(connection) and _has_position(connection.element.type)):
         message = "no distance is known of these elements, or in this direction"
-        yield Finding(each, message, "progress", "say index or remaining, or no progressMember")
+        yield Finding(
+            connection, message, "progress", "say index or remaining, or no progressMember"
+        )
     number = ("number of metres", ("float",)) if is_distance else ("integer", ("int", "uint"))
     parts = (
-        ("progressMember", each.progressMember, each.type.feedback, *number),
-        ("reasonMember", each.reasonMember, each.type.result, "string", ("string",)),
+        ("progressMember", connection.progressMember, connection.type.feedback, *number),
+        ("reasonMember", connection.reasonMember, connection.type.result, "string", ("string",)),
     )
     for feature, path, owner, noun, kinds in parts:
         found = _place(owner, path) if path else None
         if isinstance(found, PathFault):
-            yield Finding(each, found.message, feature, found.hint)
+            yield Finding(connection, found.message, feature, found.hint)
         elif found is not None and not _is_of(found, kinds):
-            yield Finding(each, f"'{path}' is no {noun}", feature)
+            yield Finding(connection, f"'{path}' is no {noun}", feature)
 
 
 @_of_lists("JML484", "map of elements without assignments for the direction", is_decision=True)
-def elements_translated(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+def elements_translated(
+    subject: Subject, connection: bridge.RosActionConnection
+) -> Iterator[Finding]:
     """The map of an action connection has assignments for the direction of the connection.
 
     Without them every element of the list is empty.
@@ -125,16 +133,16 @@ def elements_translated(subject: Subject, each: bridge.RosActionConnection) -> I
 
     Good: the same map with `toJaus`
     """
-    feature = "toRos" if _to_ros(each) else "toJaus"
-    if not getattr(each.element, feature) and subject.is_intact(each.element):
-        note = Note(each.element, f"map '{each.element.name}'")
-        message = f"map '{each.element.name}' has no {feature} assignments, which"
-        message += f" {each.direction.name} needs"
-        yield Finding(each, message, "element", related=(note,))
+    feature = "toRos" if _to_ros(connection) else "toJaus"
+    if not getattr(connection.element, feature) and subject.is_intact(connection.element):
+        note = Note(connection.element, f"map '{connection.element.name}'")
+        message = f"map '{connection.element.name}' has no {feature} assignments, which"
+        message += f" {connection.direction.name} needs"
+        yield Finding(connection, message, "element", related=(note,))
 
 
 @_of_lists("JML485", "nobody provides the list driver")
-def driver_provided(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+def driver_provided(subject: Subject, connection: bridge.RosActionConnection) -> Iterator[Finding]:
     """The component that executes the list of an action connection provides its driver.
 
     - JAUS to ROS: the bridge does.
@@ -144,27 +152,27 @@ def driver_provided(subject: Subject, each: bridge.RosActionConnection) -> Itera
 
     Good: `direction="rosToJaus" peers="vehicle"`, where vehicle provides the driver
     """
-    owner = each.eContainer()
-    providers = peers_of(each)
-    if _to_ros(each):
+    owner = connection.eContainer()
+    providers = peers_of(connection)
+    if _to_ros(connection):
         providers = [] if owner is None else [owner]
     elif not providers:
-        message = f"'{each.name}' has no peer that executes its lists"
-        yield Finding(each, message, "peers", "name peers, or search for them")
+        message = f"'{connection.name}' has no peer that executes its lists"
+        yield Finding(connection, message, "peers", "name peers, or search for them")
     for provider in providers:
-        if is_known(subject, provider) and not _provides(provider, each.driver):
-            message = f"{provider_name(provider)} does not provide {each.driver.name}"
-            yield Finding(each, message, "driver")
+        if is_known(subject, provider) and not _provides(provider, connection.driver):
+            message = f"{provider_name(provider)} does not provide {connection.driver.name}"
+            yield Finding(connection, message, "driver")
 
 
 @rule(
     "JML486",
     "figure of an action connection out of range",
     is_decision=True,
-    each=bridge.RosActionConnection,
+    kinds=bridge.RosActionConnection,
     needs=(*_ENDS, "speed", "timeout"),
 )
-def action_figures(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+def action_figures(subject: Subject, connection: bridge.RosActionConnection) -> Iterator[Finding]:
     """The speed of lists is above 0 and what ExecuteList can say, and the timeout is above 0.
 
     A list that is executed at speed 0 stands still. Drivers of manipulators know no speed.
@@ -173,25 +181,25 @@ def action_figures(subject: Subject, each: bridge.RosActionConnection) -> Iterat
 
     Good: `direction="rosToJaus" speed="1.5" timeout="1"`
     """
-    if not (math.isfinite(each.timeout) and each.timeout > 0):
-        yield Finding(each, f"timeout {each.timeout:g} s is not above 0", "timeout")
-    messages = driver_messages(each.driver) if subject.is_intact(each.driver) else None
-    if messages is None or _to_ros(each) or not knows_speed(messages):
+    if not (math.isfinite(connection.timeout) and connection.timeout > 0):
+        yield Finding(connection, f"timeout {connection.timeout:g} s is not above 0", "timeout")
+    messages = driver_messages(connection.driver) if subject.is_intact(connection.driver) else None
+    if messages is None or _to_ros(connection) or not knows_speed(messages):
         return
-    if not 0 < each.speed <= GREATEST_SPEED:
-        message = f"speed {each.speed:g} m/s is not above 0 and up to {GREATEST_SPEED} m/s"
+    if not 0 < connection.speed <= GREATEST_SPEED:
+        message = f"speed {connection.speed:g} m/s is not above 0 and up to {GREATEST_SPEED} m/s"
         hint = "state the speed at which peers execute lists"
-        yield Finding(each, message, "speed", hint)
+        yield Finding(connection, message, "speed", hint)
 
 
 @rule(
     "JML499",
     "mission whose end nobody has decided",
     is_decision=True,
-    each=bridge.RosActionConnection,
+    kinds=bridge.RosActionConnection,
     needs=(*_ENDS, "onEnd"),
 )
-def missions_end(subject: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+def missions_end(subject: Subject, connection: bridge.RosActionConnection) -> Iterator[Finding]:
     """A mission that a ROS client gives to a JAUS peer has an `onEnd`, and nothing else has.
 
     The goal may end before the mission: the client cancels it, another goal comes, control is lost,
@@ -203,35 +211,37 @@ def missions_end(subject: Subject, each: bridge.RosActionConnection) -> Iterator
 
     Good: the same with `onEnd="abort"`
     """
-    messages = driver_messages(each.driver) if subject.is_intact(each.driver) else None
+    messages = driver_messages(connection.driver) if subject.is_intact(connection.driver) else None
     if messages is None:
         return
-    is_open = each.onEnd.name == "open"
-    if not messages.spooler or _to_ros(each):
+    is_open = connection.onEnd.name == "open"
+    if not messages.spooler or _to_ros(connection):
         if not is_open:
-            yield Finding(each, f"'{each.name}' gives no mission to a peer", "onEnd")
+            yield Finding(connection, f"'{connection.name}' gives no mission to a peer", "onEnd")
     elif is_open:
-        message = f"nobody has decided what a goal of '{each.name}' leaves that ends too early"
-        yield Finding(each, message, "onEnd", "say onEnd abort, or pause")
+        message = (
+            f"nobody has decided what a goal of '{connection.name}' leaves that ends too early"
+        )
+        yield Finding(connection, message, "onEnd", "say onEnd abort, or pause")
 
 
-@rule("JML487", "bad name of a ROS action", each=bridge.RosActionConnection, needs=("action",))
-def action_names(_: Subject, each: bridge.RosActionConnection) -> Iterator[Finding]:
+@rule("JML487", "bad name of a ROS action", kinds=bridge.RosActionConnection, needs=("action",))
+def action_names(_: Subject, connection: bridge.RosActionConnection) -> Iterator[Finding]:
     """The name of an action is one of ROS: letters, digits, `_` and `/`, no digit first.
 
     Bad: `action="follow waypoints"`
 
     Good: `action="follow_waypoints"`
     """
-    fault = topic_fault(each.action) if each.action is not None else ""
+    fault = topic_fault(connection.action) if connection.action is not None else ""
     if fault:
-        yield Finding(each, f"action name {each.action!a} {fault}", "action")
+        yield Finding(connection, f"action name {connection.action!a} {fault}", "action")
 
 
 @rule(
     "JML488",
     "two lists of one kind in one bridge",
-    each=bridge.Bridge,
+    kinds=bridge.Bridge,
     needs=("actionConnections",),
 )
 def one_driver_for_a_kind(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
@@ -247,56 +257,56 @@ def one_driver_for_a_kind(subject: Subject, owner: bridge.Bridge) -> Iterator[Fi
     """
     first: dict[jaus.MessageDef, bridge.RosActionConnection] = {}
     kinds: dict[object, bridge.RosActionConnection] = {}
-    for each in owner.actionConnections:
-        if not _is_sound(subject, each) or not _to_ros(each):
+    for action_connection in owner.actionConnections:
+        if not _is_sound(subject, action_connection) or not _to_ros(action_connection):
             continue
-        other = first.setdefault(each.element.message, each)
-        if other is not each:
+        other = first.setdefault(action_connection.element.message, action_connection)
+        if other is not action_connection:
             note = Note(other, f"'{other.name}' executes them")
-            message = f"lists of {each.element.message.name} are executed already"
-            yield Finding(each, message, "element", related=(note,))
+            message = f"lists of {action_connection.element.message.name} are executed already"
+            yield Finding(action_connection, message, "element", related=(note,))
             continue
-        messages = driver_messages(each.driver)
+        messages = driver_messages(action_connection.driver)
         if messages is None:
             continue
         kind = messages.execute if messages.is_single else bool(messages.spooler)
-        kinds.setdefault(kind, each)
+        kinds.setdefault(kind, action_connection)
         different = next((kinds[key] for key in kinds if key != kind), None)
         if different is not None:
             note = Note(different, f"'{different.name}' has the others")
             message = "a bridge executes lists, missions or one kind of waypoints"
-            yield Finding(each, message, "driver", related=(note,))
+            yield Finding(action_connection, message, "driver", related=(note,))
         if messages.is_single:
-            yield from _taken_twice(owner, each, messages)
+            yield from _taken_twice(owner, action_connection, messages)
 
 
 def _taken_twice(
     owner: bridge.Bridge, action: bridge.RosActionConnection, messages: DriverMessages
 ) -> Iterator[Finding]:
     """Yields the connections that take the waypoint of an action, or tell it, too."""
-    for each in owner.bridgeConnections:
-        message = each.map.message if each.map is not None else None
+    for bridge_connection in owner.bridgeConnections:
+        message = bridge_connection.map.message if bridge_connection.map is not None else None
         if message is None or message not in (messages.execute, messages.report):
             continue
-        if _to_ros(each) is (message is messages.execute):
+        if _to_ros(bridge_connection) is (message is messages.execute):
             note = Note(action, f"'{action.name}' executes the waypoint, and tells it")
-            text = f"'{each.name}' has {message.name}, which is of an action here"
-            yield Finding(each, text, "map", related=(note,))
+            text = f"'{bridge_connection.name}' has {message.name}, which is of an action here"
+            yield Finding(bridge_connection, text, "map", related=(note,))
 
 
-def _to_ros(each: bridge.RosActionConnection | bridge.Connection) -> bool:
-    return each.direction.name == "jausToRos"
+def _to_ros(connection: bridge.RosActionConnection | bridge.Connection) -> bool:
+    return connection.direction.name == "jausToRos"
 
 
 def _place(owner: ros.MessageType, path: str | None) -> RosPlace | PathFault | None:
     return RosPlace(type=owner).follow(path) if path else None
 
 
-def _holds(place: RosPlace, each: bridge.RosActionConnection) -> bool:
-    messages = driver_messages(each.driver)
+def _holds(place: RosPlace, connection: bridge.RosActionConnection) -> bool:
+    messages = driver_messages(connection.driver)
     is_single = messages is not None and messages.is_single
-    fits = is_single and not place.is_array and place.type is each.element.type
-    return fits or _is_sequence_of(place, each.element.type)
+    fits = is_single and not place.is_array and place.type is connection.element.type
+    return fits or _is_sequence_of(place, connection.element.type)
 
 
 def _is_sequence_of(place: RosPlace, element: ros.MessageType) -> bool:
@@ -308,7 +318,7 @@ def _is_sequence_of(place: RosPlace, element: ros.MessageType) -> bool:
 
 def _has_position(element: ros.MessageType) -> bool:
     paths = ("pose.position.x", "position.x")
-    return any(isinstance(_place(element, each), RosPlace) for each in paths)
+    return any(isinstance(_place(element, path), RosPlace) for path in paths)
 
 
 def _is_of(place: RosPlace, kinds: tuple[str, ...]) -> bool:
@@ -317,5 +327,5 @@ def _is_of(place: RosPlace, kinds: tuple[str, ...]) -> bool:
 
 
 def _provides(provider: Provider, driver: jaus.Service) -> bool:
-    urns = {str(each.urn) for each in services_of(provider)}
-    return any(str(each.urn) in urns for each in lineage(driver)[:1])
+    urns = {str(service.urn) for service in services_of(provider)}
+    return any(str(service.urn) in urns for service in lineage(driver)[:1])

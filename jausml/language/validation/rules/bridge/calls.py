@@ -47,11 +47,13 @@ _ENDS = (
 _CORE_CODES = frozenset(CORE_MESSAGES.values())
 
 
-def _is_sound(subject: Subject, each: bridge.RosServiceConnection) -> bool:
+def _is_sound(subject: Subject, connection: bridge.RosServiceConnection) -> bool:
     return (
-        each.eContainer() is not None
-        and subject.is_intact(each.type, *calls.messages(each))
-        and all(subject.is_intact(half.map.type, half.map.message) for half in calls.halves(each))
+        connection.eContainer() is not None
+        and subject.is_intact(connection.type, *calls.messages(connection))
+        and all(
+            subject.is_intact(half.map.type, half.map.message) for half in calls.halves(connection)
+        )
     )
 
 
@@ -63,7 +65,7 @@ def _fits(subject: Subject, connection: bridge.RosServiceConnection) -> bool:
     return all(half.map.type is parts[half.kind] for half in calls.halves(connection))
 
 
-_of_calls = partial(rule, each=bridge.RosServiceConnection, needs=_ENDS, given=_is_sound)
+_of_calls = partial(rule, kinds=bridge.RosServiceConnection, needs=_ENDS, given=_is_sound)
 
 
 @_of_calls("JML467", "map that does not fit the service", is_decision=True)
@@ -115,7 +117,7 @@ def something_asks(_: Subject, connection: bridge.RosServiceConnection) -> Itera
 @rule(
     "JML469",
     "no service for the messages of a call",
-    each=bridge.RosServiceConnection,
+    kinds=bridge.RosServiceConnection,
     needs=_ENDS,
     given=_fits,
 )
@@ -179,7 +181,7 @@ def peers_controllable(
 @rule(
     "JML472",
     "member that tells of no failure",
-    each=bridge.RosServiceConnection,
+    kinds=bridge.RosServiceConnection,
     needs=("name", "type", "successMember", "reasonMember"),
 )
 def members_tell(subject: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
@@ -205,7 +207,7 @@ def members_tell(subject: Subject, connection: bridge.RosServiceConnection) -> I
     "failures that cannot be told",
     severity=Severity.WARNING,
     is_decision=True,
-    each=bridge.RosServiceConnection,
+    kinds=bridge.RosServiceConnection,
     needs=("name", "type", "direction", "response", "successMember"),
 )
 def failures_told(subject: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
@@ -238,21 +240,23 @@ def _untaken_bools(subject: Subject, connection: bridge.RosServiceConnection) ->
     used = connection.response
     if used is not None and not subject.is_intact(used):
         return []
-    read = {path for each in (used.toJaus if used else ()) for path in source_paths(each)}
+    read = {
+        path for assignment in (used.toJaus if used else ()) for path in source_paths(assignment)
+    }
     return [
-        str(each.name)
-        for each in connection.type.response.fields
-        if isinstance(each, ros.PrimitiveField)
-        and each.type.name == "bool"
-        and each.arrayKind.name == "single"
-        and each.name not in read
+        str(field.name)
+        for field in connection.type.response.fields
+        if isinstance(field, ros.PrimitiveField)
+        and field.type.name == "bool"
+        and field.arrayKind.name == "single"
+        and field.name not in read
     ]
 
 
 @rule(
     "JML474",
     "timeout of calls out of range",
-    each=bridge.RosServiceConnection,
+    kinds=bridge.RosServiceConnection,
     needs=("name", "timeout"),
 )
 def timeouts(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
@@ -285,10 +289,14 @@ def served_once(subject: Subject) -> Iterator[Finding]:
         for owner in group:
             if not isinstance(owner, bridge.Bridge):
                 continue
-            for each in owner.serviceConnections:
-                if subject.is_read(each, ("name", "service", "direction")) and calls.serves(each):
-                    name = resolve_topic(each.service, owner.namespace or "", owner.name or "")
-                    served[name].append(each)
+            for service_connection in owner.serviceConnections:
+                if subject.is_read(
+                    service_connection, ("name", "service", "direction")
+                ) and calls.serves(service_connection):
+                    name = resolve_topic(
+                        service_connection.service, owner.namespace or "", owner.name or ""
+                    )
+                    served[name].append(service_connection)
         for name, connections in served.items():
             first, *others = connections
             for other in others:
@@ -300,7 +308,7 @@ def served_once(subject: Subject) -> Iterator[Finding]:
 @rule(
     "JML476",
     "illegal name of a ROS service",
-    each=bridge.RosServiceConnection,
+    kinds=bridge.RosServiceConnection,
     needs=("name", "service"),
 )
 def names(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Finding]:
@@ -326,13 +334,13 @@ def _asked(connection: bridge.RosServiceConnection) -> list[Provider]:
 
 def _provided(connection: bridge.RosServiceConnection, provider: Provider) -> Iterator[Finding]:
     asking = calls.asking(connection)
-    answers = [each for each in calls.messages(connection) if each is not asking]
+    answers = [message for message in calls.messages(connection) if message is not asking]
     if asking is not None and find_input(asking, provider) is None:
         feature = _feature(connection, asking)
         yield unprovided(connection, provider, asking, "takes", feature)
-    for each in answers:
-        if find_output(each, provider) is None:
-            yield unprovided(connection, provider, each, "sends", _feature(connection, each))
+    for answer in answers:
+        if find_output(answer, provider) is None:
+            yield unprovided(connection, provider, answer, "sends", _feature(connection, answer))
 
 
 def _feature(connection: bridge.RosServiceConnection, message: jaus.MessageDef) -> str:
@@ -356,7 +364,7 @@ def _member_fault(response: ros.MessageType, path: str, kind: str) -> PathFault 
     return PathFault(f"'{path}' of {ros_name(response)} is no {kind}")
 
 
-@rule("JML367", "query that nothing answers", severity=Severity.INFO, each=bridge.Bridge)
+@rule("JML367", "query that nothing answers", severity=Severity.INFO, kinds=bridge.Bridge)
 def answers_queries(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge answers the queries of the services that it provides.
 
@@ -375,7 +383,7 @@ def answers_queries(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]
     sent = sent_reports(owner) | set(_meant(owner))
     for service in owner.provides:
         if queries := unanswered(service, sent):
-            names = ", ".join(str(each.name) for each in queries)
+            names = ", ".join(str(query.name) for query in queries)
             message = f"no connection of '{owner.name}' answers {names} of {service.name}"
             hint = "add a connection to JAUS with the report, or answer in its code"
             yield Finding(owner, message, "provides", hint)
@@ -395,8 +403,8 @@ def _meant(owner: bridge.Bridge) -> Iterator[int]:
 
 def _is_read(subject: Subject, owner: bridge.Bridge) -> bool:
     """Whether all that the bridge may send is known."""
-    carried = [each.map for each in owner.bridgeConnections]
-    elements = [each.element for each in owner.actionConnections]
-    drivers = [each.driver for each in owner.actionConnections]
-    messages = [each.message for each in (*carried, *elements) if each is not None]
+    carried = [bridge_connection.map for bridge_connection in owner.bridgeConnections]
+    elements = [action_connection.element for action_connection in owner.actionConnections]
+    drivers = [action_connection.driver for action_connection in owner.actionConnections]
+    messages = [element.message for element in (*carried, *elements) if element is not None]
     return subject.is_intact(*carried, *elements, *drivers, *messages, *owner.serviceConnections)

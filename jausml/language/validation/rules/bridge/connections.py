@@ -45,7 +45,7 @@ def _is_owned(subject: Subject, connection: bridge.Connection) -> bool:
     return is_sound(subject, connection) and connection.eContainer() is not None
 
 
-_of_connections = partial(rule, each=bridge.Connection, needs=_ENDS, given=_is_owned)
+_of_connections = partial(rule, kinds=bridge.Connection, needs=_ENDS, given=_is_owned)
 
 
 @_of_connections("JML421", "map without assignments for the direction", is_decision=True)
@@ -88,7 +88,7 @@ def message_provided(subject: Subject, connection: bridge.Connection) -> Iterato
     Good: the same with a peer that provides PrimitiveDriver
     """
     owner, peers = connection.eContainer(), peers_of(connection)
-    if owner is not None and all(is_known(subject, each) for each in (owner, *peers)):
+    if owner is not None and all(is_known(subject, component) for component in (owner, *peers)):
         for finding in _service_findings(connection, owner, peers):
             hints = filter(None, (finding.hint, _other_ways(subject, connection)))
             yield replace(finding, hint=", or ".join(hints))
@@ -144,7 +144,7 @@ def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
 
 
 @rule(
-    "JML425", "rate of a bridge's connection out of range", each=bridge.Connection, needs=("name",)
+    "JML425", "rate of a bridge's connection out of range", kinds=bridge.Connection, needs=("name",)
 )
 def rate_range(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The rate of periodic events and queries is 0.02 to 1092 per second (AS5710).
@@ -210,12 +210,12 @@ def loops(subject: Subject) -> Iterator[Finding]:
     Good: two topics, pose and estimated_pose
     """
     for group in subject.systems():
-        bridges = (each for each in group if isinstance(each, bridge.Bridge))
+        bridges = (participant for participant in group if isinstance(participant, bridge.Bridge))
         flows = [flow for owner in bridges for flow in subject.once(_flows, owner)]
         for loop in find_loops(flows):
-            names = " -> ".join(f"{each.owner.name}/{each.connection.name}" for each in loop)
+            names = " -> ".join(f"{flow.owner.name}/{flow.connection.name}" for flow in loop)
             first = loop[0]
-            notes = tuple(Note(each.connection, f"'{each.connection.name}'") for each in loop[1:])
+            notes = tuple(Note(flow.connection, f"'{flow.connection.name}'") for flow in loop[1:])
             message = f"what '{first.connection.name}' carries comes back to it"
             yield Finding(first.connection, f"{message}: {names}", "topics", related=notes)
 
@@ -260,12 +260,16 @@ def _service_findings(
     if _to_ros(connection) and by_message:
         yield from _taken_findings(connection, owner, peers)
     elif by_message:
-        without = [each for each in peers if find_input(message, each) is None]
-        yield from (unprovided(connection, each, message, "takes", "map") for each in without)
+        without = [peer for peer in peers if find_input(message, peer) is None]
+        yield from (
+            unprovided(connection, component, message, "takes", "map") for component in without
+        )
     else:
         senders: list[Provider] = peers if _to_ros(connection) else [owner]
-        without = [each for each in senders if find_output(message, each) is None]
-        yield from (unprovided(connection, each, message, "sends", "map") for each in without)
+        without = [sender for sender in senders if find_output(message, sender) is None]
+        yield from (
+            unprovided(connection, component, message, "sends", "map") for component in without
+        )
 
 
 def _taken_findings(
@@ -280,5 +284,5 @@ def _taken_findings(
         if find_output(message, peer) is None:
             text = f"neither '{owner.name}' provides a service that takes {message.name}"
             text += f" nor {provider_name(peer)} one that sends it"
-            notes = tuple(Note(each, provider_name(each)) for each in (owner, peer))
+            notes = tuple(Note(component, provider_name(component)) for component in (owner, peer))
             yield Finding(connection, text, "map", related=notes)

@@ -57,7 +57,7 @@ _OWN_FEATURES = {
 }
 
 
-@rule("JML414", "conversion used wrongly", each=bridge.Conversion)
+@rule("JML414", "conversion used wrongly", kinds=bridge.Conversion)
 def conversions(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     """A conversion has the arguments, the inputs and the features that it needs.
 
@@ -81,7 +81,7 @@ def _conversions_d_i_r_e_c_t_e_d(subject: Subject, directed: Directed) -> Iterat
             yield from _chain_findings(placed)
 
 
-@rule("JML441", "expression that cannot be computed", each=DIRECTED)
+@rule("JML441", "expression that cannot be computed", kinds=DIRECTED)
 def expressions(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """An expression is well-formed and uses known names: sources, functions, pi.
 
@@ -162,7 +162,7 @@ def _map_of(element: EObject) -> bridge.AttributeMap | None:
 
 def _argument_findings(conversion: bridge.Conversion) -> Iterator[Finding]:
     name = conversion.kind.name
-    wanted = [each.name for each in conversion_of(conversion).numbers]
+    wanted = [number.name for number in conversion_of(conversion).numbers]
     values = list(conversion.arguments)
     takes = f"takes {' and '.join(wanted)}" if wanted else "takes no arguments"
     if conversion.quantity is not None:
@@ -191,7 +191,10 @@ def _chain_findings(placed: Placed[WithChain]) -> Iterator[Finding]:
     assignment = placed.assignment
     found = placed.source_attributes
     is_list = isinstance(assignment, bridge.ListAssignment)
-    unknown = any(not each.kind or (each.kind in (LIST, NUMBERS) and not is_list) for each in found)
+    unknown = any(
+        not attribute.kind or (attribute.kind in (LIST, NUMBERS) and not is_list)
+        for attribute in found
+    )
     if not found or unknown:
         return
     if len(assignment.conversions) > MOST_CONVERSIONS:
@@ -203,7 +206,7 @@ def _chain_findings(placed: Placed[WithChain]) -> Iterator[Finding]:
             message = f"{len(found)} sources without a conversion that takes them"
             yield Finding(assignment, message, "source")
         return
-    kinds = chain_kinds(assignment.conversions, [each.kind for each in found])
+    kinds = chain_kinds(assignment.conversions, [attribute.kind for attribute in found])
     if isinstance(kinds, ChainFault):
         yield Finding(kinds.conversion, kinds.message, "kind")
     elif is_list and kinds not in ([NUMBERS], ["any"]):
@@ -220,7 +223,9 @@ def _expression_findings(
         yield Finding(conversion, f"expression: {error}", "expression")
         return
     known = expression_names(placed, position)
-    unknown = next((each for each in occurrences(expression) if each.name not in known), None)
+    unknown = next(
+        (occurrence for occurrence in occurrences(expression) if occurrence.name not in known), None
+    )
     if unknown is not None:
         yield Finding(
             conversion,
@@ -237,12 +242,14 @@ def _at(variable: Variable) -> str:
 def _nearest(name: str, known: Iterable[str]) -> str:
     near = get_close_matches(name, known, n=1)
     short = [
-        each for each in known if each and "." not in each and not re.fullmatch("value[0-9]+", each)
+        candidate
+        for candidate in known
+        if candidate and "." not in candidate and not re.fullmatch("value[0-9]+", candidate)
     ]
     return f"did you mean '{near[0]}'?" if near else f"there is {', '.join(short)}"
 
 
-@rule("JML431", "units do not match", each=DIRECTED)
+@rule("JML431", "units do not match", kinds=DIRECTED)
 def unit_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The result of an assignment measures the same quantity as its target.
 
@@ -266,7 +273,7 @@ def unit_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
     "JML432",
     "unknown unit",
     severity=Severity.WARNING,
-    each=(jaus.FixedField, jaus.Alternative, ros.Field, bridge.Quantity, bridge.Conversion),
+    kinds=(jaus.FixedField, jaus.Alternative, ros.Field, bridge.Quantity, bridge.Conversion),
     needs=(),
 )
 def unknown_unit(_: Subject, element: WithUnits) -> Iterator[Finding]:
@@ -289,7 +296,7 @@ def unknown_unit(_: Subject, element: WithUnits) -> Iterator[Finding]:
         yield Finding(element, f"unit {text!a}: {error}", "units", hint)
 
 
-@rule("JML445", "quantity used wrongly", each=bridge.Conversion)
+@rule("JML445", "quantity used wrongly", kinds=bridge.Conversion)
 def quantities(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     """A quantity of a bridge gives a value to one of the quantities of its maps.
 
@@ -318,11 +325,18 @@ def _quantities_bridge(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 
 
 def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:
-    referred: list[bridge.AttributeMap | None] = [each.map for each in owner.bridgeConnections]
+    referred: list[bridge.AttributeMap | None] = [
+        bridge_connection.map for bridge_connection in owner.bridgeConnections
+    ]
     for call in owner.serviceConnections:
         referred += [call.request, call.response]
-    maps = [*owner.maps, *(each for each in referred if each is not None)]
-    return {quantity.name: quantity for each in maps for quantity in each.quantities}
+    maps = [
+        *owner.maps,
+        *(attribute_map for attribute_map in referred if attribute_map is not None),
+    ]
+    return {
+        quantity.name: quantity for attribute_map in maps for quantity in attribute_map.quantities
+    }
 
 
 def _override_findings(

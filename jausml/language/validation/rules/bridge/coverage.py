@@ -27,7 +27,7 @@ Steps = tuple[str, ...]
 _STOPS = {"safeValue": "safe value", "values": "stop"}
 
 
-@rule("JML415", "target assigned twice", each=DIRECTED)
+@rule("JML415", "target assigned twice", kinds=DIRECTED)
 def targets_unique(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """An attribute is the target of one assignment of a direction.
 
@@ -51,7 +51,7 @@ def targets_unique(subject: Subject, directed: Directed) -> Iterator[Finding]:
     "required JAUS field not assigned",
     severity=Severity.WARNING,
     is_decision=True,
-    each=DIRECTED,
+    kinds=DIRECTED,
 )
 def required_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Each member of a JAUS message that is not optional is assigned, or ignored on purpose.
@@ -69,7 +69,7 @@ def required_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
             continue
         for siblings in _siblings(direction):
             scope = siblings[0].scope
-            paths = [parse_path(path) for each in siblings for path, _ in each.targets]
+            paths = [parse_path(path) for sibling in siblings for path, _ in sibling.targets]
             owner = siblings[0].assignment.eContainer()
             place = scope.target
             if owner is direction.owner and owner is not direction.map:
@@ -81,23 +81,23 @@ def required_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
 def _filled_by_map(direction: Direction) -> list[Steps]:
     """What the map fills in a stop or safe value with constants and the clock."""
     constants = with_constants(direction.map, (), to_ros=False)
-    return [parse_path(path) for each in constants for path in target_paths(each)]
+    return [parse_path(path) for constant in constants for path in target_paths(constant)]
 
 
 def _siblings(direction: Direction) -> list[list[Placed[bridge.Assignment]]]:
     """The assignments of one owner each, in order."""
     found: dict[EObject | None, list[Placed[bridge.Assignment]]] = {}
-    for each in direction.assignments:
-        found.setdefault(each.assignment.eContainer(), []).append(each)
+    for assignment in direction.assignments:
+        found.setdefault(assignment.assignment.eContainer(), []).append(assignment)
     return list(found.values())
 
 
 def _repeated(siblings: Sequence[Placed[bridge.Assignment]]) -> Iterator[Finding]:
-    order = {id(each.assignment): number for number, each in enumerate(siblings)}
+    order = {id(sibling.assignment): number for number, sibling in enumerate(siblings)}
     assigned: dict[Steps, bridge.Assignment] = {}
     around: dict[Steps, bridge.Assignment] = {}  # the first assignment to a part of a path
-    for each in siblings:
-        for text, _ in each.targets:
+    for sibling in siblings:
+        for text, _ in sibling.targets:
             if not text:
                 continue  # which leads nowhere
             path = parse_path(text)
@@ -108,26 +108,26 @@ def _repeated(siblings: Sequence[Placed[bridge.Assignment]]) -> Iterator[Finding
                 first = min(firsts, key=lambda other: order[id(other)])
                 note = Note(first, f"'{first.target}'", "target")
                 message = f"'{text}' is assigned already"
-                yield Finding(each.assignment, message, "target", related=(note,))
-            assigned.setdefault(path, each.assignment)
+                yield Finding(sibling.assignment, message, "target", related=(note,))
+            assigned.setdefault(path, sibling.assignment)
             for whole in wholes[:-1]:
-                around.setdefault(whole, each.assignment)
+                around.setdefault(whole, sibling.assignment)
 
 
 def _chosen_twice(siblings: Iterable[Placed[bridge.Assignment]]) -> Iterator[Finding]:
     chosen: dict[str, tuple[str, bridge.Assignment]] = {}
     reported: set[tuple[str, str]] = set()
-    for each in siblings:
-        if isinstance(each.assignment, bridge.Ignore):
+    for sibling in siblings:
+        if isinstance(sibling.assignment, bridge.Ignore):
             continue
-        for path in target_paths(each.assignment):
-            for where, choice in _choices(each.scope.target, path):
-                option, first = chosen.setdefault(where, (choice, each.assignment))
+        for path in target_paths(sibling.assignment):
+            for where, choice in _choices(sibling.scope.target, path):
+                option, first = chosen.setdefault(where, (choice, sibling.assignment))
                 if option != choice and (where, choice) not in reported:
                     reported.add((where, choice))
                     message = f"'{path}' selects {choice}, but {option} is selected already"
                     note = Note(first, f"'{first.target}'", "target")
-                    yield Finding(each.assignment, message, "target", related=(note,))
+                    yield Finding(sibling.assignment, message, "target", related=(note,))
 
 
 def _choices(place: PathPlace, path: str) -> Iterator[tuple[str, str]]:

@@ -57,7 +57,7 @@ PARAMETERS = frozenset(
 @rule(
     "JML466",
     "bridge that carries nothing",
-    each=bridge.Bridge,
+    kinds=bridge.Bridge,
     needs=("name", "bridgeConnections", "serviceConnections", "actionConnections"),
 )
 def something_carried(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
@@ -74,7 +74,7 @@ def something_carried(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
         yield Finding(owner, message, "bridgeConnections", "give it a connection")
 
 
-@rule("JML419", "topic published to in two ways", severity=Severity.WARNING, each=bridge.Bridge)
+@rule("JML419", "topic published to in two ways", severity=Severity.WARNING, kinds=bridge.Bridge)
 def one_quality(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """The connections of a bridge that publish to one topic state one quality of service.
 
@@ -102,7 +102,7 @@ def _quality(end: Endpoint) -> tuple[object, ...]:
     return (end.reliability, *policies(end.element.qos).values())
 
 
-@rule("JML420", "quantity with the name of another parameter", each=bridge.Quantity, needs=())
+@rule("JML420", "quantity with the name of another parameter", kinds=bridge.Quantity, needs=())
 def parameter_names(_: Subject, quantity: bridge.Quantity) -> Iterator[Finding]:
     """A quantity is a parameter of the node of its bridge, which has others already.
 
@@ -115,7 +115,7 @@ def parameter_names(_: Subject, quantity: bridge.Quantity) -> Iterator[Finding]:
         yield Finding(quantity, message, "name", "choose another name")
 
 
-@rule("JML477", "allowed host that is none", each=bridge.Bridge, needs=("name", "allowedHosts"))
+@rule("JML477", "allowed host that is none", kinds=bridge.Bridge, needs=("name", "allowedHosts"))
 def allowed_hosts(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """An allowed host is an IPv4 address, or a network of such addresses.
 
@@ -146,7 +146,7 @@ def _fault(text: str) -> str:
     return f"is an address within the network {meant}, not the network"
 
 
-@rule("JML478", "sources that nobody looks at", severity=Severity.WARNING, each=system.System)
+@rule("JML478", "sources that nobody looks at", severity=Severity.WARNING, kinds=system.System)
 def sources_known(_: Subject, whole: system.System) -> Iterator[Finding]:
     """A bridge that says where messages may come from speaks JAUS over UDP or TCP itself.
 
@@ -171,7 +171,7 @@ def sources_known(_: Subject, whole: system.System) -> Iterator[Finding]:
     "JML479",
     "command of anybody in control",
     severity=Severity.INFO,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     needs=("name", "direction", "exchange", "map", "peers", "search", "documentation"),
 )
 def commanders_known(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
@@ -205,10 +205,10 @@ def commanders_known(_: Subject, connection: bridge.Connection) -> Iterator[Find
 @rule(
     "JML480",
     "cap of what one source sends",
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     needs=("name", "direction", "exchange", "rateCap"),
 )
-def rate_caps(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
+def rate_caps(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A rateCap is 0 or at least 0.001 Hz, and is for unrequested messages.
 
     The rate of the event or of the query determines how many reports come; for messages from ROS,
@@ -218,14 +218,14 @@ def rate_caps(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
 
     Good: `direction="jausToRos" exchange="message" rateCap="100"`
     """
-    if each.rateCap == 0:
+    if connection.rateCap == 0:
         return
-    if not (math.isfinite(each.rateCap) and each.rateCap >= LEAST_PACE):
-        message = f"rateCap {each.rateCap:g} of '{each.name}' is neither 0 nor"
-        yield Finding(each, f"{message} {LEAST_PACE:g} or more", "rateCap")
-    if (each.direction.name, each.exchange.name) != ("jausToRos", "message"):
-        message = f"'{each.name}' takes nothing unasked that a rateCap could be for"
-        yield Finding(each, message, "rateCap", "state a maxRate")
+    if not (math.isfinite(connection.rateCap) and connection.rateCap >= LEAST_PACE):
+        message = f"rateCap {connection.rateCap:g} of '{connection.name}' is neither 0 nor"
+        yield Finding(connection, f"{message} {LEAST_PACE:g} or more", "rateCap")
+    if (connection.direction.name, connection.exchange.name) != ("jausToRos", "message"):
+        message = f"'{connection.name}' takes nothing unasked that a rateCap could be for"
+        yield Finding(connection, message, "rateCap", "state a maxRate")
 
 
 _BUDGETS: dict[str, tuple[float, float]] = {
@@ -242,7 +242,7 @@ _NO_LIMIT = ("amplificationLimit", "idleTimeout")
 """Budgets for which 0 means that there is none."""
 
 
-@rule("JML489", "budget out of range", each=bridge.Bridge, needs=("name",))
+@rule("JML489", "budget out of range", kinds=bridge.Bridge, needs=("name",))
 def budgets(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """What a bridge lends to strangers leaves room for those that it is for.
 

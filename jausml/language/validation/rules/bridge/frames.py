@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 _OPPOSITE = "have opposite signs"
 
 
-@rule("JML433", "axes do not match", each=DIRECTED)
+@rule("JML433", "axes do not match", kinds=DIRECTED)
 def frame_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A number goes from axis to axis with the sign that the frames of both ends require.
 
@@ -80,14 +80,14 @@ def _inconsistent(
 def _turns_local_axes(placed: Placed[bridge.FieldAssignment]) -> bool | None:
     """Whether x and y of two local frames change places; None where nothing tells."""
     passage = frames.passage(steps_of(placed), placed.source_attributes)
-    targets = [frames.axis_of(each) for each in placed.target_attributes]
+    targets = [frames.axis_of(target_attribute) for target_attribute in placed.target_attributes]
     if passage is None or not targets or not passage.sources:
         return None
     source, target = passage.sources[0], targets[0]
     if source is None or target is None or {source.frame, target.frame} != {UP, DOWN}:
         return None
     if passage.conversion is not None:
-        return EARTH in {FAMILIES[each] for each in passage.conversion.frames}
+        return EARTH in {FAMILIES[frame] for frame in passage.conversion.frames}
     if source.is_angle or "z" in (source.name, target.name):
         return None
     return source.name != target.name
@@ -99,7 +99,7 @@ def _finding(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
     passage = frames.passage(steps_of(placed), placed.source_attributes)
     if passage is None or passage.sign is None:
         return None
-    targets = [frames.axis_of(each) for each in placed.target_attributes]
+    targets = [frames.axis_of(target_attribute) for target_attribute in placed.target_attributes]
     if passage.conversion is not None:
         return _converted(placed, passage, passage.conversion, targets)
     source, target = passage.sources[0], targets[0]
@@ -113,7 +113,9 @@ def _finding(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
 def _makes_another_quantity(placed: Placed[bridge.FieldAssignment]) -> bool:
     """Whether a factor makes one kind of quantity of another, such as speed of a turning rate."""
     ends = placed.source_attributes[0], placed.target_attributes[0]
-    dimensions = {each.unit.dimension for each in map(attribute_measure, ends) if each is not None}
+    dimensions = {
+        measure.unit.dimension for measure in map(attribute_measure, ends) if measure is not None
+    }
     return len(dimensions - {()}) > 1
 
 
@@ -177,7 +179,9 @@ def _converted(
             if problem:
                 message = f"{name} is for {taken} and {given}, but {problem}"
                 element = next(
-                    each for each in placed.assignment.conversions if each.kind.name == name
+                    candidate
+                    for candidate in placed.assignment.conversions
+                    if candidate.kind.name == name
                 )
                 return Finding(element, message, "kind", _other(conversion, source, target))
     return None
@@ -214,7 +218,7 @@ def _ends_problem(source: Axis | None, target: Axis | None, taken: str, given: s
 
 
 def _other(conversion: Conversion, source: Axis | None, target: Axis | None) -> str:
-    is_of_earth = EARTH in {FAMILIES[each.frame] for each in (source, target) if each is not None}
+    is_of_earth = EARTH in {FAMILIES[axis.frame] for axis in (source, target) if axis is not None}
     other = frames.of_other_frames(conversion)
     if other is None or is_of_earth != (FAMILIES[other.frames[0]] == EARTH):
         return ""
@@ -224,7 +228,7 @@ def _other(conversion: Conversion, source: Axis | None, target: Axis | None) -> 
 def _mismatch(
     placed: Placed[bridge.FieldAssignment], source: Axis, target: Axis, problem: str, hint: str
 ) -> Finding:
-    left, right = (_described(each) for each in (source, target))
+    left, right = (_described(axis) for axis in (source, target))
     message = f"'{placed.sources[0][0]}' ({left}) and '{placed.targets[0][0]}' ({right}) {problem}"
     return Finding(placed.assignment, message, "target", hint)
 
@@ -235,7 +239,7 @@ def _described(axis: Axis) -> str:
 
 
 def _negation(placed: Placed[bridge.FieldAssignment]) -> str:
-    names = [each.kind.name for each in placed.assignment.conversions]
+    names = [conversion.kind.name for conversion in placed.assignment.conversions]
     return (
         f"leave out {Negate.name}" if Negate.name in names else f"add the conversion {Negate.name}"
     )
@@ -248,7 +252,7 @@ def _exchange(source: Axis) -> str:
     return ""
 
 
-@rule("JML458", "coordinates exchanged", each=DIRECTED)
+@rule("JML458", "coordinates exchanged", kinds=DIRECTED)
 def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A latitude stays a latitude, a longitude a longitude, and an altitude points up.
 
@@ -284,7 +288,9 @@ def _exchanged(
             down = "down" if IS_DOWN[axis.frame] else "up"
             names = f"'{from_ if given else to}'", f"'{to if given else from_}'"
             message = f"{names[0]} points up, and {names[1]} points {down}"
-            done = any(each.kind.name == Negate.name for each in placed.assignment.conversions)
+            done = any(
+                conversion.kind.name == Negate.name for conversion in placed.assignment.conversions
+            )
             hint = f"leave out {Negate.name}" if done else f"add the conversion {Negate.name}"
             yield Finding(placed.assignment, message, "target", hint)
 
@@ -293,7 +299,7 @@ _HEADER = "std_msgs/Header"
 _PARTS = ("stamp", "frame_id")
 
 
-@rule("JML460", "header without time or frame", severity=Severity.WARNING, each=DIRECTED)
+@rule("JML460", "header without time or frame", severity=Severity.WARNING, kinds=DIRECTED)
 def headers_filled(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ROS message with a header gets its stamp and its frame_id, or leaves them out on purpose.
 
@@ -310,10 +316,12 @@ def headers_filled(subject: Subject, directed: Directed) -> Iterator[Finding]:
             continue
         if not owner.toRos or not subject.is_intact(owner, *owner.toRos):
             continue
-        header = next((each for each in direction.map.type.fields if _is_header(each)), None)
+        header = next((field for field in direction.map.type.fields if _is_header(field)), None)
         if header is None:
             continue
-        assigned = {parse_path(path) for each in owner.toRos for path in target_paths(each)}
+        assigned = {
+            parse_path(path) for assignment in owner.toRos for path in target_paths(assignment)
+        }
         names = [
             f"{header.name}.{part}"
             for part in _PARTS
@@ -325,7 +333,7 @@ def headers_filled(subject: Subject, directed: Directed) -> Iterator[Finding]:
             yield Finding(owner, message, "toRos", "assign it, or add an Ignore")
 
 
-@rule("JML461", "frame id with a slash in front", each=DIRECTED)
+@rule("JML461", "frame id with a slash in front", kinds=DIRECTED)
 def frame_ids(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The id of a frame does not begin with a slash, because tf2 refuses such ids.
 

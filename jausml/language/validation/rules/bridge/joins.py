@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML442", "join used wrongly", each=bridge.AttributeMap)
-def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
+@rule("JML442", "join used wrongly", kinds=bridge.AttributeMap)
+def joins(_: Subject, attribute_map: bridge.AttributeMap) -> Iterator[Finding]:
     """A join has a unique name, a time after which it is stale, and a topic that feeds it.
 
     Source paths begin with the name of the join, so it differs from the fields of the main type. A
@@ -39,9 +39,13 @@ def joins(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
 
     Good: `<topics name="fix"/><topics name="imu/data" join="imu"/>`
     """
-    fields = {field.name for field in each.type.fields} if each.type is not None else set()
-    used = used_joins(each.toJaus)
-    for join in each.joins:
+    fields = (
+        {field.name for field in attribute_map.type.fields}
+        if attribute_map.type is not None
+        else set()
+    )
+    used = used_joins(attribute_map.toJaus)
+    for join in attribute_map.joins:
         yield from join_findings(join, "join", "type", fields, used)
 
 
@@ -101,10 +105,10 @@ def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
 def used_joins(assignments: Iterable[bridge.Assignment]) -> set[str]:
     """Returns what source paths begin with, those in lists included: joins and fields."""
     found: set[str] = set()
-    for each in assignments:
-        found |= {path.lstrip("/").partition(".")[0] for path in source_paths(each)}
-        if isinstance(each, bridge.ListAssignment):
-            found |= used_joins(each.assignments)
+    for assignment in assignments:
+        found |= {path.lstrip("/").partition(".")[0] for path in source_paths(assignment)}
+        if isinstance(assignment, bridge.ListAssignment):
+            found |= used_joins(assignment.assignments)
     return found
 
 
@@ -113,7 +117,7 @@ def used_joins(assignments: Iterable[bridge.Assignment]) -> set[str]:
     "report that outlives its sensor",
     severity=Severity.WARNING,
     is_decision=True,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
 )
 def outlived_sensors(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A report that is made from a ROS topic states the time after which the topic counts as dead.
@@ -137,8 +141,8 @@ def outlived_sensors(subject: Subject, connection: bridge.Connection) -> Iterato
         yield Finding(connection, message, "freshness", hint)
 
 
-@rule("JML456", "freshness used wrongly", each=bridge.AttributeMap, needs=("name",))
-def freshness_range(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
+@rule("JML456", "freshness used wrongly", kinds=bridge.AttributeMap, needs=("name",))
+def freshness_range(_: Subject, attribute_map: bridge.AttributeMap) -> Iterator[Finding]:
     """A freshness is a time in seconds, in a connection that makes a report from ROS topics.
 
     Other connections pass each message on when it comes; silenceTimeout says what happens when
@@ -148,7 +152,7 @@ def freshness_range(_: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
 
     Good: `direction="rosToJaus" exchange="periodicEvent" freshness="1.0"`
     """
-    yield from time_findings(each, "freshness")
+    yield from time_findings(attribute_map, "freshness")
 
 
 @freshness_range.also(bridge.Connection)
@@ -162,53 +166,53 @@ def _freshness_range_connection(_: Subject, connection: bridge.Connection) -> It
         yield Finding(connection, message, "freshness", "keep one of them")
 
 
-@rule("JML490", "shaping out of range", each=bridge.Connection, needs=("name",))
-def shaping_range(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
+@rule("JML490", "shaping out of range", kinds=bridge.Connection, needs=("name",))
+def shaping_range(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A maxRate is 0 or at least 0.001 Hz, a decimation 1 to 1000000, an ageLimit 0 to 3600 s.
 
     Bad: `decimation="0"`
 
     Good: `decimation="5"`
     """
-    rate, seconds = each.maxRate, each.ageLimit
+    rate, seconds = connection.maxRate, connection.ageLimit
     if rate != 0 and not (math.isfinite(rate) and rate >= LEAST_PACE):
-        message = f"maxRate {rate:g} of '{each.name}' is neither 0 nor {LEAST_PACE:g} or more"
-        yield Finding(each, message, "maxRate")
-    if not 1 <= each.decimation <= GREATEST_DECIMATION:
-        message = f"decimation {each.decimation} of '{each.name}' is not 1 to"
-        yield Finding(each, f"{message} {GREATEST_DECIMATION}", "decimation")
+        message = f"maxRate {rate:g} of '{connection.name}' is neither 0 nor {LEAST_PACE:g} or more"
+        yield Finding(connection, message, "maxRate")
+    if not 1 <= connection.decimation <= GREATEST_DECIMATION:
+        message = f"decimation {connection.decimation} of '{connection.name}' is not 1 to"
+        yield Finding(connection, f"{message} {GREATEST_DECIMATION}", "decimation")
     if not 0 <= seconds <= LONGEST_TIME:
-        message = f"ageLimit {seconds:g} of '{each.name}' is not 0 to {LONGEST_TIME:g} s"
-        yield Finding(each, message, "ageLimit")
+        message = f"ageLimit {seconds:g} of '{connection.name}' is not 0 to {LONGEST_TIME:g} s"
+        yield Finding(connection, message, "ageLimit")
 
 
-@rule("JML491", "shaping of what is asked for", each=bridge.Connection, given=is_sound)
-def queries_unshaped(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
+@rule("JML491", "shaping of what is asked for", kinds=bridge.Connection, given=is_sound)
+def queries_unshaped(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that uses queries determines with its rate how many messages come.
 
     Bad: `direction="jausToRos" exchange="query" rate="10" maxRate="5"`
 
     Good: the same with `rate="5"` alone
     """
-    if each.exchange.name != "query" or each.direction.name != "jausToRos":
+    if connection.exchange.name != "query" or connection.direction.name != "jausToRos":
         return
     for feature, is_said in (
-        ("maxRate", each.maxRate != 0),
-        ("decimation", each.decimation != 1),
+        ("maxRate", connection.maxRate != 0),
+        ("decimation", connection.decimation != 1),
     ):
         if is_said:
-            message = f"'{each.name}' asks as often as its rate says"
-            yield Finding(each, message, feature, f"leave {feature} out, and state the rate")
+            message = f"'{connection.name}' asks as often as its rate says"
+            yield Finding(connection, message, feature, f"leave {feature} out, and state the rate")
 
 
 @rule(
     "JML492",
     "maxRate that changes nothing",
     severity=Severity.WARNING,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     given=is_sound,
 )
-def rates_reached(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
+def rates_reached(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A maxRate is below the rate at which messages of a periodic event come.
 
     That is the rate of the connection, or the frequency of the bridge, of each of its peers, and
@@ -218,25 +222,29 @@ def rates_reached(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
 
     Good: `exchange="periodicEvent" rate="10"`
     """
-    owner = each.eContainer()
-    if each.exchange.name != "periodicEvent" or each.direction.name != "jausToRos":
+    owner = connection.eContainer()
+    if connection.exchange.name != "periodicEvent" or connection.direction.name != "jausToRos":
         return
-    if not 0 < each.maxRate < math.inf or each.search is not None or owner is None:
+    if not 0 < connection.maxRate < math.inf or connection.search is not None or owner is None:
         return
-    rate = (each.rate or owner.frequency) * max(len(each.peers), 1) / max(each.decimation, 1)
-    if each.maxRate >= rate:
-        message = f"no more than {rate:g} messages of '{each.name}' come each second"
-        yield Finding(each, message, "maxRate", "leave maxRate out")
+    rate = (
+        (connection.rate or owner.frequency)
+        * max(len(connection.peers), 1)
+        / max(connection.decimation, 1)
+    )
+    if connection.maxRate >= rate:
+        message = f"no more than {rate:g} messages of '{connection.name}' come each second"
+        yield Finding(connection, message, "maxRate", "leave maxRate out")
 
 
 @rule(
     "JML493",
     "shaping that loses the last word",
     severity=Severity.WARNING,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     given=is_sound,
 )
-def last_words_kept(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
+def last_words_kept(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A message that stays valid until the next one always passes.
 
     A decimation passes one of several messages, and the last one of a command, of a change or of a
@@ -247,19 +255,23 @@ def last_words_kept(_: Subject, each: bridge.Connection) -> Iterator[Finding]:
 
     Good: the same with `maxRate="5"`
     """
-    changes = each.exchange.name == "everyChangeEvent" and each.direction.name == "jausToRos"
-    is_command = stops.is_command(each)
-    is_state = changes or (is_report(each) and holds_state(each)) or _is_latched(each)
-    if each.decimation > 1 and (is_command or is_state):
-        message = f"the decimation of '{each.name}' may leave its last message out"
-        yield Finding(each, message, "decimation", "state a maxRate")
-    if each.ageLimit > 0 and is_state and not is_command:
-        message = f"'{each.name}' holds a state, whose age does not make it wrong"
-        yield Finding(each, message, "ageLimit", "leave ageLimit out")
+    changes = (
+        connection.exchange.name == "everyChangeEvent" and connection.direction.name == "jausToRos"
+    )
+    is_command = stops.is_command(connection)
+    is_state = (
+        changes or (is_report(connection) and holds_state(connection)) or _is_latched(connection)
+    )
+    if connection.decimation > 1 and (is_command or is_state):
+        message = f"the decimation of '{connection.name}' may leave its last message out"
+        yield Finding(connection, message, "decimation", "state a maxRate")
+    if connection.ageLimit > 0 and is_state and not is_command:
+        message = f"'{connection.name}' holds a state, whose age does not make it wrong"
+        yield Finding(connection, message, "ageLimit", "leave ageLimit out")
 
 
 def _is_latched(connection: bridge.Connection) -> bool:
     return connection.direction.name == "rosToJaus" and any(
-        each.join is None and each.qos is not None and each.qos.durability.name != "volatile"
-        for each in connection.topics
+        topic.join is None and topic.qos is not None and topic.qos.durability.name != "volatile"
+        for topic in connection.topics
     )

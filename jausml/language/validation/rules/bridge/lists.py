@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
 
 
-@rule("JML447", "list used wrongly", each=DIRECTED)
+@rule("JML447", "list used wrongly", kinds=DIRECTED)
 def lists(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A ListAssignment goes from a list or array to another.
 
@@ -48,7 +48,7 @@ def lists(subject: Subject, directed: Directed) -> Iterator[Finding]:
         yield from _gaps(direction)
 
 
-@rule("JML443", "message in a message used wrongly", each=DIRECTED)
+@rule("JML443", "message in a message used wrongly", kinds=DIRECTED)
 def nested_messages(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A MessageAssignment leads between a field with a JAUS message and a ROS message of its map.
 
@@ -69,8 +69,8 @@ def nested_messages(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
 def _end_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
-    paths = [("target", *each) for each in placed.targets]
-    paths += [("source", *each) for each in placed.sources[:1]]
+    paths = [("target", *target) for target in placed.targets]
+    paths += [("source", *source) for source in placed.sources[:1]]
     for feature, path, found in paths:
         find = placed.scope.find_target if feature == "target" else placed.scope.find_source
         if isinstance(found, Attribute) and not is_many(find(path)):
@@ -79,7 +79,7 @@ def _end_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
     if len(placed.targets) > 1:
         yield Finding(assignment, "a ListAssignment has one target", "target")
     ends = [*placed.target_attributes, *placed.source_attributes[:1]]
-    counts = {each.count for each in ends if each.kind == LIST and each.count is not None}
+    counts = {end.count for end in ends if end.kind == LIST and end.count is not None}
     if len(ends) == 2 and len(counts) == 2:
         message = f"'{assignment.source}' and '{assignment.target}' have different sizes"
         yield Finding(assignment, message, "target")
@@ -181,12 +181,12 @@ def _leads_to(start: bridge.AttributeMap, end: bridge.AttributeMap, feature: str
     seen: set[bridge.AttributeMap] = set()
     pending = [start]
     while pending:
-        each = pending.pop()
-        if each is end:
+        attribute_map = pending.pop()
+        if attribute_map is end:
             return True
-        if each not in seen:
-            seen.add(each)
-            pending += _maps_in(_assignments(each, feature))
+        if attribute_map not in seen:
+            seen.add(attribute_map)
+            pending += _maps_in(_assignments(attribute_map, feature))
     return False
 
 
@@ -195,8 +195,8 @@ def _assignments(attribute_map: bridge.AttributeMap, feature: str) -> Sequence[b
 
 
 def _maps_in(assignments: Sequence[bridge.Assignment]) -> Iterator[bridge.AttributeMap]:
-    for each in assignments:
-        if isinstance(each, bridge.MessageAssignment) and each.map is not None:
-            yield each.map
-        if isinstance(each, bridge.ListAssignment):
-            yield from _maps_in(each.assignments)
+    for assignment in assignments:
+        if isinstance(assignment, bridge.MessageAssignment) and assignment.map is not None:
+            yield assignment.map
+        if isinstance(assignment, bridge.ListAssignment):
+            yield from _maps_in(assignment.assignments)

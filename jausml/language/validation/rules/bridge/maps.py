@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 _MANY = (LIST, NUMBERS)
 
 
-@rule("JML411", "no such attribute", each=DIRECTED)
+@rule("JML411", "no such attribute", kinds=DIRECTED)
 def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The paths of an assignment lead to attributes of the JAUS message and of the ROS type.
 
@@ -68,7 +68,7 @@ def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
                     yield Finding(placed.assignment, message, "source", found.hint)
 
 
-@rule("JML412", "value does not fit the target", each=DIRECTED)
+@rule("JML412", "value does not fit the target", kinds=DIRECTED)
 def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The result of an assignment has the kind that its target accepts.
 
@@ -108,7 +108,7 @@ def _time_findings(placed: Placed[bridge.Assignment], feature: str) -> Iterator[
             yield Finding(placed.assignment, message, feature)
 
 
-@rule("JML413", "constant does not fit the target", each=DIRECTED)
+@rule("JML413", "constant does not fit the target", kinds=DIRECTED)
 def constants(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A constant is a value of its target: a number in its range, true or false, or text.
 
@@ -187,8 +187,8 @@ def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
         arrow = f"'{placed.assignment.source}' -> '{placed.assignment.target}'"
         message = f"{arrow} is of wholes that do not correspond: {error}"
         return Finding(placed.assignment, message, "target", "assign their members")
-    ends = [("source", *each) for each in placed.sources]
-    ends += [("target", *each) for each in placed.targets]
+    ends = [("source", *source) for source in placed.sources]
+    ends += [("target", *target) for target in placed.targets]
     for feature, path, found in ends:
         if not isinstance(found, Attribute):
             continue
@@ -205,7 +205,10 @@ def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
 
 def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     assignment, last = placed.assignment, placed.assignment.conversions[-1]
-    kinds = chain_kinds(assignment.conversions, [each.kind for each in placed.source_attributes])
+    kinds = chain_kinds(
+        assignment.conversions,
+        [source_attribute.kind for source_attribute in placed.source_attributes],
+    )
     if isinstance(kinds, ChainFault):
         # The chain is wrong; what its end promises may be wrong besides.
         kinds = chain_kinds([last], ["any"])
@@ -226,8 +229,8 @@ def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding
 _ABSENT, _WHOLE = "absent", "."
 
 
-@rule("JML444", "impossible test vector", each=bridge.AttributeMap)
-def vectors(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
+@rule("JML444", "impossible test vector", kinds=bridge.AttributeMap)
+def vectors(subject: Subject, attribute_map: bridge.AttributeMap) -> Iterator[Finding]:
     """The values of a test vector are values of attributes of the messages that they stand for.
 
     The given values belong to the source, the expected ones to the target. `absent` is for optional
@@ -239,11 +242,11 @@ def vectors(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
 
     Good: `<expected path="pose.orientation.z" value="0.7071" tolerance="1e-4"/>`
     """
-    if not subject.is_intact(each.message, each.type):
+    if not subject.is_intact(attribute_map.message, attribute_map.type):
         return
-    for vector in each.vectors:
+    for vector in attribute_map.vectors:
         if subject.is_intact(vector):
-            yield from _vector_findings(each, vector)
+            yield from _vector_findings(attribute_map, vector)
 
 
 def _vector_findings(
@@ -258,7 +261,9 @@ def _vector_findings(
     scope = outer_scope(attribute_map, to_ros=to_ros)
     for value in vector.given:
         yield from _value_findings(value, scope, is_given=True)
-    whole = next((each for each in vector.expected if each.path == _WHOLE), None)
+    whole = next(
+        (vector_value for vector_value in vector.expected if vector_value.path == _WHOLE), None
+    )
     if whole is not None:
         if whole.value != _ABSENT or len(vector.expected) > 1:
             message = "'.' is the whole message, which can be absent alone"
@@ -306,10 +311,10 @@ def _value_fault(text: str, attribute: Attribute, *, is_jaus: bool) -> str:
     "JML498",
     "decision that is open",
     is_decision=True,
-    each=bridge.OpenDecision,
+    kinds=bridge.OpenDecision,
     needs=("text", "blocking"),
 )
-def decisions_made(_: Subject, each: bridge.OpenDecision) -> Iterator[Finding]:
+def decisions_made(_: Subject, decision: bridge.OpenDecision) -> Iterator[Finding]:
     """No decision of a map or connection is open.
 
     No tool can make it, since it depends on the vehicle. It is an error where a safety or the
@@ -320,10 +325,10 @@ def decisions_made(_: Subject, each: bridge.OpenDecision) -> Iterator[Finding]:
 
     Good: no such element, and the top speed in the map
     """
-    if each.text is None:
+    if decision.text is None:
         return
-    owner = each.eContainer()
+    owner = decision.eContainer()
     place = f" in '{owner.name}'" if isinstance(owner, bridge.DecisionOwner) else ""
-    severity = None if each.blocking else Severity.WARNING
+    severity = None if decision.blocking else Severity.WARNING
     hint = "decide it, then remove the open decision"
-    yield Finding(each, f"open{place}: {each.text}", "text", hint, severity=severity)
+    yield Finding(decision, f"open{place}: {decision.text}", "text", hint, severity=severity)

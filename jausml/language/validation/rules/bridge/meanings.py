@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML515", "members that are crossed", severity=Severity.WARNING, each=DIRECTED)
+@rule("JML515", "members that are crossed", severity=Severity.WARNING, kinds=DIRECTED)
 def members_crossed(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A member goes to the one that is called as it is, where both sides have both names.
 
@@ -50,7 +50,7 @@ def members_crossed(subject: Subject, directed: Directed) -> Iterator[Finding]:
     "meaning that nothing can judge",
     severity=Severity.INFO,
     is_decision=True,
-    each=bridge.AttributeMap,
+    kinds=bridge.AttributeMap,
 )
 def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Finding]:
     """What turns a sign or looks up a table has axes or names at both ends, or a test vector.
@@ -78,7 +78,7 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
                 yield Finding(placed.assignment, message, "target", hint, severity=severity)
 
 
-@rule("JML518", "vector that its map refutes", severity=Severity.WARNING, each=bridge.AttributeMap)
+@rule("JML518", "vector that its map refutes", severity=Severity.WARNING, kinds=bridge.AttributeMap)
 def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Finding]:
     """A map makes of what a test vector gives what the vector expects.
 

@@ -58,7 +58,9 @@ class _End:
     @property
     def slack(self) -> float:
         """How far beyond its range a number still becomes one of the range by rounding."""
-        largest = max((abs(each) for each in self.carried if math.isfinite(each)), default=0.0)
+        largest = max(
+            (abs(number) for number in self.carried if math.isfinite(number)), default=0.0
+        )
         return max(_ROUNDING * largest, (self.attribute.step or 0.0) / 2)
 
 
@@ -66,7 +68,7 @@ class _End:
     "JML434",
     "range of the source exceeds that of the target",
     severity=Severity.WARNING,
-    each=DIRECTED,
+    kinds=DIRECTED,
 )
 def exceeding_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The target can carry all values of the source, or the assignment handles the others.
@@ -91,7 +93,7 @@ def exceeding_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML435", "nothing that an assignment yields fits", each=DIRECTED)
+@rule("JML435", "nothing that an assignment yields fits", kinds=DIRECTED)
 def impossible_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """At least one possible result of an assignment is a value that its target can carry.
 
@@ -110,7 +112,7 @@ def impossible_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]
                 yield Finding(placed.assignment, message, "target")
 
 
-@rule("JML436", "precision is lost", severity=Severity.WARNING, each=DIRECTED)
+@rule("JML436", "precision is lost", severity=Severity.WARNING, kinds=DIRECTED)
 def precision_loss(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Rounding in the target keeps within the `precision` that an assignment states.
 
@@ -147,7 +149,7 @@ def precision_loss(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML439", "zero that cannot be sent", severity=Severity.INFO, each=DIRECTED)
+@rule("JML439", "zero that cannot be sent", severity=Severity.INFO, kinds=DIRECTED)
 def missed_zeros(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A constant 0 goes to a field that has a zero, or the author knows that it has none.
 
@@ -190,7 +192,7 @@ def _find_assignments(
 
 
 def _ends(placed: Placed[bridge.FieldAssignment]) -> list[_End]:
-    if not any(each.kind == NUMBER for each in placed.target_attributes):
+    if not any(target_attribute.kind == NUMBER for target_attribute in placed.target_attributes):
         return []
     given = result_ranges(placed)
     if len(given) != len(placed.targets):
@@ -246,9 +248,11 @@ def _silent_loss(placed: Placed[bridge.FieldAssignment], end: _End, error: float
     ends = (end.attribute, *placed.source_attributes)
     angle = measure("rad")
     if end.attribute.is_single and angle is not None and given.unit.is_compatible(angle.unit):
-        if any(each.frame == _GEODETIC for each in ends):
+        if any(attribute.frame == _GEODETIC for attribute in ends):
             return f"{error * given.unit.factor * _EARTH_RADIUS:.2g} m on the ground"
-    elif end.attribute.integral and not any(each.integral for each in placed.source_attributes):
+    elif end.attribute.integral and not any(
+        source_attribute.integral for source_attribute in placed.source_attributes
+    ):
         return f"{error:g} {given.text}" if given.unit.dimension else ""
     return ""
 
@@ -265,7 +269,7 @@ def _is_flattened(end: _End) -> bool:
     if not step or not all(map(math.isfinite, values)) or _is_cut(end.attribute):
         return False
     origin = 0.0 if end.attribute.integral else end.carried[0]
-    low, high = (round((each - origin) / step) for each in values)
+    low, high = (round((value - origin) / step) for value in values)
     return values[0] < values[1] and low == high
 
 
@@ -284,7 +288,7 @@ def _sent_for_zero(value: str, target: Found) -> float:
 
 
 def _text(values: Interval) -> str:
-    low, high = (f"{each:.6g}" for each in values)
+    low, high = (f"{value:.6g}" for value in values)
     return low if low == high else f"{low}..{high}"
 
 
@@ -294,7 +298,7 @@ _LIMITED = (NUMBER, TEXT, OCTETS)
 _MOST_NOTES = 3
 
 
-@rule("JML417", "field that cannot be left out", each=DIRECTED)
+@rule("JML417", "field that cannot be left out", kinds=DIRECTED)
 def left_out_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The policy dropField is for optional fields of JAUS messages.
 
@@ -325,7 +329,7 @@ def _left_out_fields_connection(
         yield from _connection_findings(subject, connection)
 
 
-@rule("JML418", "values that cannot be clamped", severity=Severity.WARNING, each=DIRECTED)
+@rule("JML418", "values that cannot be clamped", severity=Severity.WARNING, kinds=DIRECTED)
 def clamped_values(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The policy clamp is for numbers; values that have names each mean something else.
 
@@ -386,9 +390,12 @@ def _connection_findings(subject: Subject, connection: bridge.Connection) -> Ite
         and _never_left_out(placed) is not None
     ]
     if found:
-        names = ", ".join(f"'{each.target}'" for each in found[:_MOST_NOTES])
+        names = ", ".join(f"'{assignment.target}'" for assignment in found[:_MOST_NOTES])
         more = " ..." if len(found) > _MOST_NOTES else ""
         message = f"'{connection.name}' leaves out fields that are not optional: {names}{more}"
-        notes = tuple(Note(each, f"'{each.target}'", "target") for each in found[:_MOST_NOTES])
+        notes = tuple(
+            Note(assignment, f"'{assignment.target}'", "target")
+            for assignment in found[:_MOST_NOTES]
+        )
         hint = f"give these assignments {_HINT}"
         yield Finding(connection, message, "outOfRange", hint, notes)

@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML494", "report join used wrongly", each=bridge.AttributeMap)
-def report_joins(subject: Subject, each: bridge.AttributeMap) -> Iterator[Finding]:
+@rule("JML494", "report join used wrongly", kinds=bridge.AttributeMap)
+def report_joins(subject: Subject, attribute_map: bridge.AttributeMap) -> Iterator[Finding]:
     """A report join has a unique name, a time after which it is stale, and a use.
 
     Source paths of toRos begin with the name of the join, so it differs from the fields of the main
@@ -38,12 +38,12 @@ def report_joins(subject: Subject, each: bridge.AttributeMap) -> Iterator[Findin
 
     Good: `<reportJoins name="velocity" .../>`
     """
-    if not each.reportJoins or not subject.is_intact(each.message):
+    if not attribute_map.reportJoins or not subject.is_intact(attribute_map.message):
         return
-    fields = {str(one.name) for one in attributes(each.message)}
-    used = used_joins(each.toRos)
+    fields = {str(one.name) for one in attributes(attribute_map.message)}
+    used = used_joins(attribute_map.toRos)
     seen: dict[str, bridge.ReportJoin] = {}
-    for join in each.reportJoins:
+    for join in attribute_map.reportJoins:
         yield from join_findings(join, "report join", "message", fields, used)
         first = seen.setdefault(str(join.name), join)
         if first is not join:
@@ -67,7 +67,7 @@ def _report_joins_ros_service_connection(
     yield from _unfed(service, "response")
 
 
-@rule("JML495", "joined report from nowhere", each=bridge.Connection)
+@rule("JML495", "joined report from nowhere", kinds=bridge.Connection)
 def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection from JAUS to ROS says where each joined report of its map comes from, once.
 
@@ -86,7 +86,9 @@ def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[
         return
     yield from _source_findings(connection)
     reports = joined_reports(connection)
-    if len(connection.peers) > 1 and any(not each.has_own_peers for each in reports):
+    if len(connection.peers) > 1 and any(
+        not joined_report.has_own_peers for joined_report in reports
+    ):
         message = f"'{connection.name}' has several peers, whose reports would be mixed"
         hint = "make a connection for each peer, or give the joined reports peers"
         yield Finding(connection, message, "peers", hint)

@@ -36,7 +36,7 @@ _MATRICES = {9: 3, 36: 6}
     "JML437",
     "round trip that does not come back",
     severity=Severity.WARNING,
-    each=bridge.AttributeMap,
+    kinds=bridge.AttributeMap,
 )
 def round_trips(subject: Subject, directed: bridge.AttributeMap) -> Iterator[Finding]:
     """If a map has both directions, a value that goes from JAUS to ROS comes back unchanged.
@@ -60,7 +60,7 @@ def round_trips(subject: Subject, directed: bridge.AttributeMap) -> Iterator[Fin
                 yield from _trip_findings(placed, ways)
 
 
-@rule("JML438", "variance in a wrong place", severity=Severity.WARNING, each=DIRECTED)
+@rule("JML438", "variance in a wrong place", severity=Severity.WARNING, kinds=DIRECTED)
 def covariances(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """A root mean square goes to a variance on the diagonal of a covariance matrix, as its square.
 
@@ -128,8 +128,8 @@ def _is_selective(
 def _is_inverse(
     there: Placed[bridge.FieldAssignment], back: Placed[bridge.FieldAssignment]
 ) -> bool:
-    first = [conversion_of(each).inverse for each in there.assignment.conversions]
-    second = [each.kind.name for each in back.assignment.conversions]
+    first = [conversion_of(conversion).inverse for conversion in there.assignment.conversions]
+    second = [conversion.kind.name for conversion in back.assignment.conversions]
     return len(first) == 1 and first == second
 
 
@@ -173,8 +173,14 @@ def _shares_table(
     there: Placed[bridge.FieldAssignment], back: Placed[bridge.FieldAssignment]
 ) -> bool:
     """Whether both ways use one table, whose repeated values its author has ordered."""
-    tables = [each.table for each in there.assignment.conversions if each.table is not None]
-    return any(each.table in tables for each in back.assignment.conversions if each.table)
+    tables = [
+        conversion.table
+        for conversion in there.assignment.conversions
+        if conversion.table is not None
+    ]
+    return any(
+        conversion.table in tables for conversion in back.assignment.conversions if conversion.table
+    )
 
 
 def _samples(there: Placed[bridge.FieldAssignment], attribute: Attribute) -> Iterator[float]:
@@ -187,9 +193,9 @@ def _samples(there: Placed[bridge.FieldAssignment], attribute: Attribute) -> Ite
     low, high = source_range(attribute) or (-math.inf, math.inf)
     if math.isfinite(low) and math.isfinite(high):
         found = (low + part * (high - low) for part in _PARTS)
-        yield from (math.floor(each) if attribute.integral else each for each in found)
+        yield from (math.floor(sample) if attribute.integral else sample for sample in found)
     else:
-        yield from (each for each in _SAMPLES if low <= each <= high)
+        yield from (sample for sample in _SAMPLES if low <= sample <= high)
 
 
 def _cell_findings(
@@ -210,9 +216,9 @@ def _cell_findings(
 
 
 def _is_of_variances(placed: Placed[bridge.FieldAssignment]) -> bool:
-    effects = {conversion_of(each).units for each in placed.assignment.conversions}
+    effects = {conversion_of(conversion).units for conversion in placed.assignment.conversions}
     ends = [*placed.source_attributes, *placed.target_attributes]
-    is_deviation = any(_is_deviation(each) for each in ends)
+    is_deviation = any(_is_deviation(end) for end in ends)
     return is_deviation or not effects.isdisjoint({UnitEffect.SQUARE, UnitEffect.ROOT})
 
 
@@ -231,7 +237,7 @@ def _square_findings(
 ) -> Iterator[Finding]:
     conversions = placed.assignment.conversions
     # A standard deviation that is made something else is no variance by mistake.
-    if any(conversion_of(each).effect is Effect.OTHER for each in conversions):
+    if any(conversion_of(conversion).effect is Effect.OTHER for conversion in conversions):
         return
     if units_clash(placed):
         return

@@ -42,7 +42,7 @@ _LEFT_TO_CONNECTIONS = {"urn:jausml:MachineStates", "urn:jaus:jss:iop:DigitalRes
 """Services of which the runtime answers what no connection answers."""
 
 
-@rule("JML429", "report of several sources", each=bridge.Bridge)
+@rule("JML429", "report of several sources", kinds=bridge.Bridge)
 def reports_have_one_source(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """One topic makes a report of a bridge.
 
@@ -55,10 +55,10 @@ def reports_have_one_source(subject: Subject, owner: bridge.Bridge) -> Iterator[
     Good: one of them; or a bridge, which has an address of its own, for each robot
     """
     sources: dict[int, tuple[str, bridge.Connection | bridge.RosServiceConnection]] = {}
-    for query, what, each, element in _sources(subject, owner):
-        of, first = sources.setdefault(query, (what, each))
-        if of != what or first is not each:
-            message = f"{what} of '{each.name}' is a second source of what {of} tells"
+    for query, what, connection, element in _sources(subject, owner):
+        of, first = sources.setdefault(query, (what, connection))
+        if of != what or first is not connection:
+            message = f"{what} of '{connection.name}' is a second source of what {of} tells"
             hint = "leave out one of them, or give one a bridge of its own"
             note = Note(first, f"'{first.name}'")
             yield Finding(element, message, None, f"{hint}: the value would jump", (note,))
@@ -75,13 +75,19 @@ def _sources(
     ]
 ]:
     """Yields what answers a query: its code, the source in words, and the elements that say it."""
-    for each in owner.bridgeConnections:
-        if not (subject.is_read(each, _ENDS) and is_sound(subject, each) and is_report(each)):
+    for bridge_connection in owner.bridgeConnections:
+        if not (
+            subject.is_read(bridge_connection, _ENDS)
+            and is_sound(subject, bridge_connection)
+            and is_report(bridge_connection)
+        ):
             continue
-        query = find_query(each, owner)
-        main = [topic for topic in each.topics if topic.join is None and topic.name]
+        query = find_query(bridge_connection, owner)
+        main = [topic for topic in bridge_connection.topics if topic.join is None and topic.name]
         if query is not None:
-            yield from ((code(query), f"topic {topic.name}", each, topic) for topic in main)
+            yield from (
+                (code(query), f"topic {topic.name}", bridge_connection, topic) for topic in main
+            )
     for call in owner.serviceConnections:
         asking = calls.asking(call) if subject.is_intact(call) else None
         if asking is not None and subject.is_intact(asking) and not calls.serves(call):
@@ -113,7 +119,7 @@ def topics_have_one_source(subject: Subject) -> Iterator[Finding]:
 
 def _second(flow: Flow, topic: str, others: list[Flow]) -> Iterator[Finding]:
     used = flow.connection.map
-    first = next((each for each in others if not is_same_source(flow, each)), None)
+    first = next((other for other in others if not is_same_source(flow, other)), None)
     if first is not None and not ros_name(used.type).startswith(_OF_MANY):
         name = first.connection.name
         message = f"'{flow.connection.name}' publishes {used.message.name} on {topic}, where"
@@ -134,19 +140,19 @@ def is_same_source(flow: Flow, other: Flow) -> bool:
 
 def _published(subject: Subject, owner: bridge.Bridge) -> list[Flow]:
     return [
-        flow_of(each, owner)
-        for each in owner.bridgeConnections
-        if subject.is_read(each, _ENDS)
-        and is_sound(subject, each)
-        and each.direction.name == "jausToRos"
-        and not flow_of(each, owner).is_message
+        flow_of(bridge_connection, owner)
+        for bridge_connection in owner.bridgeConnections
+        if subject.is_read(bridge_connection, _ENDS)
+        and is_sound(subject, bridge_connection)
+        and bridge_connection.direction.name == "jausToRos"
+        and not flow_of(bridge_connection, owner).is_message
     ]
 
 
 @rule(
     "JML462",
     "message that the runtime itself takes",
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     needs=_ENDS,
     given=is_sound,
 )
@@ -196,7 +202,7 @@ def _hook(message: jaus.MessageDef) -> str:
     "JML500",
     "emergency stop that nobody explains",
     is_decision=True,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     needs=(*_ENDS, "holdReason"),
     given=is_sound,
 )

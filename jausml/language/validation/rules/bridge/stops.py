@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "JML426",
     "safe value that is never sent",
     severity=Severity.WARNING,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     given=is_sound,
 )
 def safe_value_used(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
@@ -47,7 +47,11 @@ def safe_value_used(_: Subject, connection: bridge.Connection) -> Iterator[Findi
 
 
 @rule(
-    "JML451", "command that nothing stops", is_decision=True, each=bridge.Connection, given=is_sound
+    "JML451",
+    "command that nothing stops",
+    is_decision=True,
+    kinds=bridge.Connection,
+    given=is_sound,
 )
 def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection with commands says what happens when their source is lost.
@@ -76,7 +80,11 @@ def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[F
 
 
 @rule(
-    "JML452", "hold that is not explained", is_decision=True, each=bridge.Connection, given=is_sound
+    "JML452",
+    "hold that is not explained",
+    is_decision=True,
+    kinds=bridge.Connection,
+    given=is_sound,
 )
 def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A command that outlasts its source does so for a stated reason, and sends no stop.
@@ -109,7 +117,7 @@ def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Findi
     "JML516",
     "stop that drives",
     severity=Severity.WARNING,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     given=is_sound,
 )
 def stops_stand(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
@@ -141,7 +149,7 @@ def stops_stand(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     "JML453",
     "stop that silence does not send",
     severity=Severity.WARNING,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     given=is_sound,
 )
 def silence_stops(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
@@ -167,7 +175,7 @@ def silence_stops(_: Subject, connection: bridge.Connection) -> Iterator[Finding
     "JML454",
     "silence time-out within the period",
     severity=Severity.WARNING,
-    each=bridge.Connection,
+    kinds=bridge.Connection,
     given=is_sound,
 )
 def timeouts_outlast_periods(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
@@ -204,24 +212,26 @@ def one_command_of_a_topic(subject: Subject) -> Iterator[Finding]:
         for owner in group:
             if not isinstance(owner, bridge.Bridge):
                 continue
-            for each, topics in subject.once(_stopped_topics, owner):
+            for connection, topics in subject.once(_stopped_topics, owner):
                 for topic in topics:
-                    first = commanding.setdefault(topic, each)
-                    if first is not each:
-                        message = f"'{each.name}' and '{first.name}' command {topic}, and the stop"
+                    first = commanding.setdefault(topic, connection)
+                    if first is not connection:
+                        message = (
+                            f"'{connection.name}' and '{first.name}' command {topic}, and the stop"
+                        )
                         message += " of the one ends what the other commands"
                         hint = "give each a topic, and let a multiplexer decide who drives"
                         note = Note(first, f"'{first.name}'", "topics")
-                        yield Finding(each, message, "topics", hint, (note,))
+                        yield Finding(connection, message, "topics", hint, (note,))
 
 
 def _stopped_topics(
     subject: Subject, owner: bridge.Bridge
 ) -> list[tuple[bridge.Connection, list[str]]]:
     return [
-        (each, sorted(flow_of(each, owner).topics))
-        for each in owner.bridgeConnections
-        if _stops_a_topic(subject, each)
+        (bridge_connection, sorted(flow_of(bridge_connection, owner).topics))
+        for bridge_connection in owner.bridgeConnections
+        if _stops_a_topic(subject, bridge_connection)
     ]
 
 
@@ -249,12 +259,22 @@ _FLOW = ("name", "map", "direction", "exchange", "peers", "search", "topics")
 
 def _is_guarded(owner: bridge.Bridge) -> bool:
     """Tells whether a bridge commands what a guardian could stop."""
-    connections = [each for each in owner.bridgeConnections if each.map and each.map.message]
-    goals = [each for each in owner.actionConnections if each.direction.name == "jausToRos"]
-    return bool(goals) or any(is_command(each) and has_stop(each) for each in connections)
+    connections = [
+        bridge_connection
+        for bridge_connection in owner.bridgeConnections
+        if bridge_connection.map and bridge_connection.map.message
+    ]
+    goals = [
+        action_connection
+        for action_connection in owner.actionConnections
+        if action_connection.direction.name == "jausToRos"
+    ]
+    return bool(goals) or any(
+        is_command(connection) and has_stop(connection) for connection in connections
+    )
 
 
-@rule("JML463", "feature without effect", severity=Severity.WARNING, each=bridge.Bridge)
+@rule("JML463", "feature without effect", severity=Severity.WARNING, kinds=bridge.Bridge)
 def features_used(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """What is stated has an effect: rate, priority and acknowledgement, and a bridge's guardian.
 
@@ -293,7 +313,7 @@ def _features_used_connection(_: Subject, connection: bridge.Connection) -> Iter
             yield Finding(connection, message, "acknowledge")
 
 
-@rule("JML464", "message published twice", severity=Severity.WARNING, each=bridge.Bridge)
+@rule("JML464", "message published twice", severity=Severity.WARNING, kinds=bridge.Bridge)
 def published_once(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A message of a peer reaches a topic once.
 
@@ -312,8 +332,8 @@ def published_once(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
             continue
         yield from _topics_twice(connection, owner)
         flow = flow_of(connection, owner)
-        others = (each for topic in sorted(flow.topics) for each in flows[topic])
-        same = next((each for each in others if _repeats(flow, each)), None)
+        others = (other_flow for topic in sorted(flow.topics) for other_flow in flows[topic])
+        same = next((other for other in others if _repeats(flow, other)), None)
         if same is not None:
             topic = min(flow.topics & same.topics)
             first = same.connection
@@ -341,7 +361,7 @@ def _topics_twice(connection: bridge.Connection, owner: bridge.Bridge) -> Iterat
 
 
 @rule(
-    "JML465", "deadline shorter than the period", severity=Severity.WARNING, each=bridge.Connection
+    "JML465", "deadline shorter than the period", severity=Severity.WARNING, kinds=bridge.Connection
 )
 def deadlines_met(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """The deadline of a topic is not shorter than the time between the messages of its connection.
@@ -357,7 +377,7 @@ def deadlines_met(_: Subject, connection: bridge.Connection) -> Iterator[Finding
     rate = connection.rate or (owner.frequency if isinstance(owner, bridge.Bridge) else 0.0)
     if not is_timed or rate <= 0:
         return
-    for qos in (each.qos for each in connection.topics if each.qos is not None):
+    for qos in (topic.qos for topic in connection.topics if topic.qos is not None):
         if 0 < qos.deadline < 1 / rate:
             message = f"deadline {qos.deadline:g} s, but '{connection.name}' publishes each"
             yield Finding(qos, f"{message} {1 / rate:g} s", "deadline")

@@ -35,7 +35,7 @@ _VALUES = (NUMBER, BOOL, TEXT)
 _MOST_NAMES = 5
 
 
-@rule("JML440", "table that does not fit", each=DIRECTED)
+@rule("JML440", "table that does not fit", kinds=DIRECTED)
 def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """The entries of a table are values of what look_up reads and fills.
 
@@ -69,7 +69,7 @@ def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield finding
 
 
-@rule("JML448", "named value with another number", each=DIRECTED)
+@rule("JML448", "named value with another number", kinds=DIRECTED)
 def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """What both ends of an assignment call alike has one number, or a table maps the names.
 
@@ -108,7 +108,7 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
             yield Finding(looked.placed.assignment, message, "conversions", f"it is ( {meant} )")
 
 
-@rule("JML449", "named value that drops the message", severity=Severity.WARNING, each=DIRECTED)
+@rule("JML449", "named value that drops the message", severity=Severity.WARNING, kinds=DIRECTED)
 def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """Each named value of the source has a counterpart in the JAUS field that it fills.
 
@@ -121,9 +121,9 @@ def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
     for placed, found in _enumerated(subject, directed):
         (target,) = placed.target_attributes
         legal = target.values
-        lost = [each for each in found.unmatched if legal and not _is_legal(each.number, target)]
+        lost = [value for value in found.unmatched if legal and not _is_legal(value.number, target)]
         if lost and not target.is_ros and found.is_of_one_enumeration:
-            names = ", ".join(f"{each.name} ({each.number})" for each in lost[:_MOST_NAMES])
+            names = ", ".join(f"{value.name} ({value.number})" for value in lost[:_MOST_NAMES])
             message = f"'{target.label}' has no value for {names}, which drops the message"
             yield Finding(placed.assignment, message, "source")
 
@@ -135,7 +135,7 @@ def _enumerated(
     for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             ends = placed.source_attributes, placed.target_attributes
-            if placed.assignment.conversions or any(len(each) != 1 for each in ends):
+            if placed.assignment.conversions or any(len(end) != 1 for end in ends):
                 continue
             found = compared(ends[0][0], ends[1][0])
             if found is not None:
@@ -276,9 +276,9 @@ def _own_constants(known: set[str], meaning: _Meaning) -> list[tuple[str, str]]:
     other names, it says nothing of them.
     """
     own = [
-        (each.name, str(each.number))
-        for each in named_values(meaning.attribute).values()
-        if not _is_none(each.number, meaning.attribute)
+        (value.name, str(value.number))
+        for value in named_values(meaning.attribute).values()
+        if not _is_none(value.number, meaning.attribute)
     ]
     return own if known <= {meaning.of(name) for name, _ in own} else []
 
@@ -286,7 +286,7 @@ def _own_constants(known: set[str], meaning: _Meaning) -> list[tuple[str, str]]:
 def _is_none(number: int, attribute: Attribute) -> bool:
     """Whether a marker takes a value of a ROS field for none, which no table is asked for."""
     marks = marks_of(attribute.field) if isinstance(attribute.field, ros.Field) else ()
-    return any(is_said(each.condition, {VALUE: number}) for each in marks)
+    return any(is_said(mark.condition, {VALUE: number}) for mark in marks)
 
 
 _FLAGS = {"true": "1", "false": "0"}

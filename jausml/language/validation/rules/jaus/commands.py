@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML351", "command that anyone may give", severity=Severity.WARNING, each=jaus.Service)
+@rule("JML351", "command that anyone may give", severity=Severity.WARNING, kinds=jaus.Service)
 def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """In a machine that extends the core, the guard says who may give a command.
 
@@ -54,7 +54,7 @@ def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     "JML362",
     "message that anybody may send beside commands",
     severity=Severity.WARNING,
-    each=jaus.Service,
+    kinds=jaus.Service,
 )
 def controlled_alike(_: Subject, service: jaus.Service) -> Iterator[Finding]:
     """What makes a component do something is a command, where its service has others.

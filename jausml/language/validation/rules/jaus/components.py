@@ -41,7 +41,7 @@ _NUMBERS = {
 }
 
 
-@rule("JML301", "JAUS address out of range", each=jaus.Component, needs=("name", "address"))
+@rule("JML301", "JAUS address out of range", kinds=jaus.Component, needs=("name", "address"))
 def address_range(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """An address is subsystem 1..65534, node 1..254 and component 1..254 (AS5669A).
 
@@ -63,7 +63,7 @@ def address_range(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     "JML309",
     "subsystem id that Junior takes for a wildcard",
     severity=Severity.WARNING,
-    each=jaus.Component,
+    kinds=jaus.Component,
     needs=("name", "address"),
 )
 def address_bytes(_: Subject, component: jaus.Component) -> Iterator[Finding]:
@@ -105,7 +105,7 @@ def address_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(component, f"{message} '{holder.name}'", "address", related=(note,))
 
 
-@rule("JML303", "number out of range", each=jaus.Component, needs=("name",))
+@rule("JML303", "number out of range", kinds=jaus.Component, needs=("name",))
 def component_numbers(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Authority codes and time-outs are one byte on the wire: 0..255 (AS5710).
 
@@ -132,7 +132,7 @@ def _component_numbers_service_connection(
 @rule(
     "JML369",
     "state that a silent report does not lead to",
-    each=jaus.Component,
+    kinds=jaus.Component,
     needs=("name", "external", "provides", "coreServices", "connections"),
 )
 def degraded_state(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
@@ -147,24 +147,30 @@ def degraded_state(subject: Subject, component: jaus.Component) -> Iterator[Find
     """
     if component.external or not is_known(subject, component):
         return
-    has_state = any(each.name == "Management" for each in provided_services(component))
-    for each in component.connections:
-        if each.whenSilent.name == "stay":
+    has_state = any(
+        provided_service.name == "Management" for provided_service in provided_services(component)
+    )
+    for connection in component.connections:
+        if connection.whenSilent.name == "stay":
             continue
         if not has_state:
             message = f"'{component.name}' has no Standby: it provides no Management"
-            yield Finding(each, message, "whenSilent", "let it provide Management")
-        if each.exchange.name == "oneTime":
-            yield Finding(each, f"'{each.name}' brings one report, and is never silent", "exchange")
-        elif each.silenceTimeout == 0:
-            message = f"'{each.name}' never counts as silent"
-            yield Finding(each, message, "whenSilent", "state its silenceTimeout")
+            yield Finding(connection, message, "whenSilent", "let it provide Management")
+        if connection.exchange.name == "oneTime":
+            yield Finding(
+                connection,
+                f"'{connection.name}' brings one report, and is never silent",
+                "exchange",
+            )
+        elif connection.silenceTimeout == 0:
+            message = f"'{connection.name}' never counts as silent"
+            yield Finding(connection, message, "whenSilent", "state its silenceTimeout")
 
 
 @rule(
     "JML353",
     "command that nobody can give",
-    each=jaus.Component,
+    kinds=jaus.Component,
     needs=("name", "external", "provides", "coreServices"),
 )
 def commands_controlled(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
@@ -184,7 +190,9 @@ def commands_controlled(subject: Subject, component: jaus.Component) -> Iterator
     if provides_access_control(component):
         return
     for service in provided_services(component):
-        command = next((each for each in service.inputs if needs_control(each, service)), None)
+        command = next(
+            (candidate for candidate in service.inputs if needs_control(candidate, service)), None
+        )
         if command is not None:
             message = f"'{component.name}' obeys {command.name} from nobody"
             hint = f"let {service.name} inherit Management"
@@ -197,7 +205,7 @@ def commands_controlled(subject: Subject, component: jaus.Component) -> Iterator
 @rule(
     "JML304",
     "connection to a report that the provider does not send",
-    each=jaus.ServiceConnection,
+    kinds=jaus.ServiceConnection,
     needs=_ENDS,
 )
 def connection_provided(subject: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
@@ -217,7 +225,7 @@ def connection_provided(subject: Subject, connection: jaus.ServiceConnection) ->
         yield unprovided(connection, provider, message, "sends", "message")
 
 
-@rule("JML305", "connection without a query", each=jaus.ServiceConnection, needs=_ENDS)
+@rule("JML305", "connection without a query", kinds=jaus.ServiceConnection, needs=_ENDS)
 def connection_query(subject: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """A report is asked for by a query that the provider takes.
 
@@ -240,7 +248,7 @@ def connection_query(subject: Subject, connection: jaus.ServiceConnection) -> It
 
 
 @rule(
-    "JML306", "rate out of range", each=jaus.ServiceConnection, needs=("name", "exchange", "rate")
+    "JML306", "rate out of range", kinds=jaus.ServiceConnection, needs=("name", "exchange", "rate")
 )
 def connection_rate(_: Subject, connection: jaus.ServiceConnection) -> Iterator[Finding]:
     """The rate of a periodic connection is above 0 and at most 1092 per second.
@@ -258,7 +266,7 @@ def connection_rate(_: Subject, connection: jaus.ServiceConnection) -> Iterator[
 @rule(
     "JML307",
     "control of a component that cannot be controlled",
-    each=jaus.Component,
+    kinds=jaus.Component,
     needs=("name", "controls"),
 )
 def controls_access(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
@@ -283,7 +291,7 @@ def controls_access(subject: Subject, component: jaus.Component) -> Iterator[Fin
             )
 
 
-@rule("JML308", "service provided twice", each=jaus.Component, needs=("name", "provides"))
+@rule("JML308", "service provided twice", kinds=jaus.Component, needs=("name", "provides"))
 def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component provides one service of a URN.
 
@@ -303,7 +311,11 @@ def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
         if len(services) > 1:
             versions = ", ".join(str(service.version) for service in services)
             message = f"'{component.name}' provides {urn} more than once (versions {versions})"
-            second = [at for at, each in enumerate(component.provides) if each.urn == urn][1]
+            second = [
+                at
+                for at, provided_service in enumerate(component.provides)
+                if provided_service.urn == urn
+            ][1]
             yield Finding(component, message, "provides", position=second)
 
 
@@ -311,7 +323,7 @@ def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
     "JML352",
     "state machine that a bridge does not run",
     severity=Severity.WARNING,
-    each=bridge.Bridge,
+    kinds=bridge.Bridge,
 )
 def bridges(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge translates messages and runs no state machine of the services that it provides.

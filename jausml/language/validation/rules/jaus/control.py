@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     )
 
 
-@rule("JML364", "control that is never granted", each=jaus.Component)
+@rule("JML364", "control that is never granted", kinds=jaus.Component)
 def authority_suffices(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """A component that controls another one has at least the authority that the other one requires.
 
@@ -56,7 +56,7 @@ def authority_suffices(subject: Subject, component: jaus.Component) -> Iterator[
         yield Finding(place, message, feature, "raise its authority", (note,))
 
 
-@rule("JML366", "control that lapses without a word", severity=Severity.INFO, each=bridge.Bridge)
+@rule("JML366", "control that lapses without a word", severity=Severity.INFO, kinds=bridge.Bridge)
 def lapse_is_decided(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     """A bridge that takes commands of clients outside of the model says when control lapses.
 
@@ -82,7 +82,7 @@ def lapse_is_decided(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding
         if not _takes_commands(subject, connection):
             continue
         known = list(connection.peers)
-        outside = [each for each in known if each.external]
+        outside = [component for component in known if component.external]
         if outside or not known:
             client = f"'{outside[0].name}'" if outside else "its client"
             message = f"control of '{owner.name}' lapses {owner.controlTimeout} s after "
@@ -138,7 +138,7 @@ def authorities_differ(subject: Subject) -> Iterator[Finding]:
 @rule(
     "JML365",
     "component that is its own peer",
-    each=(bridge.Connection, bridge.RosServiceConnection, bridge.RosActionConnection),
+    kinds=(bridge.Connection, bridge.RosServiceConnection, bridge.RosActionConnection),
     needs=("name", "peers"),
 )
 def no_own_peers(
@@ -220,7 +220,7 @@ def inheritance_cycle(subject: Subject) -> Iterator[Finding]:
             continue
         last = lineage(service)[-1]
         if last.inherits is service:
-            names = " -> ".join(each.name or "?" for each in (*lineage(service), service))
+            names = " -> ".join(ancestor.name or "?" for ancestor in (*lineage(service), service))
             yield Finding(service, f"service '{service.name}' inherits itself: {names}", "inherits")
 
 
@@ -256,7 +256,7 @@ def code_unique(subject: Subject) -> Iterator[Finding]:
                 yield Finding(message, text, "code", related=(note,), severity=severity)
 
 
-@rule("JML313", "messages of one code in one process", each=jaus.Component)
+@rule("JML313", "messages of one code in one process", kinds=jaus.Component)
 def code_unambiguous(subject: Subject, component: jaus.Component) -> Iterator[Finding]:
     """Messages with one code that meet in a process have one layout and one name.
 
@@ -282,7 +282,7 @@ def code_unambiguous(subject: Subject, component: jaus.Component) -> Iterator[Fi
                 break
 
 
-@rule("JML314", "illegal URN", each=jaus.Service)
+@rule("JML314", "illegal URN", kinds=jaus.Service)
 def urns(_: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A service is named by a URN of at most 255 characters (RFC 8141; AS5710, ReportServices).
 
@@ -303,13 +303,15 @@ def _ambiguous(
 ) -> Finding:
     how = "another name" if first.name != other.name else "another layout"
     # No document of the model has the messages of standard services.
-    written = [each for each in (first, other) if subject.model.document_of(each) is not None]
+    written = [
+        message for message in (first, other) if subject.model.document_of(message) is not None
+    ]
     return Finding(
         component,
         f"'{component.name}' has two messages of the code {first.code}: {first.name} and"
         f" {other.name} with {how}",
         hint="" if len(written) > 1 else 'with coreServices="none" it has no core services',
-        related=tuple(Note(each, subject.path(each), "code") for each in written),
+        related=tuple(Note(message, subject.path(message), "code") for message in written),
         severity=subject.severity(first) if first.eContainer() is other.eContainer() else None,
     )
 
@@ -331,9 +333,9 @@ def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
     for connection in component.connections:
         found.update(dict.fromkeys((connection.message, connection.query)))
     if isinstance(component, bridge.Bridge):
-        for each in component.bridgeConnections:
-            carried = each.map.message if each.map is not None else None
-            found.update(dict.fromkeys((carried, each.query)))
+        for bridge_connection in component.bridgeConnections:
+            carried = bridge_connection.map.message if bridge_connection.map is not None else None
+            found.update(dict.fromkeys((carried, bridge_connection.query)))
         for call in component.serviceConnections:
             found.update(dict.fromkeys(calls.messages(call)))
         for action in component.actionConnections:

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from jausml.language.semantics.subject import Subject
 
 
-@rule("JML341", "not exactly one initial state", each=jaus.Service)
+@rule("JML341", "not exactly one initial state", kinds=jaus.Service)
 def initial_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """One of the states that lie side by side is initial: it is entered with what encloses it.
 
@@ -62,7 +62,7 @@ def initial_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]
             )
 
 
-@rule("JML342", "no such state", each=jaus.Service)
+@rule("JML342", "no such state", kinds=jaus.Service)
 def targets(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """The target of a transition is a state of the machine or of the core that it extends.
 
@@ -78,12 +78,12 @@ def targets(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
             target = transition.target
             if target and behaviour.machine.resolve(path, target) is None:
                 message = f"'{behaviour.machine.name}' has no state {target!a}"
-                names = [each.rpartition(".")[2] for each in behaviour.machine.nodes]
+                names = [node.rpartition(".")[2] for node in behaviour.machine.nodes]
                 hint = _suggestion(target.rpartition(".")[2], names)
                 yield Finding(transition, message, "target", hint)
 
 
-@rule("JML343", "message of another service", each=jaus.Service)
+@rule("JML343", "message of another service", kinds=jaus.Service)
 def messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A transition is triggered by an input, and an action sends an output, of the service.
 
@@ -95,8 +95,8 @@ def messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """
     for behaviour in behaviours_of(subject, service):
         services = lineage(behaviour.service)
-        taken = [message for each in services for message in each.inputs]
-        sent = [message for each in services for message in each.outputs]
+        taken = [message for ancestor in services for message in ancestor.inputs]
+        sent = [message for ancestor in services for message in ancestor.outputs]
         name = behaviour.service.name
         for _, transition in behaviour.transitions():
             message = transition.message
@@ -109,7 +109,7 @@ def messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(action, text, "sends")
 
 
-@rule("JML344", "unknown internal event", each=jaus.Service)
+@rule("JML344", "unknown internal event", kinds=jaus.Service)
 def events(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """The event of a transition is one of the service or of a service that it inherits.
 
@@ -122,8 +122,8 @@ def events(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """
     for behaviour in behaviours_of(subject, service):
         services = lineage(behaviour.service)
-        known = {event.name for each in services for event in each.events if event.name}
-        if any(str(each.urn).startswith(CORE) for each in services):
+        known = {event.name for ancestor in services for event in ancestor.events if event.name}
+        if any(str(ancestor.urn).startswith(CORE) for ancestor in services):
             known |= core_events()
         for _, transition in behaviour.transitions():
             name = event_name(transition.event)
@@ -135,7 +135,7 @@ def events(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(transition, text, "event", _suggestion(name, known))
 
 
-@rule("JML345", "malformed guard", each=jaus.Service)
+@rule("JML345", "malformed guard", kinds=jaus.Service)
 def guards(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A guard joins names of conditions by &&, || and !, with parentheses.
 
@@ -155,7 +155,7 @@ def guards(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(transition, f"malformed guard: {error}", "guard", hint)
 
 
-@rule("JML346", "state that is never entered", severity=Severity.WARNING, each=jaus.Service)
+@rule("JML346", "state that is never entered", severity=Severity.WARNING, kinds=jaus.Service)
 def reachable(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A state is initial, or a transition leads to it.
 
@@ -175,7 +175,7 @@ def reachable(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
             yield Finding(state, f"no transition leads to the state '{path}'", "name")
 
 
-@rule("JML347", "transition that is never taken", severity=Severity.WARNING, each=jaus.Service)
+@rule("JML347", "transition that is never taken", severity=Severity.WARNING, kinds=jaus.Service)
 def taken(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """Transitions of a state are tried in their order; one without a guard is always taken.
 
@@ -191,7 +191,7 @@ def taken(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
             yield from _shadowed(state.defaults)
 
 
-@rule("JML348", "target, push and pop do not fit", each=jaus.Service)
+@rule("JML348", "target, push and pop do not fit", kinds=jaus.Service)
 def kinds(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A push has a target, a pop and an internal transition have none; push and pop go together.
 
@@ -221,7 +221,7 @@ def kinds(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
                 yield Finding(transition, text, "kind")
 
 
-@rule("JML349", "not what the core services do", each=jaus.Service)
+@rule("JML349", "not what the core services do", kinds=jaus.Service)
 def core_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """A machine named ReceiveFSM extends that of the core services, and keeps to its states.
 
@@ -240,7 +240,7 @@ def core_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     for behaviour in behaviours_of(subject, service):
         if not behaviour.machine.extends_core:
             yield from _foreign_machine(behaviour)
-        elif not any(str(each.urn).startswith(CORE) for each in lineage(behaviour.service)):
+        elif not any(str(ancestor.urn).startswith(CORE) for ancestor in lineage(behaviour.service)):
             text = f"'{behaviour.service.name}' inherits no core service whose {CORE_MACHINE}"
             yield Finding(behaviour.element, f"{text} it could extend", "name")
         else:
@@ -249,7 +249,10 @@ def core_states(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
 
 
 @rule(
-    "JML350", "transition that the core services take", severity=Severity.WARNING, each=jaus.Service
+    "JML350",
+    "transition that the core services take",
+    severity=Severity.WARNING,
+    kinds=jaus.Service,
 )
 def core_messages(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     """Messages of the core services and of ListManager are taken by the runtime.

@@ -23,12 +23,15 @@ if TYPE_CHECKING:
     )
     Indexed: TypeAlias = jaus.Alternative | jaus.Format
 
-_PRESENCE_BITS = {"none": 0, **{name: each.bits for name, each in wire.UNSIGNED.items()}}
+_PRESENCE_BITS = {
+    "none": 0,
+    **{name: integer_type.bits for name, integer_type in wire.UNSIGNED.items()},
+}
 _IN_RECORD = "a member of a record"
 _COUNT = ("name", "countType")
 
 
-@rule("JML321", "type refers to itself", each=jaus.TypeReference)
+@rule("JML321", "type refers to itself", kinds=jaus.TypeReference)
 def reference_cycle(_: Subject, reference: jaus.TypeReference) -> Iterator[Finding]:
     """A type reference leads to a type that does not hold the reference itself.
 
@@ -42,7 +45,7 @@ def reference_cycle(_: Subject, reference: jaus.TypeReference) -> Iterator[Findi
         yield Finding(reference, f"'{reference.name}' contains itself", "target")
 
 
-@rule("JML322", "wrong kind of member", each=jaus.MessageDef)
+@rule("JML322", "wrong kind of member", kinds=jaus.MessageDef)
 def member_kinds(_: Subject, message: jaus.MessageDef) -> Iterator[Finding]:
     """Records and arrays hold fields; bodies, sequences, lists and variants hold containers.
 
@@ -68,8 +71,8 @@ def _member_kinds_sequence(_: Subject, sequence: jaus.Sequence) -> Iterator[Find
 
 
 @member_kinds.also(jaus.List)
-def _member_kinds_list(_: Subject, each: jaus.List) -> Iterator[Finding]:
-    yield from _kind_findings([each.element], "the element of a list", containers=True)
+def _member_kinds_list(_: Subject, counted_list: jaus.List) -> Iterator[Finding]:
+    yield from _kind_findings([counted_list.element], "the element of a list", containers=True)
 
 
 @member_kinds.also(jaus.Variant)
@@ -82,7 +85,7 @@ def _member_kinds_array(_: Subject, array: jaus.Array) -> Iterator[Finding]:
     yield from _kind_findings([array.element], "the element of an array", containers=False)
 
 
-@rule("JML323", "optional member without a presence bit", each=(jaus.Record, jaus.Sequence))
+@rule("JML323", "optional member without a presence bit", kinds=(jaus.Record, jaus.Sequence))
 def presence_vector(subject: Subject, group: Group) -> Iterator[Finding]:
     """The presence vector of a record or sequence has a bit for each optional member.
 
@@ -106,7 +109,11 @@ def presence_vector(subject: Subject, group: Group) -> Iterator[Finding]:
 
 
 @rule(
-    "JML324", "optional without effect", severity=Severity.WARNING, each=jaus.Field, needs=("name",)
+    "JML324",
+    "optional without effect",
+    severity=Severity.WARNING,
+    kinds=jaus.Field,
+    needs=("name",),
 )
 def optional_elsewhere(_: Subject, field: jaus.Field) -> Iterator[Finding]:
     """Only members of records and sequences can be optional.
@@ -123,7 +130,7 @@ def optional_elsewhere(_: Subject, field: jaus.Field) -> Iterator[Finding]:
         yield Finding(field, message, "optional")
 
 
-@rule("JML326", "impossible bit range", each=jaus.BitField)
+@rule("JML326", "impossible bit range", kinds=jaus.BitField)
 def bit_ranges(subject: Subject, field: jaus.BitField) -> Iterator[Finding]:
     """The parts of a bit field lie within its unsigned integer and do not overlap.
 
@@ -145,15 +152,17 @@ def bit_ranges(subject: Subject, field: jaus.BitField) -> Iterator[Finding]:
         yield from _bit_findings(part, field, whole.bits, owners)
 
 
-@rule("JML327", "count or tag of a wrong type", each=jaus.List, needs=_COUNT)
-def count_types(_: Subject, each: jaus.List) -> Iterator[Finding]:
+@rule("JML327", "count or tag of a wrong type", kinds=jaus.List, needs=_COUNT)
+def count_types(_: Subject, counted_list: jaus.List) -> Iterator[Finding]:
     """Counts and tags are unsigned integers, and the bounds of a count fit its type.
 
     Bad: `<element xsi:type="jaus:List" countType="int8" .../>`
 
     Good: `<element xsi:type="jaus:List" countType="uint8" .../>`
     """
-    yield from _count_findings(each, "Count", each.minimumCount, each.maximumCount)
+    yield from _count_findings(
+        counted_list, "Count", counted_list.minimumCount, counted_list.maximumCount
+    )
 
 
 @count_types.also(
@@ -174,7 +183,7 @@ def _tag_types(_: Subject, variant: jaus.Variant) -> Iterator[Finding]:
         yield Finding(variant, message, "tagType")
 
 
-@rule("JML328", "impossible size or index", each=jaus.FixedLengthString, needs=("name",))
+@rule("JML328", "impossible size or index", kinds=jaus.FixedLengthString, needs=("name",))
 def sizes(_: Subject, text: jaus.FixedLengthString) -> Iterator[Finding]:
     """Strings and arrays have a size of 1 or more; indices are one byte and differ.
 
@@ -210,7 +219,7 @@ def _sizes_variable_format_field(_: Subject, blob: jaus.VariableFormatField) -> 
     yield from _index_findings(blob.formats, blob)
 
 
-@rule("JML360", "message beyond all bounds", each=jaus.MessageDef)
+@rule("JML360", "message beyond all bounds", kinds=jaus.MessageDef)
 def bounds(subject: Subject, message: jaus.MessageDef) -> Iterator[Finding]:
     """A message has at most 10000 fields, 64 deep, and its smallest instance 4194304 values.
 
@@ -236,7 +245,7 @@ def _is_small(body: jaus.Field) -> bool:
     """Tells at a glance that a body is within all bounds: it has few numbers and nothing else."""
     if not is_group(body) or len(body.fields) >= wire.MOST_FIELDS:
         return False
-    return all(isinstance(each, jaus.FixedField) for each in body.fields)
+    return all(isinstance(field, jaus.FixedField) for field in body.fields)
 
 
 def _reaches(reference: jaus.TypeReference, goal: jaus.Field) -> bool:
@@ -276,7 +285,9 @@ def _kind_findings(
 
 
 def _vector_hint(count: int) -> str:
-    fitting = next((name for name, each in wire.UNSIGNED.items() if each.bits >= count), "")
+    fitting = next(
+        (name for name, integer_type in wire.UNSIGNED.items() if integer_type.bits >= count), ""
+    )
     return f'presenceVector="{fitting}"' if fitting else "split the group"
 
 

@@ -28,7 +28,7 @@ _LIMITS = {"subsystem": 65534, "node": 254}
 @rule(
     "JML354",
     "either named or searched for",
-    each=(bridge.Connection, bridge.RosServiceConnection),
+    kinds=(bridge.Connection, bridge.RosServiceConnection),
     needs=("name", "search", "peers"),
 )
 def named_or_searched(
@@ -57,7 +57,7 @@ def _provider_or_search(_: Subject, received: jaus.ServiceConnection) -> Iterato
         yield Finding(received, message, None, "name a provider, or search for one")
 
 
-@rule("JML355", "search that can find nothing", each=jaus.PeerSearch, needs=())
+@rule("JML355", "search that can find nothing", kinds=jaus.PeerSearch, needs=())
 def search_possible(subject: Subject, search: jaus.PeerSearch) -> Iterator[Finding]:
     """A search looks where components can be: subsystem 1..65534, node 1..254, 0 for any.
 
@@ -77,7 +77,10 @@ def search_possible(subject: Subject, search: jaus.PeerSearch) -> Iterator[Findi
 
 
 @rule(
-    "JML356", "control of everybody who is found", severity=Severity.WARNING, each=bridge.Connection
+    "JML356",
+    "control of everybody who is found",
+    severity=Severity.WARNING,
+    kinds=bridge.Connection,
 )
 def control_of_all(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that takes control of its peers searches for one of them.
@@ -126,11 +129,11 @@ def subsystem_discovered(subject: Subject) -> Iterator[Finding]:
     """
     for group in subject.systems():
         subsystems: dict[str, list[jaus.Component]] = defaultdict(list)
-        for each in group:
-            if isinstance(each, jaus.Component) and each.address:
-                subsystems[each.address.split(".")[0]].append(each)
+        for participant in group:
+            if isinstance(participant, jaus.Component) and participant.address:
+                subsystems[participant.address.split(".")[0]].append(participant)
         for number, components in subsystems.items():
-            if not any(each.external or is_discovered(each) for each in components):
+            if not any(component.external or is_discovered(component) for component in components):
                 first = components[0]
                 message = f"nobody in subsystem {number} provides Discovery, so nobody finds it"
                 yield Finding(first, message, "coreServices", "let one of them provide it")
@@ -140,7 +143,7 @@ def subsystem_discovered(subject: Subject) -> Iterator[Finding]:
     "JML358",
     "component that shall do what nobody carries out",
     severity=Severity.WARNING,
-    each=jaus.Component,
+    kinds=jaus.Component,
     needs=("name", "external", "simulated"),
 )
 def external_is_idle(_: Subject, component: jaus.Component) -> Iterator[Finding]:
@@ -211,7 +214,7 @@ _HIGHEST_PORT = 65535
 @rule(
     "JML359",
     "impossible place of a component",
-    each=jaus.Component,
+    kinds=jaus.Component,
     needs=("name", "external", "endpoint", "greet"),
 )
 def places(_: Subject, component: jaus.Component) -> Iterator[Finding]:
@@ -249,7 +252,7 @@ def _places_system(_: Subject, whole: system.System) -> Iterator[Finding]:
     "JML361",
     "stated peer that is not reached or not heard",
     severity=Severity.WARNING,
-    each=system.System,
+    kinds=system.System,
 )
 def reached(_: Subject, whole: system.System) -> Iterator[Finding]:
     """Processes reach an external component whose place is stated, and hear what it says.
@@ -272,8 +275,8 @@ def _not_exchanged(whole: system.System, component: jaus.Component) -> Iterator[
     """Yields what keeps the processes of a system from exchanging messages with a component."""
     feature = "endpoint" if component.endpoint else "greet"
     place = endpoint_of(whole, component)
-    processes = [each for each in _elements(whole) if not each.external]
-    for host in dict.fromkeys(host_of(whole, each) for each in processes):
+    processes = [element for element in _elements(whole) if not element.external]
+    for host in dict.fromkeys(host_of(whole, process) for process in processes):
         if host is None:
             continue
         note = Note(host, f"'{host.name}' has {host.transport.name}")
@@ -283,10 +286,14 @@ def _not_exchanged(whole: system.System, component: jaus.Component) -> Iterator[
         elif host.transport.name == "jtcp" and place is None:
             message = f"'{component.name}' cannot be greeted by TCP: nobody says where it is"
             yield Finding(component, message, feature, "state its endpoint", (note,))
-    for each in processes:
-        if place is not None and isinstance(each, bridge.Bridge) and not _hears(each, place[0]):
-            note = Note(each, f"'{each.name}' takes messages of its allowedHosts alone")
-            message = f"'{each.name}' does not hear '{component.name}' at {place[0]}"
+    for process in processes:
+        if (
+            place is not None
+            and isinstance(process, bridge.Bridge)
+            and not _hears(process, place[0])
+        ):
+            note = Note(process, f"'{process.name}' takes messages of its allowedHosts alone")
+            message = f"'{process.name}' does not hear '{component.name}' at {place[0]}"
             hint = f"add {place[0]} to its allowedHosts"
             yield Finding(component, message, feature, hint, (note,))
 
@@ -297,7 +304,9 @@ def _hears(owner: bridge.Bridge, host: str) -> bool:
         return True
     address = ipaddress.IPv4Address(host)
     try:
-        return any(address in ipaddress.IPv4Network(each) for each in owner.allowedHosts)
+        return any(
+            address in ipaddress.IPv4Network(allowed_host) for allowed_host in owner.allowedHosts
+        )
     except ValueError:
         return True
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     WithValues: TypeAlias = jaus.FixedField | jaus.Alternative | jaus.SubField
 
 
-@rule("JML325", "impossible scaling", each=jaus.ScaleRange)
+@rule("JML325", "impossible scaling", kinds=jaus.ScaleRange)
 def scale_range(subject: Subject, scale: jaus.ScaleRange) -> Iterator[Finding]:
     """A scaled field is an unsigned integer whose range maps onto lower..upper.
 
@@ -45,7 +45,7 @@ def scale_range(subject: Subject, scale: jaus.ScaleRange) -> Iterator[Finding]:
         yield Finding(field, f"'{name}' has both a scale and a value set", "values")
 
 
-@rule("JML329", "impossible value set", each=jaus.ValueSet)
+@rule("JML329", "impossible value set", kinds=jaus.ValueSet)
 def value_sets(subject: Subject, value_set: jaus.ValueSet) -> Iterator[Finding]:
     """The legal values of a field can occur in its type, and ranges are not empty.
 

@@ -54,7 +54,7 @@ _SPELLINGS: tuple[tuple[type[ros.NamedElement], re.Pattern[str], str, str], ...]
 
 
 @rule(
-    "JML406", "illegal ROS interface", each=tuple(kind for kind, *_ in _SPELLINGS), needs=("name",)
+    "JML406", "illegal ROS interface", kinds=tuple(kind for kind, *_ in _SPELLINGS), needs=("name",)
 )
 def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
     """Interface packages, types, fields and constants are named as ROS 2 demands.
@@ -69,7 +69,7 @@ def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
 
     Good: `<messages name="WheelSpeeds">` with a field named front_left
     """
-    spelling = next(each for each in _SPELLINGS if isinstance(element, each[0]))
+    spelling = next(candidate for candidate in _SPELLINGS if isinstance(element, candidate[0]))
     pattern, noun, hint = spelling[1:]
     name = element.name
     if name is not None and not pattern.fullmatch(name):
@@ -93,7 +93,7 @@ def _fields(_: Subject, field: ros.Field) -> Iterator[Finding]:
         yield Finding(field, message, "arraySize")
 
 
-@rule("JML408", "impossible constant", each=ros.Constant, needs=("name", "type"))
+@rule("JML408", "impossible constant", kinds=ros.Constant, needs=("name", "type"))
 def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
     """The value of a constant of an interface is of its type.
 
@@ -111,7 +111,7 @@ def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
         yield Finding(constant, message, "value")
 
 
-@rule("JML410", "impossible default or marker", each=ros.PrimitiveField, needs=_TYPE)
+@rule("JML410", "impossible default or marker", kinds=ros.PrimitiveField, needs=_TYPE)
 def default_values(_: Subject, field: ros.PrimitiveField) -> Iterator[Finding]:
     """A default has the type of its field, and can be written in an interface definition.
 
@@ -148,8 +148,11 @@ def _markers(subject: Subject, marker: ros.Marker) -> Iterator[Finding]:
     except ExpressionError as error:
         yield Finding(marker, f"condition {marker.condition!a}: {error}", "condition")
         return
-    paths = {each: str(field.name) if each == VALUE else each for each in variables(condition)}
-    faults = {each: _number_fault(owner, path) for each, path in paths.items()}
+    paths = {
+        variable: str(field.name) if variable == VALUE else variable
+        for variable in variables(condition)
+    }
+    faults = {variable: _number_fault(owner, path) for variable, path in paths.items()}
     for name, fault in faults.items():
         if fault:
             message = f"condition {marker.condition!a}: '{name}' {fault}"

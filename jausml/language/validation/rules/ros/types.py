@@ -36,7 +36,7 @@ _PROMISED = ("deadline", "leaseDuration")
 """Times of a publisher that are at most those that a subscription asks for."""
 
 
-@rule("JML401", "illegal ROS name", each=ros.TopicEndpoint, needs=())
+@rule("JML401", "illegal ROS name", kinds=ros.TopicEndpoint, needs=())
 def ros_names(_: Subject, end: ros.TopicEndpoint) -> Iterator[Finding]:
     """Topic and service names and namespaces obey the rules of ROS 2.
 
@@ -131,7 +131,7 @@ def qos_compatible(subject: Subject) -> Iterator[Finding]:
                     )
 
 
-@rule("JML404", "impossible quality of service", each=ros.QoSProfile, needs=("history",))
+@rule("JML404", "impossible quality of service", kinds=ros.QoSProfile, needs=("history",))
 def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
     """The depth is 1 or more with keep_last; a time is not negative, and 0 means none.
 
@@ -158,7 +158,7 @@ def qos_values(_: Subject, profile: ros.QoSProfile) -> Iterator[Finding]:
             yield Finding(profile, f"{feature} {value:g} is no time in seconds", feature)
 
 
-@rule("JML405", "impossible parameter value", each=ros.Parameter, needs=("name", "type"))
+@rule("JML405", "impossible parameter value", kinds=ros.Parameter, needs=("name", "type"))
 def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
     """The default of a parameter is of its type and within its range.
 
@@ -178,7 +178,7 @@ def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
             yield Finding(parameter, message, feature)
 
 
-@rule("JML407", "impossible frequency", each=(ros.Node, bridge.Bridge), needs=("name",))
+@rule("JML407", "impossible frequency", kinds=(ros.Node, bridge.Bridge), needs=("name",))
 def frequencies(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Finding]:
     """A frequency in calls each second is finite, not negative and at most 1000.
 
@@ -212,7 +212,7 @@ def _find_topics(subject: Subject) -> list[list[Endpoint]]:
 def _offer(publisher: Endpoint) -> object:
     """Returns what subscriptions look at: publishers that offer the same are looked at once."""
     offered = policies(publisher.element.qos)
-    return publisher.reliability, *(offered[each] for each in ("durability", *_PROMISED))
+    return publisher.reliability, *(offered[policy] for policy in ("durability", *_PROMISED))
 
 
 def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
@@ -222,9 +222,9 @@ def _incompatible(publisher: Endpoint, subscription: Endpoint) -> str:
     offered, asked = policies(publisher.element.qos), policies(subscription.element.qos)
     if (offered["durability"], asked["durability"]) == ("volatile", "transient_local"):
         return "it is volatile, the subscription transient_local"
-    for each in _PROMISED:
-        if _seconds(offered[each]) > _seconds(asked[each]):
-            return f"its {each} is longer than that of the subscription"
+    for policy in _PROMISED:
+        if _seconds(offered[policy]) > _seconds(asked[policy]):
+            return f"its {policy} is longer than that of the subscription"
     return ""
 
 
