@@ -313,7 +313,7 @@ class ControlledTarget:
             if kind in missing:
                 self._questions.ask(kind())
         pause = self._settings.retry_min if self._questions.urgent else self._interval
-        self._check_in(min(pause, max(self._renewal_due, 0.0)))
+        self._check_in(min(pause, self._renewal_pause))
 
     def _look(self) -> None:
         """Ask why control is refused, and now and then for control itself."""
@@ -405,7 +405,7 @@ class ControlledTarget:
     def _answered(self, kind: type[Message]) -> None:
         """Take an answer; after the last one the next round begins in time."""
         if self._questions.answered(kind) and self.holds:
-            self._check_in(max(self._renewal_due, 0.0))
+            self._check_in(self._renewal_pause)
 
     def _release(self) -> None:
         self._timer.cancel()
@@ -417,6 +417,13 @@ class ControlledTarget:
     def _renewal_due(self) -> float:
         """Seconds until control is to be renewed, below 0 when that is late."""
         return self._requested_at + self._interval - self._loop.now()
+
+    @property
+    def _renewal_pause(self) -> float:
+        """Seconds until control is renewed: at once when that is late, if it can be requested."""
+        if self._releases.are_under_way(self.target):
+            return self._settings.retry_min
+        return max(self._renewal_due, 0.0)
 
     @property
     def _interval(self) -> float:

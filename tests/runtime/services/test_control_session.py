@@ -629,6 +629,34 @@ def test_release_while_a_request_after_a_refusal_is_on_its_way(world, client):
     assert tested.controller is None
 
 
+@pytest.mark.timeout(20)
+def test_a_target_that_confirms_while_a_release_is_under_way_is_not_flooded(world, client):
+    peer = world.probe(str(TARGET))
+    session = client.control(TARGET, authority=127)
+    peer.ask(ConfirmControl(response_code=0), client)
+    assert session.state is CONTROLLED
+    deliver, results = world.send, []
+
+    def without_acknowledgements(*message, on_result=None, **options):
+        results.append(on_result)
+        deliver(*message, **options)
+
+    world.send = without_acknowledgements
+    session.release()
+    world.settle()
+    again = client.control(TARGET, authority=127)
+    peer.ask(ConfirmControl(response_code=0), client)
+    assert again.state is CONTROLLED
+    world.log.clear()
+    world.run(2.0)
+    assert world.count(RequestControl.CODE) == 0
+    assert 0 < world.count(QueryStatus.CODE) < 20
+    (acknowledged,) = filter(None, results)
+    acknowledged(True)
+    world.run(2.0)
+    assert world.count(RequestControl.CODE) > 0
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_whatever_happens_control_comes_back_and_nobody_is_flooded(world, seed):
     """Loss, rivals, emergencies, standby, crashes and a component that must not command itself."""
