@@ -20,11 +20,8 @@ _TYPES: tuple[wire.IntegerType | wire.RealType, ...] = (
     *wire.REALS.values(),
 )
 _WORDS = {
-    number_type.format: number_type.name.upper()
-    .replace("UINT", "U")
-    .replace("INT", "I")
-    .replace("FLOAT", "F")
-    for number_type in _TYPES
+    kind.format: kind.name.upper().replace("UINT", "U").replace("INT", "I").replace("FLOAT", "F")
+    for kind in _TYPES
 }
 
 
