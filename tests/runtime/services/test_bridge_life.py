@@ -80,6 +80,17 @@ def test_a_bridge_that_begins_inactive_begins_with_the_stop(world, setting):
     assert setting.ros.numbers("times") == [-1.0, -1.0]
 
 
+@pytest.mark.parametrize("is_simulated", [False, True])
+def test_subscribers_long_after_the_start_get_no_stop(world, setting, is_simulated):
+    setting.ros.is_simulated = is_simulated
+    connection = setting.open(message_connection(safe_value=lambda: Number(-1.0), is_command=True))
+    assert setting.ros.numbers("times") == [-1.0]
+    world.run(10.5)
+    assert connection.stopped is StopReason.START
+    setting.ros.greeters["times"]()
+    assert setting.ros.numbers("times") == [-1.0]
+
+
 def test_control_ends_and_is_not_to_be_had(world, setting):
     connection = setting.open(
         message_connection(when=Guard.READY, safe_value=lambda: Number(-1.0), is_command=True),

@@ -206,7 +206,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         newcomer gets nothing: others may publish on the topic by then.
         """
         with self._ends.loop.lock:
-            is_new = self._ends.clock.now() - self._opened < _GREETING
+            is_new = self._ends.loop.now() - self._opened < _GREETING
             if self.stopped is StopReason.START and is_new:
                 self.send_safe_value(self.deliver)
 
