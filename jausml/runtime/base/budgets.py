@@ -1,4 +1,4 @@
-"""Budgets: slots are lent, and rates are filled like water, from hosts down to ids.
+"""Budgets: fair shares of slots and rates, by host first, then by endpoint, then by id.
 
 There is no fixed share. Nobody is refused or cut while there is room; when there is none, the
 host gives way that has most, then its largest endpoint, then its largest id. A hundred components
@@ -61,9 +61,12 @@ def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:
         largest = max(groups, key=lambda group: len(groups[group]))
         if largest != asker.place[level]:
             own = len(groups.get(asker.place[level], ()))
+            # With one more the asker would have as many: to change places would only go to and fro.
             is_fair = not unproved and not asker.is_kept and len(groups[largest]) <= own + 1
             return None if is_fair else groups[largest][-1].item
+        # The asker is among the largest itself, so one of its own gives way: look a level deeper.
         left = groups[largest]
+    # Within one id the present ones stay, unless the asker has a place of its own.
     return left[-1].item if unproved or asker.is_kept else None
 
 
@@ -74,6 +77,7 @@ def fair_rates(held: Sequence[Held[T]], capacity: float, level: int = 0) -> list
         capacity: What there is a second.
         level: Level of the tree that it is shared by first.
     """
+    # The usual case: there is enough for all.
     if sum(holder.wanted for holder in held) <= capacity:
         return [(holder.item, holder.wanted) for holder in held]
     if level == LEVELS:

@@ -1,4 +1,4 @@
-"""The fast path of messages: what a compiled core may do alone, told by all who have a say in it.
+"""Fast path: how services and connections tell what a compiled core may pass without Python.
 
 Between a socket and a connection of a bridge a message meets who counts packets, who keeps commands
 in order, who guards them, who hands out events. A function of theirs that takes messages may carry
@@ -40,6 +40,7 @@ class Revision:
 
     def changed(self) -> None:
         """Ends all fast paths that were found before; callable from any thread."""
+        # In this order: a core that is opened between both compares the number after that.
         self.number += 1
         self.stop()
 
@@ -110,6 +111,7 @@ class Outlet:
 
 def through(take: TakeT, find: Callable[..., Any]) -> TakeT:
     """Returns a function that takes messages, with what finds the fast path through it."""
+    # Functions and partials have a dictionary of their own; bound methods have none.
     vars(take)["fast_path"] = find
     return take
 

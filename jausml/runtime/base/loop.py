@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     Poll = Callable[[float | None, int], list[tuple[int, int]]]
 
+# Cancelled timers stay in the heap up to this number: to take out each costs more.
 _COMPACT_FROM = 64
 
 _AT_ONCE = 64
@@ -51,6 +52,7 @@ class Timer:
         """Keep the callback from running; no effect when it ran or was cancelled."""
         self.callback = None
         on_cancel, self.on_cancel = self.on_cancel, None
+        # Taken away first, so that it is counted once however often it is cancelled.
         if on_cancel is not None:
             on_cancel()
 
@@ -82,6 +84,7 @@ class Loop:
         wall: Callable[[], int] = time.time_ns,
         stopwatch: Clock = time.perf_counter,
     ) -> None:
+        # Reentrant, as callbacks call what other threads call too.
         self.lock = threading.RLock()
         self.counters = Counters(clock) if counters is None else counters
         self.now = clock
@@ -101,6 +104,7 @@ class Loop:
         self._created = 0
         self._cancelled = 0
         self._soon: deque[Callable[[], object]] = deque()
+        # True when the loop will look without being woken: it is busy, or was woken already.
         self._woken = False
         self.standstill = Standstill(self)
         self.revision = Revision()
@@ -119,6 +123,7 @@ class Loop:
 
     def call_soon(self, callback: Callable[[], object]) -> None:
         """Run a callback in the next turn of the loop, after those asked for earlier."""
+        # A deque takes it in one step of the interpreter: no lock is needed.
         self._soon.append(callback)
         self._wake()
 
@@ -131,6 +136,7 @@ class Loop:
         timer = Timer(callback, self._timer_cancelled)
         with self._state:
             self._created += 1
+            # The number decides between equal times, in the order of making.
             heapq.heappush(self._timers, (when, self._created, timer))
             is_earliest = self._timers[0][2] is timer
         if is_earliest:
@@ -165,6 +171,7 @@ class Loop:
             settle: Runs first in each turn, with the lock.
         """
         self._poll, self._settle = poll or self._epoll.poll, settle
+        # The wait under way is by the former means.
         self._wake()
 
     def unregister(self, source: socket.socket | int) -> None:
@@ -238,6 +245,7 @@ class Loop:
         What is ready comes first: nobody looks at the time between a message and its callback.
         """
         self._runner = threading.get_ident()
+        # Local names, as look-ups of attributes are paid for by each message.
         lock, now = self.lock, self.now
         callbacks, renewed, timers, soon = (
             self._callbacks,
@@ -248,17 +256,21 @@ class Loop:
         while True:
             if renewed:
                 renewed.clear()
+            # Before the timers are read: whoever adds one after that wakes the loop.
             self._woken = False
             with self._state:
                 first = timers[0] if timers else None
+            # A timer that stands and nothing else is the usual case; the others take a call more.
             if first is None or first[2].callback is None or soon or timeout is not None:
                 wait = self._wait_time(timeout)
             elif self._stopping or (wait := first[0] - now()) < 0.0:
                 wait = 0.0
             ready = self._poll(wait, _AT_ONCE)
+            # Nobody needs to wake the loop until it waits again.
             self._woken = True
             ran = 0
             with lock:
+                # What a core has passed meanwhile was before all that is ready now.
                 if self._settle is not None:
                     self._settle()
                 for number, _ in ready:
@@ -272,8 +284,11 @@ class Loop:
                     except Exception as error:
                         self._failed(error)
                     ran += 1
+                # Without `_state`: one step reads it, and whoever adds an earlier one wakes the
+                # loop.
                 if timers and timers[0][0] <= now():
                     ran += self._run_due_timers()
+                # Those asked for by now: one that asks for itself again must not hold up others.
                 for _ in range(len(soon)):
                     ran += self._run_callback(soon.popleft())
             if is_only or self._stopping:
@@ -320,6 +335,7 @@ class Loop:
                 if callback is None:
                     self._cancelled -= 1
                     continue
+                # It runs: to cancel it changes nothing from here on.
                 timer.callback = timer.on_cancel = None
             ran += self._run_callback(callback)
 
@@ -343,6 +359,7 @@ class Loop:
                 self._cancelled = 0
 
     def _wake(self) -> None:
+        # On its own thread the loop is awake.
         if self._woken or self.runs_here():
             return
         with self._state:

@@ -1,4 +1,4 @@
-"""What waited while the loop did not turn, and whom that concerns."""
+"""Standstills: tells when the process did not run for a while, as what waited then is old."""
 
 from __future__ import annotations
 
@@ -143,6 +143,7 @@ class Standstill:
 
     def arrange(self) -> None:
         """Beat as often as the watches need it; no time passes unseen by another clock."""
+        # What stood still until now is judged by the limits of until now.
         self.look()
         if self._beat is not None:
             self._beat.cancel()
@@ -161,11 +162,14 @@ class Standstill:
         """Tell of a standstill that ends now."""
         now = self._loop.now()
         still = now - self._turned
+        # First, as those who are told may look again and must find it told.
         self._turned, self.due = now, now + self._limit
         told = [watch for watch in self._watches if 0 < watch.limit < still]
+        # One round of catching up serves all who are behind.
         if told and not self._behind:
             self._loop.call_later(_RELAYED, self._catch_up)
         self._behind += [watch for watch in told if watch not in self._behind]
+        # A further standstill begins the round anew.
         self._relayed, self._turns = now + _RELAYED, 0
         for watch in told:
             watch.began(still)

@@ -1,4 +1,4 @@
-"""Control of one target, kept over a network that loses datagrams (AS5710, AccessControl)."""
+"""Control of one component, kept over a network that loses datagrams (AS5710, AccessControl)."""
 
 from __future__ import annotations
 
@@ -147,6 +147,7 @@ class ControlledTarget:
             return
         self._is_permitted = permitted
         if permitted:
+            # Long pauses are for a target that does not answer; it was not asked.
             self._pace.answered()
             self._start()
         else:
@@ -242,6 +243,7 @@ class ControlledTarget:
                 # Nobody is Ready without control, and who had lost it was told so.
                 self._confirmed_at = self._loop.now()
         elif self.state is ControlState.READY:
+            # It may have been restarted, and know nothing of its events.
             self._watch.verify()
         if not self._change(ControlState.READY if obeys else ControlState.CONTROLLED):
             return
@@ -319,6 +321,7 @@ class ControlledTarget:
         """Ask why control is refused, and now and then for control itself."""
         now, settings = self._loop.now(), self._settings
         silence = max(settings.refused_retry, RENEWALS * settings.watch_interval)
+        # Heard of nothing: it is gone, rather than unwilling.
         if not self._presence.heard_since(self.target, now - silence):
             self._lose()
             return
@@ -343,6 +346,7 @@ class ControlledTarget:
         if self.state is ControlState.REFUSED:
             return
         self._questions.forget()
+        # What it demands now is asked for below.
         self._authority_in_force = None
         if self._change(ControlState.REFUSED):
             self._watch.start()
@@ -366,6 +370,7 @@ class ControlledTarget:
         )
         if self._authority_in_force is None or not is_available:
             return False
+        # To equal authority a target without another controller gives in, one with needs a higher.
         if self.controller in (None, self.component.address):
             return self._authority_in_force <= self.authority
         return self._authority_in_force < self.authority
@@ -410,6 +415,7 @@ class ControlledTarget:
     def _release(self) -> None:
         self._timer.cancel()
         is_asked = self._requested_at > _LONG_AGO
+        # An answer that is under way may grant control, which nobody would release then.
         if is_asked and (self._awaits_answer or self.state is not ControlState.REFUSED):
             self._releases.send(self.target, acknowledge=self._questions.are_hopeful)
 
@@ -421,6 +427,7 @@ class ControlledTarget:
     @property
     def _renewal_pause(self) -> float:
         """Seconds until control is renewed: at once when that is late, if it can be requested."""
+        # It has to wait for the release; at once would mean again and again.
         if self._releases.are_under_way(self.target):
             return self._settings.retry_min
         return max(self._renewal_due, 0.0)
@@ -438,6 +445,7 @@ class ControlledTarget:
         """Tell the sessions a new state; return whether control is wanted any longer then."""
         if state is not self.state:
             self.state = state
+            # A copy: a session that is told may leave.
             for session in tuple(self._sessions):
                 session.changed()
         return bool(self._sessions)

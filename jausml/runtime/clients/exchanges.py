@@ -1,4 +1,4 @@
-"""Exchanges: a message to a component, and the one that answers it.
+"""Exchanges: sends a message to a component, and finds the one that answers it.
 
 Messages of JAUS do not say which question they answer. So those of one component that may have the
 same answer wait for each other. One that ends without its answer is not forgotten then: each
@@ -154,6 +154,7 @@ class Exchanges:
             payload, answers, end, timeout=timeout, is_query=is_query, priority=priority
         )
         self._known[target].append(asked)
+        # The time for its turn; that for its answer begins when it is sent.
         self._end_in(timeout, target, asked, Unanswered.UNSENT)
         self._go_on(target)
 
@@ -166,6 +167,7 @@ class Exchanges:
         """Sends what may be sent, in the order in which it was asked for."""
         now = self._component.loop.now()
         former: list[Exchange] = []
+        # A copy, as what is taken over is dropped meanwhile.
         for exchange in tuple(self._known.get(target, ())):
             if exchange.is_waiting and all(one.lets(exchange, now) for one in former):
                 exchange.stop_timers()
@@ -175,6 +177,7 @@ class Exchanges:
                         self._drop(target, one)
                 self._send(target, exchange)
                 self._end_in(exchange.timeout, target, exchange, Unanswered.SILENT)
+            # Also one that waits on: nobody is overtaken by a later one with the same answer.
             former.append(exchange)
 
     def _send(self, target: JausAddress, asked: Exchange) -> None:
@@ -202,6 +205,7 @@ class Exchanges:
             if exchange.owed and code in exchange.codes:
                 exchange.owed -= 1
                 if not exchange.is_query:
+                    # The answer proves that the command has arrived: it is not repeated.
                     self._component.transport.answered(
                         self._component.address, sender, exchange.payload
                     )

@@ -19,11 +19,13 @@ MOST_STOPS = 1024
 MOST_OF_A_FRAME = 1 << 17
 """Bytes of the longest frame; a longer one is no stop of a robot."""
 
+# Offsets in one page: 64 octets of words, a flag for each connection, a number for each slot.
 _BEAT, _TAKEN, _SIMULATED, _ARMED, _NUMBERS = 0, 8, 16, 64, 64 + MOST_STOPS
 _SIZE = 4096
 _U64, _I64, _U16 = struct.Struct("<Q"), struct.Struct("<q"), struct.Struct("<H")
 
 
+# CLOCK_MONOTONIC rests while the computer is suspended, and the robot may not.
 _CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)
 
 
@@ -41,6 +43,7 @@ class Page:
     @staticmethod
     def descriptor() -> int:
         """Returns the descriptor of a new page, in which nothing is in motion yet."""
+        # A file without a name, in memory: nobody else finds it, and it ends with its last user.
         made = os.memfd_create("guardian")
         os.ftruncate(made, _SIZE)
         return made
@@ -105,6 +108,7 @@ def frame(kind: str, content: Mapping[str, Any]) -> bytes:
 
 def read_frame(channel: socket.socket) -> dict[str, Any] | None:
     """Returns the next frame of a socket; None when the other side is gone."""
+    # SEQPACKET keeps frames apart: one read is one frame.
     data = channel.recv(MOST_OF_A_FRAME)
     if not data:
         return None

@@ -160,8 +160,10 @@ class Guardian:
             # a slow machine must not keep it from that.
             was_halted, last = now - last > 4 * POLL * 1e9 and not was_halted, now
             if self._death in ready:
+                # What the bridge has sent last may be a stop, or its goodbye.
                 self._read()
                 if not self._is_over:
+                    # Without patience: a dead bridge will not say its stops any more.
                     self._say(list(self._armed()), goals=True, why="has died")
                 return
             if ready:
@@ -214,6 +216,7 @@ class Guardian:
     def _support(self, library: str, name: str) -> Any:
         if self._ros is None:
             raise RclError("nothing is known of ROS")
+        # A service has no publisher that could prove the library.
         support = self._ros.type(library, *name.split("/"))
         if "/msg/" in name:
             self._ros.check(support)
@@ -232,11 +235,13 @@ class Guardian:
         """Says what is due as the bridge does not run its loop."""
         age = self._age()
         due = [number for number in self._armed() if age > self._stops[number].patience]
+        # Said once, until the bridge was back: it may stand still for long.
         due = [number for number in due if number not in self._said]
         goals = bool(self._goals) and age > GOAL_PATIENCE and not self._are_goals_said
         if due or goals:
             self._say(due, goals=goals, why="does not run its loop")
         elif age <= POLL * 2:
+            # It turns again: if it stands still later, that is another time.
             self._said.clear()
             self._are_goals_said = False
 
@@ -246,6 +251,7 @@ class Guardian:
         # that one of both always sees the other.
         self._page.taken += 1
         is_halted = not _is_ready(self._death)
+        # Back since it was judged: it sees the mark, and says its own stop.
         if is_halted and self._age() <= POLL * 2:
             return
         self._said.update(numbers)
@@ -273,6 +279,7 @@ class Guardian:
         begun = time.monotonic()
         sent = 0
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outlet:
+            # Datagrams first: for topics, subscribers have to be found, which takes time.
             self._send(outlet, datagrams)
             sent = 1
             told = [self._told(topic) for topic in topics]
@@ -281,6 +288,7 @@ class Guardian:
                 if sent < TIMES and past >= sent * AGAIN:
                     self._send(outlet, datagrams)
                     sent += 1
+                # After the first while, only where nobody has heard it so far.
                 wanting = [
                     announcement
                     for announcement in told
@@ -299,6 +307,7 @@ class Guardian:
 
     def _send(self, outlet: socket.socket, datagrams: list[Datagram]) -> None:
         for datagram in datagrams:
+            # A datagram ends with its sequence number (AS5669A), which the bridge has counted on.
             datagram.data[-2:] = struct.pack("<H", self._page.sequence(datagram.slot))
             try:
                 outlet.sendto(datagram.data, datagram.endpoint)
@@ -318,6 +327,7 @@ class Guardian:
 
     def _is_sought(self, told: _Told) -> bool:
         """Whether somebody may still be found who listens, and nobody else has begun to speak."""
+        # With more publishers than at first, somebody else has begun to speak.
         return not told.times and self._known_ros.publishers(told.topic.name) <= told.rivals
 
     def _canceller(self, service: str) -> Any:
@@ -333,6 +343,7 @@ class Guardian:
     def _publish(self, told: _Told) -> None:
         """Publishes a stop once more if a subscriber may not have it."""
         found = self._known_ros.subscribers(told.publisher)
+        # Nothing tells which subscribers have it: when their number changes, one may not.
         times, now = told.times.get(found, 0), time.monotonic()
         if not found or times >= TIMES or (times and now - told.last < AGAIN):
             return

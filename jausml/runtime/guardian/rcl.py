@@ -1,4 +1,4 @@
-"""ROS by its client library in C alone: publishers of serialized messages, and cancels of goals.
+"""ROS without rclpy, by its client library in C: publishes serialized messages, cancels goals.
 
 rclpy would cost the guardian three times the memory. Options are handed on in buffers larger than
 they are, as the library fills them; only the quality of service, which is public and stable within
@@ -12,6 +12,7 @@ import ctypes
 from pathlib import Path
 from typing import Any, NamedTuple
 
+# Numbers of rmw/types.h.
 _RELIABILITY = {"reliable": 1, "best_effort": 2}
 _DURABILITY = {"transient_local": 1, "volatile": 2}
 _HISTORY = {"keep_last": 1, "keep_all": 2}
@@ -46,6 +47,7 @@ class _Quality(ctypes.Structure):
     )
 
 
+# An allocator is returned by value and has exactly five words; the others have room to spare.
 _ALLOCATOR, _OPAQUE, _HANDLE = _words(5), _words(256), _words(8)
 
 
@@ -84,6 +86,7 @@ class Rcl:
             "rcl_init", len(arguments), words, ctypes.byref(options), ctypes.byref(self._context)
         )
         node_options = self._default("rcl_node_get_default_options")
+        # It shall be hidden, and says what it has to say on the stream of its bridge.
         ctypes.c_bool.from_address(ctypes.addressof(node_options) + _ROSOUT).value = False
         self._call(
             "rcl_node_init",
@@ -108,6 +111,7 @@ class Rcl:
             function = getattr(ctypes.CDLL(library, ctypes.RTLD_GLOBAL), symbol)
         except (OSError, AttributeError) as error:
             raise RclError(str(error)) from error
+        # ctypes would take the address for a C int and cut it.
         function.restype = ctypes.c_void_p
         return ctypes.c_void_p(function())
 
@@ -139,6 +143,7 @@ class Rcl:
 
     def check(self, support: Any) -> None:
         """Proves that the library is as it was known: a publisher has the quality asked for."""
+        # Depth, reliability and durability are no defaults: read back, they prove the layout.
         asked = {
             "history": "keep_last",
             "depth": 7,
@@ -226,6 +231,7 @@ class Rcl:
 
     def _default(self, name: str) -> Any:
         function = getattr(self._rcl, name)
+        # Returned through a hidden pointer, a structure with room to spare does no harm.
         function.restype = _OPAQUE
         return function()
 
@@ -242,6 +248,7 @@ def _duration(seconds: float) -> _Duration:
 def loaded_libraries() -> dict[str, str]:
     """Returns the paths of the shared libraries that this process has loaded, by file name."""
     found: dict[str, str] = {}
+    # Not by name: the guardian is to load the very files that rclpy has found.
     for line in Path("/proc/self/maps").read_text(encoding="utf-8").splitlines():
         path = line.partition("/")[2]
         if ".so" in path:

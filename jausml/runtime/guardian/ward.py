@@ -1,4 +1,4 @@
-"""The side of a bridge: what it hands to its guardian, and that it is still there."""
+"""What a bridge tells its guardian: the stops to say in its place, and that it still runs."""
 
 from __future__ import annotations
 
@@ -31,6 +31,7 @@ TOO_SOON = 10.0
 """Seconds within which a second guardian that ends is one too many."""
 
 _GOODBYE = 2.0
+# The guardian alone is imported, not jausml, which would take more memory and time.
 _RUN = (
     "import sys; sys.path.append(sys.argv[1]);"
     " from guardian.process import main; sys.exit(main(*sys.argv[2:]))"
@@ -128,6 +129,7 @@ class Ward:
         """Says whether something stands on the other side of a connection."""
         if self._page is not None:
             if armed:
+                # All else before the flag: the guardian may look at any time.
                 guarded.hand()
                 self._number(self._page)
                 self._mark(self._page)
@@ -139,6 +141,7 @@ class Ward:
         """Hands a goal over, before it is sent."""
         content = {"id": goal.hex(), "service": service, "library": library}
         with self._loop.lock:
+            # Before `_begin`, which may start a guardian and hand over all that is known.
             self._goals[goal.hex()] = content
             self._mark(self._begin())
             self.send("goal", content)
@@ -165,6 +168,7 @@ class Ward:
     def release(self) -> None:
         """Guards nothing any more: all stops were said."""
         with self._loop.lock:
+            # The flags first: what was said must not be said again until the frame is read.
             if self._page is not None:
                 for connection in self._guarded:
                     self._page.arm(connection.number, False)  # noqa: FBT003
@@ -191,6 +195,7 @@ class Ward:
         try:
             if len(data) > MOST_OF_A_FRAME:
                 raise OSError(f"{len(data)} octets are no stop")
+            # Never waits: a guardian that stands still must not hold up its bridge.
             self._channel.send(data, socket.MSG_DONTWAIT)
         except OSError as error:  # it is gone, which the next beat finds, or reads nothing
             LOGGER.warning("the guardian was not told of %s: %s", kind, error)
@@ -199,6 +204,7 @@ class Ward:
         if self._page is None:
             self._page_descriptor = Page.descriptor()
             self._page = Page(self._page_descriptor)
+        # After a failure none is started again: the error was told, and stands.
         if self._process is None and not self.failure:
             self._start()
         if not self._timer.is_set:
@@ -208,7 +214,9 @@ class Ward:
     def _start(self) -> None:
         """Starts a guardian, and hands everything over."""
         own, other = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        # Our copy of its end is closed, so that either side sees the other one go.
         with other:
+            # Room for several of the longest frames, as sending does not wait.
             own.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4 * MOST_OF_A_FRAME)
             try:
                 self._process = self._spawn(other)
@@ -218,6 +226,7 @@ class Ward:
                 return
         self._channel = own
         self._begun = self._loop.now()
+        # ROS first: types of stops are found in it.
         ros = self._ros()
         if ros:
             self.send("ros", ros)
@@ -231,6 +240,7 @@ class Ward:
         death = os.pidfd_open(os.getpid())
         passed = (channel.fileno(), self._page_descriptor, death)
         runtime = str(Path(__file__).parents[1])
+        # Isolated, without site-packages: no environment of the user changes what it runs.
         line = [sys.executable, "-I", "-S", "-c", _RUN, runtime, *map(str, passed)]
         try:
             return subprocess.Popen(  # noqa: S603 - itself
@@ -278,6 +288,7 @@ class Ward:
     def _replace(self, code: int) -> None:
         """Starts another guardian in place of one that has ended."""
         self._end()
+        # Another one would end as soon.
         if self._loop.now() - self._begun < TOO_SOON:
             self._give_up(f"has ended with code {code} soon after its start")
         else:

@@ -155,6 +155,7 @@ class CommandEvents:
             reject(self._component, sender, request.request_id, error)
             return
         command.message, command.payload = message, request.command_message
+        # Before it runs: it may end at once, and the client must know the id by then.
         confirm = ConfirmEventRequest(request_id=request.request_id, event_id=command.event_id)
         self._component.send(confirm, sender)
         command.expiry = self._component.loop.call_later(
@@ -173,6 +174,7 @@ class CommandEvents:
             message = handler.message_class.decode(payload)
         except DecodeError as error:
             raise RequestError(RejectCode.INVALID_EVENT_SETUP, f"bad command: {error}") from error
+        # Asked before an id is taken: whoever may not command shall use up none.
         if not self._permits(_Command(0, sender, message, payload, handler)):
             self._component.counters.add("component.command_refused")
             raise RequestError(RejectCode.CONNECTION_REFUSED, "not controlled by you and ready")
@@ -208,12 +210,14 @@ class CommandEvents:
         elif isinstance(answer, Completion):
             command.completion = answer
             answer.when_ended(lambda: self._ended(command, answer))
+            # Control may have ended while the handler ran.
             self.recheck()
         else:
             self._finish(command, Result.SUCCESSFUL)
 
     def _ended(self, command: _Command, completion: Completion) -> None:
         with self._component.loop.lock:
+            # A successor on the same id may have taken its place.
             if command.completion is completion and command.event_id in self._commands:
                 result = Result.SUCCESSFUL if completion.succeeded else Result.UNSUCCESSFUL
                 self._finish(command, result)
@@ -235,6 +239,7 @@ class CommandEvents:
     @staticmethod
     def _detach(command: _Command) -> None:
         """End the timer and the completion, which concern nobody from now on."""
+        # Taken away first: to fail it calls `_ended`, which must not report it.
         completion, command.completion = command.completion, None
         if completion is not None:
             completion.fail()

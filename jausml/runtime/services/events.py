@@ -35,6 +35,7 @@ if TYPE_CHECKING:
 _TIME_TO_PROVE_S = 5.0
 _UNPROVED_RATE = 1.0
 _SHARING_INTERVAL_S = 0.05
+# At a rate of 0 there would be no next report.
 _LEAST_RATE = 0.01
 
 T = TypeVar("T")
@@ -216,17 +217,20 @@ class EventsService:
         send = self._component.transport.sender(self._component.address, client)
         event = _Event(self._ids.take(client), client, request_id, setup, send)
         self._events[event.event_id] = event
+        # Reports to a forged address hurt whoever is there.
         if not self._component.transport.is_proved(client):
             self._loop.call_later(_TIME_TO_PROVE_S, lambda: self._judge(event))
         return event
 
     def _apply(self, event: _Event, setup: _Setup, *, report: bool) -> None:
         """Confirm the request, then report and (re)start the timers."""
+        # A renewal keeps the rhythm that it has.
         rephase = event.timer is None or setup != event.setup
         event.setup = setup
         event.rate = self._first_rate(event)
         self._index()
         self._restart_expiry(event)
+        # Before the first report, whose id the client must know.
         self._confirm(event.client, event.request_id, event.event_id, setup.rate)
         if rephase:
             self._stop_timer(event)
@@ -250,6 +254,7 @@ class EventsService:
             if not event.setup.periodic:
                 code = event.setup.provision.report_class.CODE
                 watchers.setdefault(code, []).append(event)
+        # Made anew: a round of reports may be going through a list of the former one.
         self._watchers = watchers
         self._plan_shares()
 
@@ -276,6 +281,7 @@ class EventsService:
 
     def _judge(self, event: _Event) -> None:
         """End an event whose client had its time to prove where it is."""
+        # By identity: its id may be that of another event by now.
         is_living = self._events.get(event.event_id) is event
         if is_living and not self._component.transport.is_proved(event.client):
             self._component.counters.count("events.never_proved", str(event.client))
@@ -338,6 +344,7 @@ class EventsService:
         event.timer = self._clock.call_at(event.due, lambda: self._tick(event))
 
     def _tick(self, event: _Event) -> None:
+        # The next one first: the provider is user code, and may end the event.
         self._schedule(event)
         self._serve((event,), only_changes=False)
 
@@ -352,6 +359,7 @@ class EventsService:
             if living.get(event.event_id) is not event:
                 continue
             setup = event.setup
+            # Of each client: a provider may answer them differently.
             _, present = attempt(setup.provision.provider, setup.query, event.client)
             if present is None:
                 continue
@@ -363,6 +371,7 @@ class EventsService:
                 made[setup.payload] = present, report
             if report is None or (only_changes and report == event.last_report):
                 continue
+            # The provider may have ended it.
             if living.get(event.event_id) is event:
                 event.last_report = report
                 number, event.sequence = event.sequence, event.sequence + 1 & 0xFF
@@ -371,6 +380,7 @@ class EventsService:
 
     def _encoded(self, setup: _Setup, present: Message | bytes) -> bytes | None:
         """Return a report as its clients are to have it."""
+        # Whole and encoded already: there is nothing to select from it.
         if setup.asks_for_all and isinstance(present, bytes):
             code = setup.provision.report_class.CODE
             if present[:2] == code.to_bytes(2, "little"):
@@ -383,6 +393,7 @@ class EventsService:
         if event.expiry is not None:
             event.expiry.cancel()
         if self._timeout:
+            # The timeout of Events is in minutes (AS5710).
             delay = 60.0 * self._timeout
             event.expiry = self._loop.call_later(delay, lambda: self._expire(event))
 

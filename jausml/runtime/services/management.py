@@ -108,6 +108,7 @@ class ManagementService:
         self._emergencies.clear()
         self._enter(Status.INITIALIZE)
         self._component.call(self._component.on_initialize)
+        # The hook may have reported a failure.
         if self.status is Status.INITIALIZE:
             self._enter(Status.STANDBY)
 
@@ -191,6 +192,7 @@ class ManagementService:
             self._emergencies.add(sender)
         if self.status is not Status.EMERGENCY:
             LOGGER.warning("%s: emergency set by %s", self._component.address, sender)
+            # Of the first emergency alone: a second one has interrupted nothing.
             self._interrupted = (self.status, self._access.controller, self._access.authority)
             self._enter(Status.EMERGENCY)
             # JAUS-DEVIATION: AS5710 ends control with the emergency. Clients that are made with the
@@ -374,6 +376,7 @@ class MachineStatesService:
 
     def _report(self, _query: Message, _sender: JausAddress) -> ReportMachineStates:
         machines = self._machines[:MOST_MACHINES]
+        # In equal parts, so that no machine takes the room of others.
         most = MOST_STATES // max(1, len(machines))
         return ReportMachineStates([machine.told(most) for machine in machines])
 

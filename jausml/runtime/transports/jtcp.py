@@ -64,6 +64,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         self._well_known: Endpoint = (settings.interface, settings.port)
         self._messenger: Messenger[TcpConnection] = Messenger(settings, loop, self, self.quirks)
         self._inbox = self._messenger.inbox
+        # Apart from the inbox, as what is passed on is not for this process.
         self._relayed = DuplicateWindow(settings.duplicate_window, settings.duplicate_history)
         self._allowed = AllowedHosts(settings, self.counters)
         self._book: dict[JausAddress, Endpoint] = {}
@@ -89,6 +90,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     def close(self) -> None:
         """Close the connections; messages that wait are reported as lost."""
         with self.loop.lock:
+            # While the connections are there: what was handed over is sent, or reported as lost.
             self._send_unsent()
             self._is_open = False
             for timer in (
@@ -101,6 +103,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
                 self.loop.unregister(self._listener)
                 self._listener.close()
                 self._listener = None
+            # A list, as each of them takes itself out when it closes.
             for connection in list(self._connections):
                 connection.close()
             self._lines.clear()
@@ -160,6 +163,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         connection = self._routes.get(destination)
         if connection is None and destination in self._book:
             connection = self._connect(self._book[destination])
+        # The owner of the port may know the way, and passes on.
         if connection is None and self._well_known in self._lines:
             connection = self._lines[self._well_known].connection
         return connection
@@ -173,6 +177,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
 
     def _connect(self, endpoint: Endpoint) -> TcpConnection | None:
         """Return the connection to an endpoint, made on demand; None while it is down."""
+        # The book may name this process itself.
         if not self._is_open or endpoint == self.endpoint:
             return None
         line = self._lines.get(endpoint)
@@ -246,6 +251,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             )
             for open_connection in self._connections
         ]
+        # Whoever the address book names gets in, however many strangers are there.
         asker: Held[object] = Held(None, (*_place(peer), peer), is_kept=peer[0] in stated)
         connection = who_gives_way(held, asker)
         if connection is None:
@@ -262,6 +268,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             connecting=connecting,
             buffer=self._settings.send_buffer,
             timeout=self._settings.connection_timeout,
+            # A peer that was called need not speak; a silent caller only takes a place.
             idle=0.0 if connecting else self._settings.idle_timeout,
             on_packet=self._on_packet,
             on_close=self._on_close,
@@ -276,6 +283,7 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         line = self._lines.get(connection.peer)
         if line is not None and line.connection is connection:
             line.connection = None
+            # It was up, so whoever is there is alive: the pauses begin small again.
             if connection.is_connected:
                 line.pause = _FIRST_PAUSE_S
             if self._is_open:
@@ -288,9 +296,11 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
             return
         if not self._learn(packet, connection):
             return
+        # Tells which components live in a neighbour; see the deviation below.
         is_announced = packet.acknowledge is AckNak.ACK and not packet.payload
         if is_announced and packet.destination.is_wildcard:
             self.counters.add("jtcp.present")
+            # From this host alone: for nobody else are messages passed on.
             connection.is_neighbour = connection.peer[0] == self._settings.interface
             return
         is_relayed = self._relay(packet, connection)
@@ -396,9 +406,11 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         else:
             way = self._routes.get(packet.destination)
             ways = [] if way is None or way is origin else [way]
+        # Only from or to a process of this host: it is no router between others.
         ways = [connection for connection in ways if connection.is_neighbour or origin.is_neighbour]
         # Owners that know each other by several ways must not pass a message round forever.
         if not ways or (
+            # An acknowledgement bears the number of what it answers, and is no duplicate of that.
             packet.acknowledge < AckNak.NAK and self._relayed.is_duplicate(packet, self.loop.now())
         ):
             return False

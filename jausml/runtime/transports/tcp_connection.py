@@ -135,6 +135,7 @@ class TcpConnection:
         self._timeout = timeout
         self.has_spoken = False
         """Whether a whole message has come."""
+        # Replaced with the first message, so that later ones are not asked whether they are it.
         self._on_packet: Callable[[Packet, TcpConnection], None] = self._take_first
         self._then = on_packet
         self._idle = Alarm(loop)
@@ -149,7 +150,9 @@ class TcpConnection:
         sock.settimeout(0)
         _keep_alive(sock)
         loop.register(sock, self._on_ready)
+        # A socket that gets connected becomes writable, and the version byte waits already.
         loop.watch_writable(sock, wanted=True)
+        # The version byte waits, so the time to connect is bounded as well.
         self._guard()
 
     def __str__(self) -> str:
@@ -168,6 +171,7 @@ class TcpConnection:
                 self._loop.counters.count("jtcp.buffer_full", f"{self._waiting} bytes for {self}")
             report(self._loop, on_result, success=False)
             return False
+        # Otherwise the loop waits for the socket already, and the order is kept.
         was_idle = not self._outgoing
         self._outgoing.append((data, on_result))
         self._waiting += len(data)
@@ -187,6 +191,7 @@ class TcpConnection:
         self._idle.cancel()
         self._loop.unregister(self._socket)
         self._socket.close()
+        # By identity: the version byte is no message, and nobody wants to hear of it.
         waiting = [entry for entry in self._outgoing if entry[0] is not _VERSION]
         self._outgoing.clear()
         if waiting:
@@ -217,6 +222,7 @@ class TcpConnection:
         while self._outgoing and self.is_connected:
             data, on_result = self._outgoing[0]
             try:
+                # A view: the rest of a large message is not copied with each attempt.
                 count = self._socket.send(memoryview(data)[self._sent :])
             except BlockingIOError:
                 return
@@ -254,7 +260,9 @@ class TcpConnection:
             self._end("jtcp.connect_failed", "no answer")
 
     def _read(self) -> None:
+        # Whoever minds standstills hears of this one before what waited is served.
         self._loop.standstill.look()
+        # Others of the loop get their turn; what is left makes the socket ready again.
         for _ in range(_READS_PER_WAKE_UP):
             try:
                 data = self._socket.recv(_READ_SIZE)
@@ -280,6 +288,7 @@ class TcpConnection:
             self._loop.counters.add("jtcp.received")
             if packet is not None:
                 self._on_packet(packet, self)
+                # Whoever took it may have closed the connection: what follows is for nobody.
                 if self.is_closed:
                     return
 
@@ -295,6 +304,7 @@ def connect(endpoint: Endpoint) -> socket.socket:
     try:
         sock.connect(endpoint)
     except BlockingIOError:
+        # Under way: the loop tells when it is made.
         pass
     except OSError:
         sock.close()
@@ -332,6 +342,7 @@ def octets_of(packet: Packet) -> bytes:
     """A packet as it stands in a stream."""
     if packet.destination.is_wildcard:
         packet = packet._replace(broadcast=Broadcast.GLOBAL)
+    # Without the version byte, which a stream has once.
     return packet.encode()[1:]
 
 

@@ -1,4 +1,4 @@
-"""Actions of ROS in one process: goals from clients to servers, feedback and results back.
+"""Actions of a virtual ROS: goals go from clients to servers, feedback and results come back.
 
 Elements of goals are serialized. What a goal has besides is a plain object, since in virtual time
 there need not be a class of ROS for it.
@@ -98,6 +98,7 @@ class VirtualGoal:
     def cancel(self) -> None:
         """Asks that it ends; also when it is accepted later. May be repeated."""
         self._is_cancelled = True
+        # No server has it, so there is nobody to ask.
         if self._server is None:
             self._finish(Outcome.CANCELED, "")
         else:
@@ -116,6 +117,7 @@ class VirtualGoal:
 
     def forget(self) -> None:
         """Tells nothing of it any more; if it is accepted later, it is cancelled."""
+        # First: the end that this brings about is told to nobody.
         self._watcher = None
         self.cancel()
 
@@ -140,6 +142,7 @@ class VirtualGoal:
             return
         self._way.carry(partial(self._tell, "accepted"))
         server.begin(self)
+        # Cancelled while it was on its way.
         if self._is_cancelled:
             self._ask_to_end()
 
@@ -149,6 +152,7 @@ class VirtualGoal:
 
     def _finish(self, outcome: Outcome, reason: str) -> None:
         if not self._has_ended:
+            # While it has not ended: `_tell` is silent after that.
             self._tell("ended", outcome, reason)
             self._has_ended = True
 

@@ -1,4 +1,4 @@
-"""ROS in one process: topics, and what publishes and subscribes; actions."""
+"""Topics and actions of a virtual ROS: publishers and subscriptions in one process."""
 
 from __future__ import annotations
 
@@ -78,6 +78,7 @@ class GraphPublisher:
         return Published(self.topic.name, self.topic.kind, self.qos)
 
     def _publish(self, data: bytes) -> None:
+        # A copy: whoever publishes may use the buffer again.
         message = bytes(data), self.topic.wall()
         if self.qos.durability == "transient_local":
             self.kept.append(message)
@@ -135,6 +136,7 @@ class GraphSubscription:
 
     def _arrive(self, data: bytes, stamp: int) -> None:
         if not self.is_open:
+            # Closed while the message was on its way.
             return
         lifespan = self.qos.lifespan
         if lifespan and self.topic.wall() - stamp > lifespan * 1e9:
@@ -200,6 +202,7 @@ class GraphTopic:
         publisher.reached.append(subscription)
         publisher.matched += 1
         if publisher.greet is not None:
+            # Not while the subscription is made: ROS too tells of it later.
             self._loop.call_soon(publisher.greet)
         if subscription.qos.durability == "transient_local":
             kept = list(publisher.kept)
@@ -233,6 +236,7 @@ class RosGraph:
         offered = Qos() if qos is None else qos
         publisher = self._own.get((topic, offered))
         if publisher is None or publisher.topic.kind != type_name(ros_type):
+            # Of another type than before, it is refused like that of any node.
             publisher = self.advertise(_OUTSIDE, ros_type, Topic(topic, offered))
             self._own[topic, offered] = publisher
         publisher.publish(data)

@@ -1,4 +1,4 @@
-"""The network of a virtual world: links, and the datagrams of JAUS that pass them."""
+"""The network of a virtual world: links that delay and lose, and the datagrams on them."""
 
 from __future__ import annotations
 
@@ -63,6 +63,7 @@ class Link:
                 raise ValueError(f"{name} is {getattr(self, name)}; it must lie in 0..1")
         if self.burst and not self.burst >= 1:
             raise ValueError(f"burst is {self.burst}; it is a number of packets, at least 1")
+        # A burst begins with a chance of loss / (1 - loss) / burst, which is 1 at most.
         if self.burst and self.loss < 1 and self.loss > self.burst * (1 - self.loss):
             least = self.loss / (1 - self.loss)
             raise ValueError(f"a loss of {self.loss:g} takes bursts of at least {least:.3g}")
@@ -107,6 +108,7 @@ class Way:
             Whether it gets there.
         """
         link = self.link
+        # Draws only what the link asks for: a plain one leaves the chances of others as they are.
         if self.is_cut or (link.loss and self._loses(link)):
             return False
         copies = 2 if link.duplicate and self._random.random() < link.duplicate else 1
@@ -121,6 +123,7 @@ class Way:
         drawn = self._random.random()
         if not link.burst or link.loss == 1:
             return drawn < link.loss
+        # Gilbert and Elliott: how seldom bursts begin and end gives their mean length and the loss.
         if self._is_losing:
             self._is_losing = drawn >= 1 / link.burst
         else:
@@ -129,6 +132,7 @@ class Way:
 
     def _pass(self, arrive: Callable[[], None], link: Link) -> None:
         self._send(arrive, link)
+        # What it has overtaken follows it.
         self._release()
 
     def _send(self, arrive: Callable[[], None], link: Link) -> None:
@@ -216,6 +220,7 @@ class Network:
     def _cross(self, datagram: bytes, station: Station, to: Endpoint) -> None:
         origin = station.endpoint
         if to == _GROUP:
+            # A list, as a receiver may leave the network when it is reached.
             for receiver in [
                 virtual_transport
                 for at, virtual_transport in self._stations.items()
@@ -231,12 +236,14 @@ class Network:
         station = receiver.station
         arrive = partial(self._arrive, datagram, origin, receiver)
         if station.into.link.is_plain and not station.into.is_cut:
+            # Without a further turn of the loop: the way out was one.
             arrive()
         elif not station.into.carry(arrive):
             station.lost[_ends(datagram)] += 1
 
     def _arrive(self, datagram: bytes, origin: Endpoint, receiver: VirtualTransport) -> None:
         station = receiver.station
+        # Cut or closed while it was on its way.
         if station.into.is_cut or station.unicast is None:
             station.lost[_ends(datagram)] += 1
             return

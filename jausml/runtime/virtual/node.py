@@ -69,6 +69,7 @@ class VirtualRosNode:
         """
         if loop is not self._graph.loop:
             raise ValueError(f"{self.name} is of another world than the transport of its bridge")
+        # By then the bridge has declared all that it has.
         loop.call_soon(self._tell_unknown)
 
     def close(self) -> None:

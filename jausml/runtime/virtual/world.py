@@ -1,4 +1,4 @@
-"""A world with a clock of its own, as fast as the computer can go."""
+"""Virtual world: components and bridges by a simulated clock, as fast as the computer can go."""
 
 from __future__ import annotations
 
@@ -58,11 +58,13 @@ class VirtualWorld:
             raise ValueError(f"start {start} has no time zone")
         self._now = 0.0
         self._is_running = False
+        # In whole numbers, as a float rounds so many nanoseconds.
         self._start = (start - _EPOCH) // timedelta(microseconds=1) * 1000
         self._seed = seed
         self._transports = 0
         self._watchers: list[Watch] = []
         self.random = Random(seed)
+        # By its own clock no callback is slow, whatever the computer does.
         self.loop = Loop(clock=self.now, wall=self._wall, stopwatch=self.now)
         self._network = Network(self.loop, self.random, self._tell)
         self.ros = RosGraph(self.loop, self.random, self._tell)
@@ -158,6 +160,7 @@ class VirtualWorld:
             end = self._now + seconds
             while self._step(end, turns):
                 pass
+            # Also where nothing happens until then.
             self._now = end
 
     def run_until(self, condition: Callable[[], object], limit: float) -> None:
@@ -204,6 +207,7 @@ class VirtualWorld:
         turns.at_once += 1
         if turns.at_once > MOST_AT_ONCE:
             raise RuntimeError(f"time stands still at {self._now:g} s: callbacks call each other")
+        # Never waits: time goes on by `_now` alone.
         self.loop.run_once(0)
         return True
 

@@ -45,6 +45,7 @@ def ros_age(ros_type: type[Any], ros: RosSide, wall: Callable[[], int]) -> Age:
     is_stamped = _begins_with_stamp(ros_type)
 
     def age(data: bytes, origin: int) -> float | None:
+        # It stands at the begin of the bytes, so nothing has to be decoded for it.
         stamp = _first_stamp(data) if is_stamped else 0
         if stamp:
             return (_nanoseconds(ros.now()) - stamp) / _NANO
@@ -154,16 +155,19 @@ class Backlog:
     def admits(self, origin: Any) -> bool:
         """Returns whether a message is young enough; it is counted if it is not."""
         waited = self._waited(origin)
+        # Of unknown age, while what waited is served: it may be as old as the standstill.
         if waited is None and not self._has_caught_up:
             waited = self._still
         if waited is None or self._limit <= 0 or waited <= self._limit:
             return True
+        # Refused before the way on which arrivals are counted.
         self._counts.arrivals += 1
         self._counts.last_arrival = self._ends.clock.now()
         self._drop(TOO_OLD, f"it waited up to {waited:.2f} s while the process stood still")
         return False
 
     def _stood_still(self, seconds: float) -> None:
+        # A further standstill begins the time anew.
         self._finish()
         self._still, self._has_caught_up = seconds, False
         self._end = self._ends.loop.call_later(_REPEATED, self._over)

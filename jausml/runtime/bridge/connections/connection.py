@@ -169,6 +169,7 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         if reason is StopReason.INACTIVE and self.is_latched:
             self._latest = data, origin
             return
+        # At the end nothing is refused any more, so nothing counts as taken either.
         self.statistics.arrivals += reason is not StopReason.END
         self.refuse_halted(reason)
 
@@ -214,8 +215,10 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         Returns:
             Whether messages of the source stood until now.
         """
+        # Withdrawn before the stop is sent, which must be the last word.
         waiting = self._shaping.withdraw()
         if waiting is not None and reason is StopReason.INACTIVE and self.is_latched:
+            # Its source will not say it again: it is passed on when the bridge is active.
             self._latest = waiting.data, waiting.origin
         elif waiting is not None:
             self._shaping.thin()
@@ -293,6 +296,7 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
 
     def _measure(self) -> None:
         wanted = self._wants_latency or self._all_want_latency
+        # Only a change begins anew: what was measured so far stays.
         if wanted is not (self._latency is not None):
             self._latency = Latency(self.age, self._ends.loop.stopwatch) if wanted else None
             self.note_case()

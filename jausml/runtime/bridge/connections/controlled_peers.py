@@ -1,4 +1,4 @@
-"""Peers that a connection controls, and stops for them, sent again while they are lost."""
+"""Control of the peers of a connection, and stops that are sent again until they arrive."""
 
 from __future__ import annotations
 
@@ -77,6 +77,7 @@ class ControlledPeers:
         if session is None:
             return False
         if session.state is ControlState.CONTROLLED:
+            # Without Ready it obeys only what does not demand it.
             return self._control is Guard.CONTROLLED
         return session.state is ControlState.READY
 
@@ -162,10 +163,12 @@ class RepeatedStops:
 
     def sent(self, peer: JausAddress, arrived: bool) -> None:  # noqa: FBT001 - a fact
         """Takes what became of a stop."""
+        # One repetition at a time for each peer.
         if arrived or self._has_ended or peer in self._waiting:
             return
         settings = self._ends.settings.component
         is_bounded = self._peers.demands_control  # by the loss of control
+        # Slower where no loss of control ends the repetition.
         pause = settings.retry_min if is_bounded else settings.watch_interval
         self._waiting.add(peer)
         self._ends.loop.call_later(pause, partial(self._again, peer))

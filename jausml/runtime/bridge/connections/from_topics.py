@@ -1,4 +1,4 @@
-"""What the connections that carry ROS topics to JAUS have in common."""
+"""What all connections that carry ROS topics to JAUS have in common."""
 
 from __future__ import annotations
 
@@ -84,6 +84,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         for joined in self._topic_joins:
             joined.open(ends, self.name, real=uses_ros_classes(self._translate))
         self.join(self._topic_joins)
+        # A partial, as a bound method cannot carry the fast path.
         take = self._through(partial(self.take))
         self._feeds = [ends.shared_topics.feed(self._type, topic, take) for topic in self._topics]
 
@@ -93,6 +94,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         counts.arrivals += 1
         try:
             target = self._transcode(data)
+            # First: the guardian must know of a command before the command is out.
             if self.stopped is not None:
                 self.note_usable()
             counts.heard = counts.last_arrival = at = now()
@@ -100,9 +102,11 @@ class FromTopics(Connection[SourceT, TargetT]):
             if target is None:
                 self.drop(FILTERED)
                 return
+            # Senders of a transport return None: they take everything.
             if sink.deliver(target) is False:
                 return
         except Exception as error:
+            # Not heard: a source that sends nothing usable is silent.
             counts.last_arrival = now()
             self.fail(error)
             return
@@ -124,6 +128,7 @@ class FromTopics(Connection[SourceT, TargetT]):
                 unknown(left_out)
 
         def find(feed: Any) -> FastSubscriber | None:
+            # None with several peers, or one that does not obey: only a single sender has one.
             outlet: Outlet | None = getattr(sink.deliver, "fast_path", lambda: None)()
             if outlet is None or not self.is_usual:
                 return None

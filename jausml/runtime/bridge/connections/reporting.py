@@ -41,12 +41,14 @@ class Rate:
         """
         span = PERIODS / declared if declared > 0 else 0.0
         noted = self._noted
+        # The last note from before the span stays, as the rate is counted from it.
         while len(noted) > 1 and noted[1][0] <= now - span:
             noted.popleft()
         since, before = noted[0] if noted else (now, arrivals)
         noted.append((now, arrivals))
         elapsed = now - since
         self.hertz = (arrivals - before) / elapsed if elapsed > 0 else 0.0
+        # Not before a whole span has passed: a source that has just begun is not slow.
         self.is_slow = 0 < span <= elapsed and self.hertz < declared / 2
 
 
@@ -161,6 +163,7 @@ class Reporter:
                 self._noted[reason] = count
                 name = f"bridge.{connection.name}.{reason}"
                 if reason in NOT_LOST:
+                    # Left out on purpose: counted, but no line of the log.
                     counters.add(name, new)
                 else:
                     counters.count(name, f"{new} since the last report", amount=new)
@@ -173,6 +176,7 @@ class Reporter:
         present = _Totals(
             now,
             counts.arrivals,
+            # What a filter holds back is what it is there for.
             sum(n for why, n in counts.drops.items() if why != FILTERED or not connection.filters),
             self.note_losses(),
             counts.errors,
@@ -264,6 +268,7 @@ class Reporter:
         counts = self._connection.statistics
         failures = {reason: n for reason, n in counts.drops.items() if reason in FAILURES}
         passed, before = self._succeeded
+        # Something has passed: failures are counted from here on.
         if counts.passed != passed:
             self._succeeded = counts.passed, failures
             return ""

@@ -60,6 +60,7 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then asks each peer for the event."""
         if self.rate is not None:
+            # The frequency of the bridge, for 0, is known only now.
             rate = self.rate or ends.settings.frequency
             self.rate = ends.ros.parameter(parameters.RATE.of(rate, self.name), self._set_rate)
         super().open(ends)

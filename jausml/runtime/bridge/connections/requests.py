@@ -1,4 +1,4 @@
-"""What a connection asks of JAUS peers: reports, further reports beside them, command answers."""
+"""What a connection asks of JAUS peers by events and queries, and what it answers to theirs."""
 
 from __future__ import annotations
 
@@ -48,6 +48,7 @@ class EventRequests:
         self._take = take
         self._events: dict[JausAddress, EventSubscription] = {}
         self._lost = self._late = 0
+        # Peers have real time: another pace of the simulation is another rate for them.
         if rate is not None and ends.simulation is not None:
             ends.simulation.clock.follow_ratio(self._ask_anew)
 
@@ -86,6 +87,7 @@ class EventRequests:
         """Has the events of all peers come at the present rate."""
         if self._events:
             former, self._events = self._events, {}
+            # The new event is asked for before the former one ends, so that reports go on.
             for peer, event in former.items():
                 self.begin(peer)
                 self._end(event)
@@ -206,6 +208,7 @@ class CommandMemory:
         answer = self._answer
         if self._payload is None or not self._stands():
             return answer.report() if answer.has_empty else None
+        # A report has the fields of the command that it tells; only the code is another one.
         code = answer.report.CODE.to_bytes(MESSAGE_CODE_SIZE, "little")
         payload = code + self._payload[MESSAGE_CODE_SIZE:]
         if answer.same:

@@ -64,6 +64,7 @@ class RateCap:
 
         def take(data: bytes, sender: Any) -> None:
             now = clock()
+            # A known source costs one look-up.
             name = sender if sender in until else self._name(sender, now)
             taken = until.get(name, now)
             if taken - now > ahead:
@@ -77,6 +78,7 @@ class RateCap:
     def _name(self, sender: Any, now: float) -> Any:
         """Returns under which name a new source has its allowance."""
         until = self._until
+        # Once a second at most: a flood of names must not cost a search each.
         if len(until) >= _MOST_SOURCES and now - self._looked >= _BURST_S:
             self._looked = now
             for name in [name for name, time in until.items() if time <= now]:
@@ -181,6 +183,7 @@ class Shaping:
     def _change(self, shape: Shape) -> None:
         with self._ends.loop.lock:
             self._shape = shape
+            # It may be due now, or later than before.
             if self._waiting is not None:
                 self._arrange()
             self._reshaped()
@@ -208,6 +211,7 @@ class Shaping:
     def take(self, data: bytes, origin: Any) -> None:
         """Takes a message, which passes now, later, or not at all."""
         now = self._ends.clock.now()
+        # 0 after a stop, so that the first message then passes.
         if 0 < self._skipped < self._shape.decimation:
             self._skipped += 1
             self._note(now)
@@ -219,6 +223,7 @@ class Shaping:
             self._refuse(now, now - expiry)
             return
         if self._waiting is not None:
+            # The newest takes the place of the one that waits; the time stays.
             self.thin()
             self._waiting = Waiting(data, origin, expiry)
             self._note(now)
@@ -241,6 +246,7 @@ class Shaping:
             self._timer.set_at(self._due, self._arrange)
             return
         self._judge_silence()
+        # The stop of a silent source may have withdrawn it just now.
         waiting, self._waiting = self._waiting, None
         if waiting is not None:
             now = self._ends.clock.now()
@@ -252,6 +258,7 @@ class Shaping:
     def _pass(self, data: bytes, origin: Any, now: float) -> None:
         self._passed = now
         self._way(data, origin)
+        # What could not be translated was not heard: the source said nothing usable.
         self._is_usable = self._counts.heard >= now
 
     def _expiry(self, data: bytes, origin: Any, now: float) -> float:

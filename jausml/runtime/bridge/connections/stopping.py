@@ -109,6 +109,7 @@ class Stopping:
         To be called whenever something changes that decides what becomes of messages.
         """
         self._ends.loop.revision.changed()
+        # What stands from now on is for the guardian to end.
         if self.stopped is None and self._halt is None and self._guarded is not None:
             self._guarded.arm(True)  # noqa: FBT003
 
@@ -123,6 +124,7 @@ class Stopping:
         """Starts to watch for silence, which a source that never spoke also is."""
         self.statistics.heard = self._ends.clock.now()
         if self.is_command:
+            # A life before, which may have crashed, can have left a command behind.
             self.stop(StopReason.START)
         else:
             self._arm(self.silence_timeout)
@@ -130,6 +132,7 @@ class Stopping:
     def note_usable(self) -> None:
         """Notes that the source has said something: one that sends nothing usable is silent."""
         self.statistics.heard = self._ends.clock.now()
+        # While it is halted the stop stands, whatever the source says.
         if self.stopped is not None and self._halt is None:
             self.stopped = None
             self._arm(self.silence_timeout)
@@ -140,6 +143,7 @@ class Stopping:
             self._watch = self._ends.clock.call_later(delay, self._check_silence)
 
     def _check_silence(self) -> None:
+        # The timer is not set anew by each message: it looks how much is left.
         remaining = self.statistics.heard + self.silence_timeout - self._ends.clock.now()
         if remaining > 0:
             self._arm(remaining)
@@ -164,6 +168,7 @@ class Stopping:
             if self._watch is not None:
                 self._watch.cancel()
             if self.stopped is None:
+                # The new time counts from now on: a change is no silence.
                 self.statistics.heard = self._ends.clock.now()
                 self._arm(seconds)
 
@@ -188,11 +193,13 @@ class Stopping:
         # What stands already stands for its own reason: a bridge begins inactive.
         if stood or reason is not StopReason.INACTIVE:
             self.stopped = reason
+        # First the core is stopped, so that no older command follows the stop.
         self.note_case()
         if stood:
             counts = self.statistics.stops
             counts[reason] = counts.get(reason, 0) + 1
             self.send_safe_value(self.deliver_stop)
+        # Only after the stop was sent: until then the guardian must say it if this process dies.
         if self._guarded is not None:
             self._guarded.arm(False)  # noqa: FBT003
         return stood
@@ -206,6 +213,7 @@ class Stopping:
     def _handed_over(self) -> Content:
         """Returns what the guardian is to say, and after which silence."""
         try:
+            # At a moment that is found again in the octets, where the guardian puts the present.
             with self._ends.at(MARK):
                 payload = self.encode(self._safe_value() if self._safe_value else None)
             topics, datagrams = self.guarded_stops(payload)

@@ -100,6 +100,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         return self._ends.clock.now() - at - float(origin - stamp) * 1e-9
 
     def _backlog_changed(self) -> None:
+        # What comes later is compared with the last one before the standstill.
         self._before = self._sink.latest
         super()._backlog_changed()
 
@@ -126,6 +127,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._senders = tuple(prepared[peer] for peer in obeying)
         self._refusing = tuple(peer for peer in prepared if peer not in obeying)
         is_simple = len(obeying) == 1 and not self._refusing and self._halt is None
+        # One peer, and it obeys: its sender is called without another function between.
         self._sink.deliver = self._senders[0] if is_simple else self.deliver
         self._ends.loop.revision.changed()
 
@@ -197,6 +199,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _slot(self, peer: JausAddress) -> int:
         """Where the guardian finds the next sequence number to a peer."""
+        # Kept while a peer comes and goes, as the page has room for so many.
         if peer not in self._slots and self._ends.ward is not None:
             component = self._ends.component
             number = partial(component.transport.next_number, component.address, peer)
@@ -211,6 +214,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
                 peer,
                 payload,
                 priority=self._priority,
+                # Whatever the model says of the commands: a stop that gets lost is sent again.
                 acknowledge=True,
                 on_result=partial(self._stop_sent, peer),
             )
@@ -242,6 +246,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
 
     def _control_changed(self, peer: JausAddress) -> None:
         self._find_route()
+        # Others obey now, so the guardian has to say its stops to others.
         if self._guarded is not None:
             self._guarded.hand()
         self._stops.changed(peer)
@@ -268,6 +273,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
             freshness: Seconds after which a message is too old to be reported; 0 means never.
             empty: Makes the report that says that there is no data, when its fields are optional.
         """
+        # A report that is too old and a source that is silent are one thing.
         super().__init__(name, translate, silence_timeout=silence_timeout or freshness, **options)
         self._query = query
         self._empty = empty
@@ -327,6 +333,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
 
         def put(report: bytes | None) -> None:
             holder.value, holder.feeder = report, self
+            # A report that was put together is as old as the oldest of its values.
             if self._oldest < math.inf:
                 self.statistics.heard, self._oldest = self._oldest, math.inf
             changed(message)

@@ -96,14 +96,17 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._publishers = [
             ends.shared_topics.publisher(self._type, topic, greet) for topic in self._topics
         ]
+        # Of several no core can take charge: `_Publishers` has no address.
         only = self._publishers[0] if len(self._publishers) == 1 else None
         self._publisher = only or _Publishers(self._publishers)
         self.guard()
         for report_join in self._report_joins:
             report_join.open(ends, self.name, self._peers, self._refuse_sender)
         self.join(self._report_joins)
+        # A partial, as a bound method cannot carry the fast path.
         self._take = self._through(partial(self.take))
         self.begin(ends)
+        # At last: a peer may answer as soon as it is asked.
         self._peers.follow(ends.component.find_peers, self._join, self._leave)
 
     def begin(self, ends: Ends) -> None:
@@ -133,6 +136,7 @@ class ToTopics(Connection[SourceT, TargetT]):
             counts.last_arrival = now()
             self.fail(error)
             return
+        # First: the guardian must know of a command before the command is out.
         if self.stopped is not None:
             self.note_usable()
         if target is not None:
@@ -302,6 +306,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
 
     def _stands(self) -> bool:
         """Whether what was commanded last has not given way to a stop."""
+        # Without a safe value the last command stands on, whatever stopped its source.
         return self.stopped is None or self._safe_value is None
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
@@ -343,6 +348,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
 class _Publishers:
     """Several publishers as one."""
 
+    # For whoever asks: each of the publishers counts its own.
     matched = 1
     unmatched = 0
 

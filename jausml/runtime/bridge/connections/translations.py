@@ -47,6 +47,7 @@ def uses_ros_classes(translate: Callable[..., Any]) -> bool:
 
 def override_of(*translations: object) -> list[tuple[str, str]]:
     """Names the methods among translations that a subclass has in the place of generated ones."""
+    # Where two classes of its line define a method, a subclass has replaced the generated one.
     names = [
         translation.__name__
         for translation in translations
@@ -86,6 +87,7 @@ def transcoder(
         try:
             target = translate(decode(data), **joins)
         finally:
+            # Also of a translation that fails: the loop was held up all the same.
             elapsed = clock() - begun
             if elapsed > LONGEST_CALL:
                 on_blocking(elapsed)
@@ -113,6 +115,7 @@ def compiled_first(function: Function, names: Sequence[str], slow: Transcode) ->
         made = function(data, *(joins[name].fresh_data() for name in names))
         if made is not None:
             return made
+        # Objects of joins are made only here, where the function has given way.
         return slow(data, **{name: join.fresh() for name, join in joins.items()})
 
     return transcode_joined
@@ -143,6 +146,7 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
         nonlocal encode
         if isinstance(message, message_type):
             return message.to_cdr()
+        # Made for the first object of the class of ROS: rclpy need not be there before.
         if encode is None:
             encode = ros.codec(message_type).encode
         return encode(message)
@@ -250,6 +254,7 @@ class Joined:
         Raises:
             StaleJoinError: There is nothing fresh, and the main message is dropped.
         """
+        # When it is stale: that raises an error, or says None.
         return self._data if not self.is_stale else self.fresh()
 
     @property

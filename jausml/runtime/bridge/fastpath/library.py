@@ -1,4 +1,7 @@
-"""What a compiled core has for the fast path, and what it shares with Python (fastpath.hpp)."""
+"""The compiled core as Python calls it: its functions, and structures that both read.
+
+The other side is the template fastpath.hpp of the generators, which becomes part of each core.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ from ..messages.compiled import Translation
 AT_ONCE = 32
 """Messages that a core passes on before they are written down."""
 
+# Laid out as the structs of fastpath.hpp: "@" aligns as the compiler does, padding included.
 TAKEN = struct.Struct("@dQPNPNIHB1x")
 """A message that was taken: when, what was left out, where it is, its size, where the sizes of its
 packets are, how many there are, the index of its route, the number of the last packet, and whether
@@ -28,6 +32,7 @@ class NoFastPathError(Exception):
     """Messages cannot pass a core alone here; the text says why."""
 
 
+# Structures repeat those of fastpath.hpp field by field: core and Python share the memory.
 class Ros(ctypes.Structure):
     """Functions of the client library of ROS."""
 
@@ -143,6 +148,7 @@ NONE, SEVERAL = -1, -2
 """What a wait returns in the place of the only descriptor that is ready."""
 
 _POINTER, _SIZE = ctypes.c_void_p, ctypes.c_size_t
+# Types are stated, as ctypes takes what it is not told of for a C int and cuts addresses.
 _FUNCTIONS: dict[str, tuple[Any, tuple[Any, ...]]] = {
     "core": (_POINTER, (_POINTER, ctypes.c_int)),
     "core_end": (None, (_POINTER,)),
@@ -188,6 +194,7 @@ class Library:
         except (OSError, AttributeError) as error:
             raise NoFastPathError(str(error)) from error
         addresses = {name: _address_of(entry_point) for name, entry_point in found.items()}
+        # Kept here, as the core has no more than the address.
         self._core, self._ros = core, Ros(**addresses)
         self.ros = ctypes.addressof(self._ros)
 
@@ -202,6 +209,7 @@ def _address_of(function: Any) -> int:
 
 def packed_host(host: str) -> int:
     """Returns an address of IPv4 as a number."""
+    # In the order of the host, as the core compares what ntohl gives.
     return int.from_bytes(socket.inet_aton(host), "big")
 
 

@@ -1,4 +1,4 @@
-"""Datagrams to ROS: a core receives, translates and publishes the usual ones alone.
+"""From JAUS to ROS on the fast path: the core receives, translates and publishes by itself.
 
 What each of them changes on its way through Python is written down before anything else runs. Any
 other datagram is handed to those who read the socket, as if it had been received here.
@@ -30,8 +30,10 @@ if TYPE_CHECKING:
     from ...transports.udp.reading import Receiver
     from .library import Library, Waited
 
+# Offsets in a datagram of one message (AS5669A): version, type, size, flags, ends, payload.
 _ENDS = slice(4, 13)
 _FLAGS = 4
+# The two highest bits of the flags: the place of a packet in its message.
 _PLACE, _FIRST, _WITHOUT_PLACE = 6, 1, 0x3F
 _DESTINATION = slice(5, 9)
 _CODE = slice(13, 15)
@@ -39,6 +41,7 @@ _EVENT = 15
 _SHORTEST = 17
 _ENDS_LAYOUT = struct.Struct("<BII")
 _PRIORITY, _ASKS, _ANSWERS, _ACKNOWLEDGES = 0x03, 0x10, 0x20, 0x30
+# Strangers that invent kinds of datagrams must not fill the memory.
 _MOST_WITHOUT = 1024
 
 
@@ -117,6 +120,7 @@ class FastReceiver:
 
         What is meant for one component has a number among those that the core knows.
         """
+        # Bound once: each datagram would pay for the look-ups.
         receive, changed = sock.recvfrom, self._loop.revision.changed
 
         def take(most: int) -> tuple[bytes, Endpoint]:
@@ -164,6 +168,7 @@ class FastReceiver:
             settle(number, when, unknown, payload, answered, parts)
         for at in range(waited.left_count):
             left = waited.left[at]
+            # Copied, as the core uses its buffers again in the next wait.
             datagram = text(left.data, left.size)
             self._others.append((datagram, (host_of(left.host), left.port)))
             self._note(datagram)
@@ -173,20 +178,25 @@ class FastReceiver:
         self._routes.clear()
         self._by_key.clear()
         self._without.clear()
+        # The core has forgotten its routes by now, so nothing uses what was lent to it.
         self._lent.clear()
 
     # ------------------------------------------------------------------ routes
 
     def _note(self, datagram: bytes) -> None:
         """Looks after the turn whether datagrams like this one are usual from now on."""
+        # Without a message code it is an acknowledgement, or damaged: never usual.
         if len(datagram) < _SHORTEST:
             return
         code = int.from_bytes(datagram[_CODE], "little")
         flags = datagram[_FLAGS]
+        # Later packets of a message take the route of its first one.
         if flags >> _PLACE > _FIRST:
             return
+        # Without the place, so that whole messages and first packets share a route.
         ends = bytes([flags & _WITHOUT_PLACE]) + datagram[_FLAGS + 1 : _ENDS.stop]
         key = _Key(ends, code, datagram[_EVENT] if code == Event.CODE else 0)
+        # Once for all of a turn, when Python has taken the datagrams themselves.
         if not self._seen:
             self._loop.call_soon(self._learn)
         if len(self._seen) < _MOST_WITHOUT:
@@ -202,6 +212,7 @@ class FastReceiver:
     def _bring_up_to_date(self, key: _Key) -> None:
         """Tells the routes of a kind of messages what Python has learnt of one of them."""
         for other, known in self._by_key.items():
+            # Whatever the flags: numbers and order are those of the pair and the kind of message.
             if other.ends[1:] == key.ends[1:] and other[1:] == key[1:]:
                 _tell(known.order, known.path)
 
@@ -215,15 +226,21 @@ class FastReceiver:
         entry = self._book.learnt.get(source)
         numbers = self._window.seen.get(pair_of(source, destination))
         if (
+            # Acknowledgements are matched one by one, with what waits for them.
             flags & _ANSWERS
             or entry is None
+            # Who has not proved where it is has a credit, which Python keeps.
             or entry.claim is not None
+            # From there come own multicasts, which are dropped.
             or entry.endpoint in self._transport.own_endpoints
+            # Forgotten, or never seen: there is nothing to compare numbers with.
             or not numbers
             or destination not in self._inbox.takers
+            # Somebody else uses the address of a component of this process: an error to be told.
             or source in self._inbox.receivers
         ):
             return None
+        # As the inbox would answer: with the priority of the question.
         answer = flags & _PRIORITY | _ACKNOWLEDGES if flags & _ASKS else 0
         return _Way(entry, address_of(source), address_of(destination), numbers, answer)
 
@@ -235,7 +252,9 @@ class FastReceiver:
         path = None
         if way.destination == self._component.address:
             path = self._component.fast_path(key.code, key.event, way.source)
+        # Of an event nobody has seen a report yet, so there is no number to expect.
         if path is None or (path.expected is not None and path.expected() is None):
+            # Emptied as a whole: what is asked for again is simply judged again.
             if len(self._without) >= _MOST_WITHOUT:
                 self._without.clear()
             self._without.add(key)
@@ -256,12 +275,15 @@ class FastReceiver:
             publisher=path.publisher,
             translation=ctypes.pointer(path.translation),
         )
+        # What Python has seen so far is a duplicate for the core too.
         numbers = list(way.numbers)
         known = (ctypes.c_uint16 * len(numbers))(*numbers)
+        # The core copies the route and returns the part of it that both write to.
         order = self._library.core_add(self._core, ctypes.byref(route), known, len(numbers))
         if not order:
             return
         _tell(order.contents, path)
+        # Kept from being freed: the core has its address alone.
         self._lent.append(path.translation)
         self._by_key[key] = found = _Known(path, order.contents, self._settling(way, path))
         self._routes.append(found)
@@ -282,6 +304,7 @@ class FastReceiver:
             answered: bool,  # noqa: FBT001
             sizes: Sequence[int] | None,
         ) -> None:
+            # What the address book and the window do with a datagram that Python reads.
             entry.heard = at
             learnt.move_to_end(source)
             seen.move_to_end(pair)
@@ -289,11 +312,13 @@ class FastReceiver:
                 window.remember(pair, numbers, number, destination, payload, at)
             else:
                 reassembly.note_whole(len(sizes))
+                # The number is that of the last packet; those before it may lie beyond 65535.
                 start, first = 0, number - len(sizes) + 1
                 for sequence_number, size in enumerate(sizes, first):
                     part = payload[start : start + size]
                     window.remember(pair, numbers, sequence_number & 0xFFFF, destination, part, at)
                     start += size
+            # Acknowledgements that the core has sent are datagrams too.
             sent.count += answered
             passed(payload, number, at, unknown)
             heard(source, at)

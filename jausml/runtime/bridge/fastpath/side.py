@@ -1,4 +1,4 @@
-"""Both directions of the fast path of one bridge, and the wait of its loop."""
+"""The fast path of one bridge: usual messages pass in the compiled core while its loop waits."""
 
 from __future__ import annotations
 
@@ -70,6 +70,7 @@ class SharedNumbers:
 
     def __repr__(self) -> str:
         """Returns what `itertools.count` says of where it is."""
+        # The packetizer reads from it how many numbers are taken.
         return f"count({self.cell.value})"
 
 
@@ -95,9 +96,11 @@ class FastSubscriber:
         self._path, self._feed = path, feed
         outlet = path.outlet
         numbers, place = outlet.numbers, outlet.endpoint()
+        # Numbers that were begun before the core was there are counted by Python alone.
         if not isinstance(numbers, SharedNumbers) or place is None:
             raise LookupError
         sock, (host, port), heard = place
+        # Kept, like what follows: the core holds pointers into it.
         self._to = Destination(
             host=packed_host(host),
             port=port,
@@ -135,6 +138,7 @@ class FastSubscriber:
         shared, feed = self._shared, self._feed
         feed.expected = shared.expected
         feed.counts.lost += shared.lost
+        # Told once: the core counts on from 0.
         shared.lost = 0
 
     def pending(self) -> Other | None:
@@ -143,6 +147,7 @@ class FastSubscriber:
         if not self.is_current or not found.data:
             return None
         data, number = ctypes.string_at(found.data, found.size), found.number
+        # Once: the core fills it again with the next message that is not usual.
         found.data = None
         told = None if number == _NOT_TOLD else number
         return Other(data, told, found.received, found.published, found.left)
@@ -172,6 +177,7 @@ class FastSide:
             code: The library of the core.
         """
         transport, self._loop = component.transport, component.loop
+        # The core reads real sockets by the real clock; a virtual world has neither.
         if not isinstance(transport, JudpTransport) or self._loop.now is not steady:
             raise NoFastPathError("the network or the clock is not that of the system")
         self._library = library = Library(code)
@@ -180,11 +186,13 @@ class FastSide:
             raise NoFastPathError("there is no memory")
         self._transport = transport
         self._revision = -1
+        # One for all waits: it is large, and its address is handed over with each call.
         self._waited = Waited()
         self._place = ctypes.pointer(self._waited)
         self._has_passed = False
         self._subscribers: list[FastSubscriber] = []
         self._receiver = FastReceiver(library, self._core, transport, component)
+        # Before there is any sender, which would count by itself.
         transport.count_by(partial(SharedNumbers, library))
         with self._loop.lock:
             transport.receive_by(self._receiver.receiver)
@@ -193,6 +201,7 @@ class FastSide:
 
     def __del__(self) -> None:
         """Ends the core when nobody waits with it any more."""
+        # Not in `close`: the loop may wait in the core, without the lock, while that runs.
         if getattr(self, "_core", None) is not None:
             self._library.core_end(self._core)
 
@@ -211,6 +220,7 @@ class FastSide:
     def close(self) -> None:
         """Has Python wait and receive again."""
         with self._loop.lock:
+            # Stops the core before anything that it uses is taken back.
             self._loop.revision.changed()
             self._loop.revision.stop_by(None)
             self._loop.wait_by(None, None)
@@ -228,6 +238,7 @@ class FastSide:
         self._has_passed = False
         if receiver.has_others:  # what comes behind them must not pass before them
             return [(receiver.descriptor, EPOLLIN)]
+        # Opened before the revision is read: whoever changes it from here on stops the core again.
         library.core_start(self._core)
         if (number := self._loop.revision.number) != self._revision:
             library.core_forget(self._core)
@@ -237,10 +248,12 @@ class FastSide:
         due = self._loop.standstill.due
         wait = _FOREVER if seconds is None else seconds
         only = library.core_wait(self._core, wait, due, self._place)
+        # The usual wake-up is one descriptor, told by the result alone: no memory is read for it.
         if only != SEVERAL:
             return [] if only == NONE else [(only, EPOLLIN)]
         self._has_passed, waited = True, self._waited
         ready = set(waited.ready[: waited.ready_count])
+        # Left datagrams are read by whoever reads the socket, which need not be ready itself.
         if waited.left_count:
             ready.add(receiver.descriptor)
         return [(descriptor, EPOLLIN) for descriptor in ready]

@@ -1,4 +1,4 @@
-"""Duplicates by source, destination, number and content, and what the numbers say is lost."""
+"""Finds packets that come twice, and tells by the gaps of their numbers how many are lost."""
 
 from __future__ import annotations
 
@@ -24,7 +24,9 @@ is told from the first of a new life."""
 NEAR = 2.0
 """Seconds between two packets in which no sender numbers ``SPAN`` of them."""
 
+# How far before the first packet that came others of the same life may still come.
 _EARLY = 64
+# Numbers in a row that prove a restart: one or two may be late repetitions.
 _CERTAIN = 3
 _ALL = (1 << SPAN) - 1
 
@@ -98,6 +100,7 @@ class Account:
         Args:
             numbers: Those that are remembered, in the order of arrival.
         """
+        # From the newest back to those that are counted, as the memory is long.
         fresh = list(islice(reversed(numbers), len(numbers) - self._counted))
         for number in reversed(fresh):
             self._take(number)
@@ -147,6 +150,7 @@ class Account:
         if 0 < step <= SPAN:
             self._advance(step)
         elif -SPAN < step <= 0 and self._missing >> -step & 1:
+            # Among the missing: it is late, and was not lost.
             self._missing ^= 1 << -step
             self.late += 1
         elif self._began < -step <= self._began + _EARLY and self._began < _EARLY:
@@ -158,10 +162,12 @@ class Account:
             self._doubt(number)
             return
         self.came += 1
+        # The sender goes on where it was, so those in doubt were repetitions.
         self.repeated += len(self._doubted)
         self._doubted.clear()
 
     def _advance(self, step: int) -> None:
+        # Bit 0 is the newest, which has come; those between it and the former one are missing.
         missing = self._missing << step | (1 << step) - 2
         self._gone += (missing >> SPAN).bit_count()
         self._missing = missing & _ALL
@@ -171,14 +177,17 @@ class Account:
     def _doubt(self, number: int) -> None:
         """Take one that came before, or is far away: the sender began anew if more follow it."""
         if self._doubted and not 0 < (number - self._doubted[-1] & 0xFFFF) <= _EARLY:
+            # It does not follow the one before, so that neither is part of a new life.
             self.repeated += len(self._doubted)
             self._doubted.clear()
         self._doubted.append(number)
         if len(self._doubted) < _CERTAIN:
             return
+        # Of the former life nothing will come any more.
         self._gone = self.lost
         self.restarts += 1
         numbers, self._doubted = self._doubted, []
+        # What was in doubt were the first packets of the new life.
         self._begin(numbers[0])
         for sequence_number in numbers[1:]:
             self._advance(sequence_number - self._top & 0xFFFF)
@@ -279,6 +288,7 @@ class DuplicateWindow:
     def _begin(self, pair: int) -> Numbers:
         if len(self.seen) >= self._sources:
             forgotten, numbers = self.seen.popitem(last=False)
+            # In place: whoever holds the numbers of this pair finds them empty, and knows.
             numbers.clear()
             self._accounts.pop(forgotten, None)
             self._changed()
@@ -290,11 +300,13 @@ class DuplicateWindow:
         is_same = False
         if before is not None:
             since, known = before
+            # With the destination: packets to all wildcards are remembered together.
             is_same = known == hash(packet.payload) ^ packet.destination
             if now - since < self.seconds and is_same:
                 if pair in self._accounts:
                     self._accounts[pair][2].doubled += 1
                 return True
+            # Taken out, to stand at the end with its new time.
             self._forget(pair, numbers, [packet.sequence])
         self.remember(pair, numbers, packet.sequence, packet.destination, packet.payload, now)
         if is_same and pair in self._accounts:
@@ -317,6 +329,7 @@ class DuplicateWindow:
 
     def _make_room(self, pair: int, numbers: Numbers) -> None:
         """Forget the oldest numbers of a pair, of which there are as many as can be."""
+        # Many at once, so that not each packet has to make room.
         self._forget(pair, numbers, list(islice(numbers, len(numbers) - self.history + 1)))
 
     def _forget(self, pair: int, numbers: Numbers, sequences: list[int]) -> None:

@@ -1,4 +1,4 @@
-"""Inbox: from packets to the components of this process."""
+"""Inbox: makes messages of received packets, and gives them to the components of this process."""
 
 from __future__ import annotations
 
@@ -185,6 +185,7 @@ class Inbox(Generic[Origin]):
         double = self._doubles[source] = Double(source, place, first, self._loop.now())
         if known is None:
             LOGGER.error("%s", double)
+        # The error was logged once; somebody who keeps talking must not fill the log.
         self._counters.count("transport.own_source", place, level=logging.DEBUG)
 
     def take(self, packet: Packet, origin: Origin, now: float) -> bool:
@@ -195,11 +196,13 @@ class Inbox(Generic[Origin]):
         self.arrival.origin = origin
         if packet.acknowledge >= AckNak.NAK:
             self._on_acknowledgement(packet, receivers, origin, now)
+        # A later packet of a message may be that short: only the first begins with a code.
         elif len(packet.payload) < MESSAGE_CODE_SIZE and packet.data_flags <= DataFlags.FIRST:
             self.duplicates.is_duplicate(packet, now)  # it is not lost, and has a number
             self._counters.count("transport.no_message_code", f"{packet.source} at {origin}")
         else:
             if packet.acknowledge:
+                # Repetitions too: the acknowledgement before may have been lost.
                 self._acknowledge(packet, receivers, origin)
             self._accept(packet, receivers, now)
         return True
@@ -230,6 +233,7 @@ class Inbox(Generic[Origin]):
                 if take is not None:
                     take(packet.payload, packet.source)
                     continue
+                # Made when the first one wants it, and shared.
                 message = message or ReceivedMessage(
                     packet.source,
                     packet.destination,

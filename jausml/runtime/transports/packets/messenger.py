@@ -1,4 +1,4 @@
-"""Messenger: the message layer that all transports share."""
+"""Messenger: sends and receives whole messages as packets, over whatever transport."""
 
 from __future__ import annotations
 
@@ -47,6 +47,7 @@ class Bursts:
     def fits(self, destination: JausAddress, count: int, now: float) -> bool:
         """Return whether a destination can take packets now, and assume that it gets them if so."""
         level, since = self._levels.get(destination, (0.0, now))
+        # The receiver has taken some of it meanwhile, at its own pace.
         level = max(0.0, level - (now - since) * PER_SECOND) + count
         if level > AT_ONCE:
             return False
@@ -125,7 +126,9 @@ class Messenger(Generic[Origin]):
             raise ValueError(f"{source} does not name one component")
         if len(payload) < MESSAGE_CODE_SIZE:
             raise ValueError("a payload begins with a message code of two bytes")
+        # A copy: the caller may change a bytearray while the message waits.
         payload = bytes(payload)
+        # First what nearly all messages are.
         if (
             len(payload) <= self._longest
             and destination.is_concrete
@@ -152,6 +155,7 @@ class Messenger(Generic[Origin]):
         packets = self.packetizer.packets(source, destination, payload, priority, wanted)
         if destination.is_wildcard and self.inbox.receivers_of(packets[0]):
             self._send_here(packets[0], on_result)
+            # Told once: those of this process have it for certain.
             on_result = None
         if asks:
             self._outbox.send(packets, on_result, best_effort=not acknowledge)
@@ -175,6 +179,7 @@ class Messenger(Generic[Origin]):
             for peer, sent in self.packetizer.sent(own).items():
                 if peer not in self.inbox.receivers:
                     found[own, peer] = PeerTraffic(own, peer, sent)
+        # A copy, as other threads send meanwhile.
         for (source, destination), outcome in list(self._outbox.outcomes.items()):
             pair = address_of(source), address_of(destination)
             if pair in found:
@@ -187,6 +192,7 @@ class Messenger(Generic[Origin]):
         for peer, own, account in self.inbox.duplicates.accounts():
             if account.restarts >= OFTEN_ANEW:
                 self._quirks.learn(peer, Quirk.NUMBERS_ANEW, f"{account.restarts} times so far")
+            # Taken out and put in again, so that who was heard last is last.
             known = found.pop((own, peer), None) or PeerTraffic(own, peer)
             found[own, peer] = known._replace(
                 came=account.came,
@@ -232,6 +238,7 @@ class Messenger(Generic[Origin]):
         """Return whether a destination can take so many packets in one go and in a row."""
         if count == 1:
             return True
+        # It has to wait behind the one under way, which lanes do for acknowledged messages alone.
         if self._outbox.has_large(destination):
             return False
         return self._bursts.fits(destination, count, self._loop.now())

@@ -1,4 +1,4 @@
-"""Outbox: packets that wait for their acknowledgement."""
+"""Outbox: repeats packets until they are acknowledged, and gives up in the end."""
 
 from __future__ import annotations
 
@@ -153,10 +153,12 @@ class Outbox:
         """Take an acknowledgement; return whether a packet waited for it."""
         with self._lock:
             flights = self._flights
+            # What went to a wildcard is acknowledged by a component, whose key it does not have.
             flight = flights.get((component, by, sequence)) or flights.get((component, 0, sequence))
             if flight is None:
                 return self._is_late((component, by, sequence), (component, 0, sequence))
             message, destination = flight.message, flight.packet.destination
+            # Somebody acknowledges what went to others.
             if destination != by and not destination.matches(address_of(by)):
                 return False
             del self._flights[flight.key]
@@ -273,6 +275,7 @@ class Outbox:
         """
         now = self._loop.now()
         while True:
+            # The lock is free between two flights: others send meanwhile.
             with self._lock:
                 flight = next(iter(self._flights.values()), None)
                 if flight is None:
@@ -288,6 +291,7 @@ class Outbox:
         ready: list[Packet] = []
         packet = flight.packet
         with self._lock:
+            # Acknowledged or given up since it was looked at.
             if self._flights.get(flight.key) is not flight:
                 return
             is_patient = flight.message.is_large and self._is_alive(flight, now)
@@ -298,6 +302,7 @@ class Outbox:
             elif flight.repetitions < patience * self._retries:
                 flight.repetitions += 1
                 flight.due = now + self._timeout
+                # To the end, which keeps flights in the order in which they are due.
                 self._flights[flight.key] = self._flights.pop(flight.key)
                 ready = [packet]
                 self._loop.counters.add("transport.repeated")
@@ -373,6 +378,7 @@ class Outbox:
         lane = self._lanes[flight.packet.destination]
         for packet in message.packets[: message.sent]:
             other = self._flights.get(_key(packet))
+            # Numbers come again: the key may be that of a newer message.
             if other is not None and other.message is message:
                 self._land(other)
         self._forget(message, lane)
@@ -388,6 +394,7 @@ class Outbox:
         known = self.outcomes.get(pair)
         if known is None:
             known = Outcome()
+            # Beyond the limit nobody is remembered: strangers must not fill the memory.
             if len(self.outcomes) < _MOST_OUTCOMES:
                 self.outcomes[pair] = known
         return known

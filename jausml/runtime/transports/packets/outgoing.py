@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _MAX_FRAGMENTS = 32768
 _MOST_PAIRS = 4096
 _PLACES = tuple(DataFlags)
+# Shifted to where they stand in the flags (bits 6-7).
 _FIRST, _MIDDLE, _LAST = (place << 6 for place in _PLACES[1:])
 MOST_SMALL_FRAGMENTS = 40
 """Packets of a message from which on they are larger than wished for."""
@@ -139,12 +140,14 @@ class Packetizer:
         if known is None:
             # A restarted sender must not repeat numbers that peers remember as seen.
             first = self._draw(0x10000)
+            # Another thread may have been first: then its numbers count.
             known = self._numbers.setdefault(pair, _Numbers(first, self.counting(first)))
         return known.following
 
     def next_number(self, source: JausAddress, destination: JausAddress) -> int:
         """Return the number that the next packet of a pair will have, and do not take it."""
         self.numbers(source, destination)
+        # Pairs beyond the limit are counted with the wildcards.
         known = self._numbers.get((source, destination)) or self._numbers[source, 0]
         return known.first + known.used & 0xFFFF
 
@@ -261,6 +264,7 @@ class Lane:
         """Return the packets whose turn it is; they are under way from now on."""
         ready: list[tuple[Message, Packet]] = []
         singles = self._singles
+        # Urgent ones stand in front, and wait for nobody.
         while singles and (self._singles_under_way < _SINGLES_UNDER_WAY or singles[0].is_urgent):
             self._singles_under_way += 1
             ready.append(_next_of(singles.popleft()))

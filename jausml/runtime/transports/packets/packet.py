@@ -117,6 +117,7 @@ _FIELDS_OFFSET = 3
 _COMPRESSION_FIELDS_SIZE = 2
 _COMPRESSED = 3
 _TYPE_MASK = 0x3F
+# Worked out once: to make four enumerations for each packet is slow.
 FLAGS = tuple(
     (
         Priority(flags & 3),
@@ -188,6 +189,7 @@ def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Pa
     """
     kind, _, flags, destination, source = _HEADER.unpack_from(data, offset)
     start, end = offset + _HEADER_SIZE, offset + size
+    # Compressed or of a reserved type: rare, and judged apart.
     if kind:
         reason, skipped = _compression(data, offset, size)
         if reason:
@@ -241,6 +243,7 @@ def _is_plausible(data: bytes, offset: int) -> bool:
 def _is_acknowledgement(data: bytes) -> bool:
     """Return whether a datagram is an acknowledgement, whatever version it states, if any."""
     start = len(data) - EMPTY_MESSAGE_SIZE
+    # With one byte of version in front, or without any.
     if start not in (0, 1) or data[start]:
         return False
     size, flags = data[start + 1] | data[start + 2] << 8, data[start + 3]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     """Payload of a message, and number and flags of its first packet."""
 
 _FIRST, _MIDDLE, _LAST = (place << 6 for place in list(DataFlags)[1:])
+# Counted for each fragment: a flood of tiny ones takes memory beyond its payload.
 _FRAGMENT_OVERHEAD = 400
 _MAX_STREAMS = 256
 _MAX_FRAGMENTS = 32768
@@ -86,6 +87,7 @@ class _Stream:
         by_start, by_end, place = self.by_start, self.by_end, flags & PLACE_MASK
         self.fragments[number] = payload
         self.size += len(payload) + _FRAGMENT_OVERHEAD
+        # A first packet continues no run, whatever number came before it.
         run = None if place == _FIRST else by_end.get(number - 1 & 0xFFFF)
         if run is None or run.closed:
             run = by_start[number] = _Run(number, now)
@@ -99,6 +101,7 @@ class _Stream:
         else:
             after = by_start.get(number + 1 & 0xFFFF)
             if after is not None and not after.flags:
+                # One that begins with a first packet would be another message.
                 del by_start[after.start]
                 run.end, run.closed = after.end, after.closed
         by_end[run.end] = run
@@ -203,6 +206,7 @@ class Reassembly:
         else:
             return self._put_in_stream(way, flags, sequence, payload, now)
         self._taken.count += 1
+        # The cheap comparisons first: below these limits nothing can be too much.
         if self._size > self.limit or len(line.parts) > _MAX_FRAGMENTS or len(held) > _MAX_STREAMS:
             self._enforce_limits(way, line)
         return None
@@ -212,6 +216,7 @@ class Reassembly:
     ) -> Whole | None:
         stream = self._held.get(way)
         if not isinstance(stream, _Stream):
+            # Out of order: what came in a line is kept by its numbers from here on.
             stream = self._held[way] = _Stream() if stream is None else _Stream.of(stream)
         if sequence in stream.fragments:
             if stream.fragments[sequence] == payload:
@@ -274,6 +279,7 @@ class Reassembly:
         if held.size > self.limit or len(held) > _MAX_FRAGMENTS:
             self._discard(way)
         while self._size > self.limit * _TOTAL_FACTOR or len(self._held) > _MAX_STREAMS:
+            # Whoever was silent longest is first.
             self._discard(next(iter(self._held)))
 
     def _discard(self, way: Way) -> None:

@@ -1,4 +1,4 @@
-"""Transport by datagrams, wherever they go."""
+"""The packets of JUDP (AS5669A) over any network of datagrams, be it real or virtual."""
 
 from __future__ import annotations
 
@@ -87,6 +87,7 @@ class DatagramTransport(Transport):
         def send(payload: bytes) -> None:
             messenger.send(source, destination, payload, priority, False, None)  # noqa: FBT003
 
+        # A core sends from one component to one place.
         if not (source.is_concrete and destination.is_concrete):
             return send
         outlet = partial(
@@ -123,6 +124,7 @@ class DatagramTransport(Transport):
             longest = self._book.lifetime + _TIME_TO_ANSWER
             if entry is None:
                 return True
+            # Without proof it counts as never heard, though it may have spoken a moment ago.
             heard = entry.heard if entry.claim is None else entry.spoke
             return self.loop.now() - heard > longest
 
@@ -177,6 +179,7 @@ class DatagramTransport(Transport):
 
     def _take_packet(self, packet: Packet, sender: Endpoint) -> bool:
         """Take a packet that has arrived; return False when it is for nobody of this process."""
+        # Before anything is learnt: a false source must take no place in the book.
         if self._inbox.refuses(packet, sender):
             return True
         now = self.loop.now()
@@ -191,6 +194,8 @@ class DatagramTransport(Transport):
         """Take a packet of a component that has not proved where it is: one may be the proof."""
         asker = next((address for address, _ in self._inbox.receivers_of(packet)), None)
         is_answer = packet.acknowledge >= AckNak.NAK
+        # Before the prover hears of it: the answer may be the proof, and saves a question.
         is_taken = is_answer and self._inbox.take(packet, sender, now)
         self._sender.prover.heard(entry, packet, asker)
+        # After the prover has counted it: what it makes us answer is paid for by its bytes.
         return is_taken if is_answer else self._inbox.take(packet, sender, now)

@@ -1,4 +1,4 @@
-"""JAUS over UDP (AS5669A, JUDP version 2)."""
+"""JAUS over UDP: the sockets of one process (AS5669A, JUDP version 2)."""
 
 from __future__ import annotations
 
@@ -74,6 +74,7 @@ class JudpTransport(DatagramTransport):
                 timer.cancel()
             if self._standstill is not None:
                 self._standstill.cancel()
+            # The last look: a closed socket tells nothing.
             self._drops.look()
             for sock in self._port.sockets:
                 self.loop.unregister(sock)
@@ -97,6 +98,7 @@ class JudpTransport(DatagramTransport):
         """Return what another process may send instead; see ``Transport.datagram``."""
         with self.loop.lock:
             endpoint = self._book.find(destination)
+        # A message of several packets is more than one datagram, which is all that is handed over.
         if endpoint is None or len(payload) > self._settings.fragment_size:
             return None
         asked = AckNak.REQUESTED
@@ -132,6 +134,7 @@ class JudpTransport(DatagramTransport):
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
         take = partial(self.receive_datagram, by_multicast=by_multicast)
         receive = self._drops.receiver(sock)
+        # Where drops are told with each datagram only, all of them are read in Python.
         if self._receive_by is not None and receive == sock.recvfrom:
             receive = self._receive_by(sock, by_multicast)
         return reader(receive, self.loop, take)
@@ -149,12 +152,14 @@ class JudpTransport(DatagramTransport):
             return
         if not self._allowed.admits(sender):
             return
+        # Frames are spoken between processes of this host alone.
         if data.startswith(FRAME) and sender[0] == self._settings.interface:
             self._on_neighbour(data, sender)
             return
         for packet in parse_datagram(data, self.counters):
             if data[0] != JUDP_VERSION:
                 self._note_version(packet, data)
+            # What came to the group has reached the other processes of this host as well.
             self._on_packet(packet, sender, may_forward=not by_multicast)
 
     def _note_version(self, packet: Packet, data: bytes) -> None:
@@ -183,6 +188,7 @@ class JudpTransport(DatagramTransport):
 
     def _on_neighbour(self, frame: bytes, sender: Endpoint) -> None:
         """Take a frame from another process of this host that shares the port."""
+        # Only the owner of the port passes on: anybody else could forge the origin.
         forwarded = read_forwarded(frame) if sender == self._port.well_known else None
         present = read_present(frame)
         if forwarded is not None:
@@ -190,6 +196,7 @@ class JudpTransport(DatagramTransport):
             if not self._allowed.admits(origin):
                 return
             for packet in parse_datagram(datagram, self.counters):
+                # Passed on once, so that nothing goes round between two processes.
                 self._on_packet(packet, origin, may_forward=False)
         elif present is not None:
             self.counters.add("judp.present")
@@ -202,6 +209,7 @@ class JudpTransport(DatagramTransport):
     def _share_port(self) -> None:
         """Try to own the port; until then tell its owner again and again who lives here."""
         if not self._port.is_owner and self._port.take_over():
+            # The core rests on the socket and on the own endpoints, which are others now.
             self.loop.revision.changed()
             self._watch(self._port.unicast)
             self.counters.add("judp.port_taken_over")

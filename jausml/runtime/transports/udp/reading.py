@@ -1,4 +1,4 @@
-"""Reading of a socket: its datagrams, and what the kernel has dropped of them."""
+"""Reads datagrams from sockets, and counts those that the kernel has dropped."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 SO_RXQ_OVFL = 40  # each datagram tells how many were dropped so far
 SO_MEMINFO = 55  # the same and more is told on request, since 4.12
 
+# SK_MEMINFO of Linux: nine numbers, of which the last one counts the drops.
 _MEMINFO = struct.Struct("9I")
 _DROPS = 8
 _DROPPED = struct.Struct("I")
@@ -76,6 +77,7 @@ class KernelDrops:
         return receive
 
     def _counted(self, known: int, total: int) -> int:
+        # The kernel counts in 32 bits, and begins again at 0.
         amount = total - known & 0xFFFFFFFF
         if amount:
             self._counters.count(

@@ -1,4 +1,4 @@
-"""Sender: from packets to datagrams on the network, and not many to addresses without proof.
+"""Sends packets as datagrams, and only few to an address that has not proved to be the true one.
 
 A datagram says where it comes from, and anybody can forge that. So an endpoint gets no more than a
 few bytes for each byte from it, until it has acknowledged a number that it could not guess; RFC
@@ -45,8 +45,10 @@ NEVER = "transport.never_acknowledges"
 _QUESTION = b"\x02\x42"
 """ReportHeartbeatPulse (AS5710): asks for an acknowledgement, and for nothing else."""
 
+# With the version byte in front.
 _QUESTION_SIZE = 1 + EMPTY_MESSAGE_SIZE + len(_QUESTION)
 _INTERVAL_S = 0.1
+# Wrong answers after which another number is drawn, as somebody may be guessing.
 _MOST_WRONG = 8
 _MOST_HELD = 4
 _MANY_QUESTIONS = 10
@@ -71,6 +73,7 @@ class Prover:
         self._loop = loop
         self._limit = limit
         self._put = put
+        # Of the system: these numbers must not follow from others that a stranger has seen.
         self._draw = SystemRandom().randrange
         self._lock = threading.Lock()
         self.listeners: list[Callable[[JausAddress], None]] = []
@@ -94,8 +97,10 @@ class Prover:
         """Send a datagram to a component without proof, or let it wait; tell whether it may go."""
         claim = entry.claim
         if claim is None:
+            # Proved since the caller looked.
             return self._put(datagram, entry.endpoint)
         with self._lock:
+            # A question must still fit in, or nothing could ever prove the place.
             may_go = self._take(claim, len(datagram), kept=_QUESTION_SIZE)
             is_held = not may_go and len(claim.held) < _MOST_HELD
             if is_held:
@@ -136,6 +141,7 @@ class Prover:
                 or not self._take(claim, _QUESTION_SIZE)
             ):
                 return
+            # The same number each time: a late answer to an earlier question is a proof too.
             if claim.number is None:
                 claim.number, claim.wrong = self._draw(0x10000), 0
             claim.asked = now
@@ -198,6 +204,7 @@ class Sender(Carrier[Endpoint]):
         """Put a packet on the network, where its destination is or may be."""
         destination = packet.destination
         entry = self._book.learnt.get(destination)
+        # Heard lately means proved as well: without proof it counts as never heard.
         if entry is not None and self._loop.now() - entry.heard < self._book.lifetime:
             return self.put(packet.encode(), entry.endpoint)
         if entry is not None and entry.claim is not None:
@@ -211,8 +218,10 @@ class Sender(Carrier[Endpoint]):
             doubt = self._book.doubt(destination, self._loop.now())
         if doubt is Doubt.NONE and endpoint is not None:
             return self.put(packet.encode(), endpoint)
+        # The acknowledgement tells where it is.
         packet = packet._replace(acknowledge=AckNak.REQUESTED)
         sent = endpoint is not None and self.put(packet.encode(), endpoint)
+        # To everybody besides the known place: it may have moved.
         if doubt is Doubt.SEARCH:
             packet = packet._replace(broadcast=Broadcast.GLOBAL)
             sent = self.put(packet.encode(), self._port.group) or sent
@@ -221,6 +230,7 @@ class Sender(Carrier[Endpoint]):
     def answer(self, packet: Packet, origin: Endpoint) -> None:
         """Send a packet back to the endpoint that one came from."""
         entry = self._book.learnt.get(packet.destination)
+        # An answer is bounded too: the question may have come in a forged name.
         if entry is not None and entry.claim is not None:
             self.prover.send(packet.destination, entry, packet.encode())
         else:
@@ -238,6 +248,7 @@ class Sender(Carrier[Endpoint]):
     def put(self, datagram: bytes, endpoint: Endpoint) -> bool:
         """Send a datagram from the unicast socket; return whether the system took it."""
         try:
+            # `close` waits for it: a closed descriptor may be that of another file a moment later.
             with self._socket_lock:
                 if self._port.unicast is None:
                     raise OSError("the transport is not open")
@@ -266,6 +277,7 @@ class Sender(Carrier[Endpoint]):
 
         def place() -> tuple[int, Endpoint, float] | None:
             entry, sock = learnt.get(destination), self._port.unicast
+            # The port of a virtual world has no descriptor to lend.
             if not isinstance(sock, socket.socket) or entry is None:
                 return None
             is_elsewhere = entry.claim is not None or destination in inbox.receivers
