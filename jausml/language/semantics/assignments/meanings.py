@@ -1,4 +1,4 @@
-"""Meanings: what of an assignment rules or a person can judge, and members that are crossed."""
+"""Which assignments rules can judge and which only a person can; members that are crossed."""
 
 from __future__ import annotations
 
@@ -232,6 +232,7 @@ def outcome(
     try:
         made, *near = (sent_through(placed, value + part * step) for part in (0, -1, 1))
     except (NoValueError, OverflowError, ValueError):
+        # One step of the source to both sides: a vector may state what is rounded on the wire.
         return None
     loose = (
         max(abs(beside - made) for beside in near)

@@ -59,6 +59,7 @@ def unescape(text: str) -> str:
     r"""Returns a text with its escapes resolved: `\"`, `\\`, `\n`, `\t`, `\r`, `\uXXXX`."""
     plain = _ESCAPE.sub(_resolved, text)
     if any("\ud800" <= character <= "\udfff" for character in plain):
+        # utf-16 joins the halves, and what is half of nothing becomes a replacement character.
         # Two escapes make one character beyond the first 65,536, as in JSON.
         plain = plain.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
     return plain
@@ -83,6 +84,7 @@ def span_of(token: Token) -> Span:
 
 def _around(children: Sequence[Any]) -> Span:
     """Returns the stretch from the first to the last of what a rule consists of."""
+    # Parts without a place, such as empty lists, say nothing of the stretch.
     first = next(filter(None, map(_span, children)))
     last = next(filter(None, map(_span, reversed(children))))
     return Span(first.line, first.column, last.end_line, last.end_column)
@@ -128,6 +130,7 @@ class Shaper:
     def no_items(self, children: list[Any]) -> Items[Any]:  # noqa: ARG002 - one shape for all
         return Items()
 
+    # The list grows in place: a new one for each item would be quadratic.
     def next_item(self, children: list[Any]) -> Items[Any]:
         items: Items[Any] = children[0]
         items.append(children[1])
