@@ -203,9 +203,9 @@ class Execution:
         """Returns the ref of an element on our side as it stands now, None when it is not there."""
         if value is None or isinstance(value, str):
             return value
+        # An empty ref stands for what is gone.
         return self.where.get(self._sides.ours.matching.news.get(value, value)) or None
 
-    # An empty ref stands for what is gone.
     def _reorder(self, order: Order) -> None:
         """Moves elements of one owner to each other's places."""
         # They share the places that they have now; what stands between them stays.

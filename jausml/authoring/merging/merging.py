@@ -1,4 +1,4 @@
-"""Merges of one model file: what theirs did is done to ours by small changes of its bytes."""
+"""Merges of one model file: what theirs did is done to ours by commands of editing."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def merged(
         file: The file, relative to the root with forward slashes; its references are followed from
             there, whether it is there or not.
         root: The folder that references may not leave, symbolic links followed.
-        ours: Our side, whose layout stays.
+        ours: Our side, to which the changes of theirs are made.
         around: Other files that a side has changed. They are merged first, so that references
             by position lead to the same elements behind the merge.
 

@@ -199,9 +199,9 @@ class _Piece:
     text: str
     names: Names
 
-    # The stand-in has the length of the word, so that the layout is the same.
     def under(self, word: str, strings: str) -> _Piece:
         """Returns the piece with a word and the strings for what stands in for them."""
+        # The stand-in has the length of the word, so that the layout is the same.
         stand_in = _STAND_IN * len(word)
         letters = StringIO(strings)
         text = _HIDDEN_STRING.sub(lambda found: letters.read(len(found[0])), self.text)

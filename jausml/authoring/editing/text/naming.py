@@ -100,8 +100,8 @@ class Naming(DocumentNames):
         }
         for node, child in named_references(self._home_document):
             text = child.get(BY_NAME) or ""
+            # An import can change the meaning of nothing but the names that it brings.
             if text.replace("/", ".").rpartition(".")[2] not in names:
-                # An import can change the meaning of nothing but the names that it brings.
                 continue
             wanted = classes.class_of(node.obj).features[child.tag].target
             found = self._finder.find(text, wanted, self._document, node.obj) if wanted else []

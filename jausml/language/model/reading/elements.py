@@ -243,10 +243,10 @@ class ElementBuilder:
                 set_value(node.obj, feature, None)
         elif child.children:
             inner = NodePlace(self._document, child.children[0])
-            # Space in the text of an element is its value, so it is not split as attributes are.
             message = f"attribute '{feature.name}' of {_class(node)} has a value, no elements"
             self._lose(node.obj, feature, "JML103", inner, message)
         elif feature.many:
+            # Space in the text of an element is its value, so it is not split as attributes are.
             self._set_all(NodePlace(self._document, child), node.obj, feature, [child.text])
         else:
             self._set(NodePlace(self._document, child), node.obj, feature, child.text)

@@ -52,9 +52,9 @@ class LibraryCache:
 
     def prepare(self, held: Collection[Path]) -> None:
         """Forgets everything when a file has changed: what refers to it has its elements."""
-        # What an editor holds may differ from the file of which the stamp was taken.
         paths = {path for path, _ in self._documents}
         is_current = all(self._stamps[path] == _stamp(path) for path in paths)
+        # What an editor holds may differ from the file of which the stamp was taken.
         if not is_current or not paths.isdisjoint(held) or len(self._documents) > _MOST:
             self._documents.clear()
 

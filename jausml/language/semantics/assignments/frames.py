@@ -154,7 +154,7 @@ def direction(axis: Axis) -> tuple[str, int]:
         # x of east-north-up is y of north-east-down.
         is_east = (axis.name == "x") == (axis.frame == ENU)
         return ("east" if is_east else "north"), axis.sign
-    # x points forward in both: frames with z down are turned about it.
+    # Frames with z down are turned about x, which stays as it is.
     turned = IS_DOWN[axis.frame] and axis.name != "x"
     return axis.name, -axis.sign if turned else axis.sign
 

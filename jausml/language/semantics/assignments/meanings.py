@@ -230,9 +230,9 @@ def outcome(
     value, wanted = map(float, ends)
     step = source.step or 0.0
     try:
+        # One step of the source to both sides: a vector may state what is rounded on the wire.
         made, *near = (sent_through(placed, value + part * step) for part in (0, -1, 1))
     except (NoValueError, OverflowError, ValueError):
-        # One step of the source to both sides: a vector may state what is rounded on the wire.
         return None
     loose = (
         max(abs(beside - made) for beside in near)

@@ -1,6 +1,6 @@
 """The bridge that carries all maps of a text, for those who say its address when they run a tool.
 
-So the paper runs its Figure 5: a file of maps, and the address and the frequency of a bridge.
+The file has maps alone; address and frequency of the bridge are given on the command line.
 """
 
 from __future__ import annotations

@@ -144,8 +144,8 @@ class MapReader:
         hint = f"{' and '.join(sorted(known))} do"
         self._nodes.fault("JML705", argument.span, message, hint, owner=node)
 
-    # The name is that of a method, a table or else a quantity: the conversion says which.
     def _name_argument(self, node: Node, call: Call, argument: Name) -> None:
+        # The name is that of a method, a table or else a quantity: the conversion says which.
         own = _own_argument(call)
         if own is not None and own.kind is ArgumentKind.METHOD:
             self._nodes.value(node, own.feature, argument.text, argument.span)

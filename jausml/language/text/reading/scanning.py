@@ -281,8 +281,8 @@ def _ordinary(comment: Token) -> str:
     first, *further = (line.rstrip() for line in text.split("\n"))
     margin = (comment.column or 1) - 1
     blank = " \t"
-    cut = [line[min(margin, len(line) - len(line.lstrip(blank))) :] for line in further]
     # Blanks up to the margin are layout, further ones are of the comment.
+    cut = [line[min(margin, len(line) - len(line.lstrip(blank))) :] for line in further]
     return "\n".join([first, *cut])
 
 

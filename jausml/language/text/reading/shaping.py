@@ -59,8 +59,8 @@ def unescape(text: str) -> str:
     r"""Returns a text with its escapes resolved: `\"`, `\\`, `\n`, `\t`, `\r`, `\uXXXX`."""
     plain = _ESCAPE.sub(_resolved, text)
     if any("\ud800" <= character <= "\udfff" for character in plain):
-        # utf-16 joins the halves, and what is half of nothing becomes a replacement character.
         # Two escapes make one character beyond the first 65,536, as in JSON.
+        # utf-16 joins the halves, and what is half of nothing becomes a replacement character.
         plain = plain.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
     return plain
 
@@ -130,9 +130,9 @@ class Shaper:
     def no_items(self, children: list[Any]) -> Items[Any]:  # noqa: ARG002 - one shape for all
         return Items()
 
-    # The list grows in place: a new one for each item would be quadratic.
     def next_item(self, children: list[Any]) -> Items[Any]:
         items: Items[Any] = children[0]
+        # The list grows in place: a new one for each item would be quadratic.
         items.append(children[1])
         return items
 
