@@ -113,6 +113,7 @@ def read_manifest(out: Path) -> Manifest:
         return manifest
     files = {**pending.files, **manifest.files}
     unfinished = {path: entry.sha256 for path, entry in sorted(pending.files.items())}
+    # A killed run may have left a temporary file of the manifest as well.
     return replace(manifest, files=files, unfinished={**unfinished, MANIFEST_PATH: ""})
 
 

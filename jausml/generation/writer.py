@@ -207,6 +207,7 @@ def _delete(out: Path, action: Action) -> None:
             if _text(file.read()) != action.old:
                 raise WriteError(action.path, "the file was edited while jausml was running")
             file.unlink()
+        # Folders that are empty now go too; rmdir refuses the others.
         for folder in PurePosixPath(action.path).parents[:-1]:
             with _opened(out, folder.as_posix()) as emptied:
                 emptied.rmdir()

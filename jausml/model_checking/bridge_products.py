@@ -100,6 +100,7 @@ class ObeyingProduct:
         """Ticks after the loss of the source in which the stop is due; 0 for never."""
         if self.demanded or self.connection.silence:
             return self.demanded or self.connection.silence
+        # Without control nothing lapses: silence alone can stop the command.
         return self.services.timeout if self.connection.guard != "ANY" else 0
 
     @property
@@ -115,6 +116,7 @@ class ObeyingProduct:
 
     def is_over(self, state: Obeying) -> bool:
         """Tells whether the component has come to an end that no message leads out of."""
+        # The end of an emergency leads back to the state that it interrupted.
         return state.core.status in FINAL or state.core.interrupted[0] in FINAL
 
     def place(self, _state: Obeying) -> str:
@@ -382,6 +384,7 @@ class CommandingProduct:
             return f"{self.peer} obeys {self.command} in {state.peer.status} outside of control"
         if after.is_moving and self.has_stop and not self._is_obedient(after.peer, guard):
             return f"{self.command} stands at {self.peer} in {after.peer.status}"
+        # Without the radio the peer cannot know of it; then the end of its control stops it.
         is_halted = halts(after.own) and not halts(state.own) and after.is_linked
         if after.is_moving and self.has_stop and is_halted:
             told = "is inactive" if not after.own.is_active else f"is in {after.own.status}"

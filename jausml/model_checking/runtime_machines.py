@@ -83,6 +83,7 @@ class CoreServices:
         if not core.is_available or code < self.default_authority:
             return core
         held = core.controller and core.controller != sender
+        # Equal authority is not enough to take control over.
         if held and code <= self.authorities[core.controller]:
             return core
         return core._replace(controller=sender, lapses_in=self.timeout)
@@ -128,6 +129,7 @@ class CoreServices:
         """Takes Reset."""
         if not self._may_end(core, sender) or (self.is_1_0 and core.status == STANDBY):
             return core
+        # Behind the emergency stands a final state, out of which a reset must not lead.
         if core.status == EMERGENCY and core.interrupted[0] in FINAL:
             return core
         return Core(is_active=core.is_active)
@@ -151,6 +153,7 @@ class CoreServices:
             return core
         status, controller = core.interrupted
         core = core._replace(interrupted=("", ""))
+        # What was final before the emergency is so behind it.
         if status in FINAL:
             return core._replace(status=status)
         if not self.is_1_0:

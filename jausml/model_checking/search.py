@@ -115,9 +115,11 @@ def explore(product: Product, bounds: Bounds) -> Graph:
         for step, after in product.steps(graph.states[at]):
             label = steps.setdefault(step, len(steps))
             number = number_of(after, at, label)
+            # A step that changes nothing counts only where time passes or a command takes effect.
             if number is not None and (number != at or step.is_tick or step.passes):
                 edges.append((label, number))
         graph.edges.append(tuple(edges))
+    # States beyond the bounds were reached, and not searched.
     graph.edges += [()] * (len(graph.states) - len(graph.edges))
     graph.steps = list(steps)
     return graph
@@ -207,6 +209,7 @@ def _lasting(product: CheckedProduct, graph: Graph) -> _Lasting:
     for state, step, after in graph.transitions():
         source, edges = sources[state], found[state]
         edge = graph.steps[step]
+        # The source itself is silent, and a command of another source has its own time.
         if edges is not None and edge.actor != source and sources[after] == source:
             edges.append((step, after, edge.is_tick))
     return found
@@ -231,6 +234,7 @@ def _late_way(
     """Returns a shortest way on which a command stands too long."""
     starts = ((state, 0) for state, edges in enumerate(lasting) if edges is not None)
     before: dict[tuple[int, int], tuple[tuple[int, int], int] | None] = dict.fromkeys(starts)
+    # Breadth first from all of them, so that the first hit is a shortest way.
     pending = deque(before)
     while pending:
         at = pending.popleft()
@@ -333,6 +337,7 @@ def _cycle(graph: Graph, state: int) -> list[tuple[int, int]]:
     """Returns the steps of time from a state on, until they come back to where they were."""
     way: list[tuple[int, int]] = []
     seen = {state: 0}
+    # Time can pass in each state, and there is an end of states: one comes back.
     while True:
         ticks = (edge for edge in graph.edges[state] if graph.steps[edge[0]].is_tick)
         step, state = next(ticks)

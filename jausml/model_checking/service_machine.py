@@ -117,6 +117,7 @@ class MachineProduct:
     def later(self, state: Behaving) -> Behaving:
         """Returns the state one tick after another one in which nobody does anything."""
         core = self.services.tick(state.core)
+        # An independent machine learns by this event that control has lapsed.
         if state.core.controller and not core.controller and not self._follows:
             for _, after in self._taken(state, "Timedout", ""):
                 state = after
@@ -166,6 +167,7 @@ class MachineProduct:
                 defaults = [default for element in elements for default in element.defaults]
                 listed += [*own, *defaults] if outer == path else [*defaults, *own]
                 outer = outer.rpartition(".")[0]
+            # The core services of the runtime take these, before any transition.
             listed = [transition for transition in listed if not is_core_trigger(transition)]
             named = [transition for transition in listed if _trigger(transition) == trigger]
             ordered = [*named, *(transition for transition in listed if not _trigger(transition))]
@@ -212,6 +214,7 @@ class MachineProduct:
             "isControlAvailable": state.core.is_available,
             "isIDStored": sender in state.core.emergencies,
         }
+        # What the core services know holds, whatever is said.
         told = {**said, **known}
         candidates = self._candidates(state.path, trigger)
         holding = (transition for transition, guard in candidates if _holds(guard, told))
@@ -253,6 +256,7 @@ class MachineProduct:
     def _entered(self, state: Behaving, target: str) -> Behaving:
         if not self._follows or _lies_in(target, self._path(state.core)):
             return state._replace(path=target)
+        # The core services must follow first; where they may not, they say where it goes.
         core = self._requested(state.core, target)
         path = target if _lies_in(target, self._path(core)) else self._path(core)
         return state._replace(core=core, path=self.machine.innermost(path))

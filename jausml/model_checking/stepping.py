@@ -251,6 +251,7 @@ def _body(subject: SteppedMachine, view: ComponentView, path: Sequence[_Taken]) 
     yield f"world.run_for({subject.tick!r})"
     for kind, group in groupby(path, key=lambda pair: pair[1].kind):
         taken = list(group)
+        # Steps of time one after another are one run of the world.
         if kind == "time":
             yield f"world.run_for({round(len(taken) * subject.tick, 3)!r})"
             yield _expected(view, product, taken[-1][1])

@@ -159,6 +159,7 @@ def _commanding(
     """Returns the product with one peer; one that is searched for is as components are unsaid."""
     silence, watch = stops.silence_timeout(connection), _watch_of(peer, connection)
     lapse = _LAPSE if peer is None else float(peer.controlTimeout)
+    # Control is renewed several times before it lapses, so steps must not be longer than that.
     clock = _Clock([silence, watch, lapse / RENEWALS, demanded, lapse])
     message = connection.map.message
     guard = guard_of_receivers(message, connection.peers, connection.search)
@@ -270,6 +271,7 @@ class _Clock:
     def __init__(self, seconds: list[float]) -> None:
         times = [round(duration * 1000) for duration in seconds if duration > 0] or [1000]
         step = gcd(*times)
+        # Shorter steps would only add states.
         if max(times) > step * MOST_TICKS:
             step = -(-max(times) // MOST_TICKS)
         self.tick = step / 1000
@@ -277,4 +279,5 @@ class _Clock:
     def ticks(self, seconds: float) -> int:
         """Returns how many steps a time-out takes; 0 for one that never comes."""
         step = round(self.tick * 1000)
+        # Rounded up: no time-out may come earlier than that of the runtime.
         return -(-round(seconds * 1000) // step) if seconds > 0 else 0

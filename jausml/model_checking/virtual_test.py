@@ -247,4 +247,5 @@ def _steps(example: CounterExample, done: Callable[[Moment], str]) -> Iterator[s
             continue
         for moment in moments:
             yield done(moment)
+            # What was sent arrives only while the world runs, if for no time.
             yield "world.run_for(0)"

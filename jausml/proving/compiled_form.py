@@ -1,4 +1,4 @@
-"""Both forms of a map in processes, of the code of a bridge that no file has."""
+"""Runs the compiled and the Python form of a map in processes of their own, to prove the map."""
 
 from __future__ import annotations
 
@@ -115,6 +115,7 @@ def compiled(code: ProofCode, folder: Path, program: str) -> Path:
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
     made = folder / "proof"
+    # The flags make a library; here a program is wanted, with the same bits.
     flags = [flag for flag in native.FLAGS if flag != "-shared"]
     command = [program, *flags, *_FASTER, "-o", str(made), str(folder / "proof.cpp")]
     try:
@@ -168,6 +169,7 @@ class Sweep:
 
 def _words(number: Number, turn: float) -> Iterator[object]:
     yield from (number.at, number.size, number.bits, number.shift, _KINDS[number.kind])
+    # Hexadecimal floats lose nothing as text.
     yield from (number.lower.hex(), float(number.step).hex(), turn.hex())
 
 

@@ -109,8 +109,10 @@ class Number:
         """Returns the bits of the value at a position in the order of values."""
         if self.kind == UNSIGNED:
             return index
+        # With its sign bit turned, two's complement is in the order of values.
         if self.kind == SIGNED or index & self._sign:
             return index ^ self._sign
+        # The bits of negative floats run against their values.
         return ~index & (2 * self._sign - 1)
 
     def index(self, raw: int) -> int:
@@ -340,6 +342,7 @@ class _RosWalk(_Walk):
     def _primitive(self, code: str, path: str) -> None:
         is_real = code in "fd"
         usual = _REAL * self.usual.share if is_real else 1
+        # A time stamp of JAUS has no month, so only a time near the present comes back.
         if path.endswith("stamp.sec"):
             usual = int(NOW.timestamp())
         self._aligned(f"<{code}", usual)
@@ -348,6 +351,7 @@ class _RosWalk(_Walk):
         self.note(path, struct.calcsize(f"<{code}"), kind, **bits)
 
     def _aligned(self, code: str, usual: float) -> float:
+        # Numbers are aligned to their size, counted from behind the encapsulation.
         padding = (len(_ENCAPSULATION) - self._at) % struct.calcsize(code)
         self.octets(padding, b"\0")
         return self.number(code, usual)

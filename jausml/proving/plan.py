@@ -199,6 +199,7 @@ class _Planner:
         if not settled and self._side.has_back:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values comes back")
         before, known = len(self._plan.fields), dict[str, bool]()
+        # Messages that come back go first: a number is planned once, and of these more is known.
         layouts = [
             *((settled_layout, True) for settled_layout in settled),
             *((passage.first, False) for passage in found),
@@ -251,6 +252,7 @@ class _Planner:
         before = b""
         for option in range(_OPTIONS):
             made = side.own.layout(None, Usual(SHARES[0], option, count)).data
+            # There is no further option.
             if made == before:
                 break
             before = made
@@ -262,6 +264,7 @@ class _Planner:
         again = self._around(found) if found is not None else None
         if found is None or again is None:
             return None
+        # The map may change a value at each trip; then the first one is as good as the next.
         is_stable = self._around(again) == again
         return self._side.own.layout(again if is_stable else found)
 
@@ -313,6 +316,7 @@ class _Planner:
         for index in _probes(number):
             made = self._there(number.put(message, number.raw(index)))
             is_reached = is_reached or made != between
+            # In a message of another length the numbers stand elsewhere.
             if made is not None and len(made) == len(between) and made != between:
                 found |= {
                     other: None for other in others if other.read(made) != other.read(between)

@@ -43,6 +43,7 @@ class Forms:
     def translate(self, name: str, data: bytes) -> tuple[bytes | None, list[str]]:
         """Returns what becomes of a message, and what was limited or left out on the way."""
         counts = getattr(self._bridge, name).statistics.out_of_range
+        # The counts are those of this message alone.
         counts.clear()
         readers = self._readers[name]
         taken = [

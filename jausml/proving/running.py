@@ -104,6 +104,7 @@ def _swept(form: CompiledForm, planned: Field, jobs: int, deadline: float) -> Sw
     if not NARROW < bits <= WIDEST:
         return found
     if planned.shortcut:
+        # The shortcut counts only if it finds the same in the values that went through both.
         short = replace(sweep, shortcut=planned.shortcut)
         if _is_alike(found.tally, form.run(short, indices, most, jobs)):
             sweep = short
@@ -152,6 +153,7 @@ def prove_all(
     model: Model, trips: Sequence[RoundTrip], settings: Settings
 ) -> Iterator[tuple[int, MapResult]]:
     """Yields the numbers of maps and what becomes of their values, in any order."""
+    # A monotonic clock of one process means nothing in another.
     until = time.time() + settings.budget
     if min(settings.jobs, len(trips)) == 1:
         for number, round_trip in enumerate(trips):

@@ -110,6 +110,7 @@ class Core:
             name: What its function is called, where no other one is.
         """
         steps = tuple(steps)
+        # All or nothing: half a translation in C++ would need its other half in Python.
         try:
             source, target = self._structs(ends)
             joins = {join_name: self._struct(what) for join_name, what in ends.joins.items()}
@@ -142,6 +143,7 @@ class Core:
     def _printed(self, steps: Iterable[Step], ends: Ends) -> Printed:
         source, target = self._structs(ends)
         joins = {join_name: self._struct(what) for join_name, what in ends.joins.items()}
+        # Asked anew for each translation: messages and tables are added as they are met.
         self._used.classes = self._classes()
         self._used.tables = {e.name: e.items for e in self.uses.constants.values()}
         return printed(steps, source, target, joins, self._used)
@@ -158,6 +160,7 @@ class Core:
         return self._ros.structs[end]
 
     def _message(self, message: MessageView) -> Struct:
+        # An attempt that failed is remembered, since many maps may carry the message.
         if message not in self._unprintable and message.class_name not in self._jaus.structs:
             try:
                 self._jaus.add(message)
@@ -192,6 +195,7 @@ class Core:
         target: Struct,
         joins: Mapping[str, Struct],
     ) -> str:
+        # Functions of the same text are one, whatever their maps are called.
         key = (found.lines, source, target, *joins.values())
         if key in self._known:
             return self._known[key]
@@ -206,6 +210,7 @@ class Core:
             for at, (join_name, struct) in enumerate(joins.items())
         ]
         text = "\n".join([*body, *found.lines])
+        # A compiler warns of parameters that are not used.
         live, parameters = " live" if "live->" in text else "", []
         for kind, parameter in _PARAMETERS:
             parameters.append(
@@ -263,5 +268,6 @@ class Core:
     def digest(self) -> str:
         """What tells a library that was compiled of another text."""
         parts = [self.jaus_lines, self.ros_lines, self.conversions, self.constants]
+        # The headers belong to it: a library of older headers must not be loaded.
         text = repr([*parts, self.functions, *map(support, CORE)])
         return hashlib.sha256(text.encode()).hexdigest()[:32]

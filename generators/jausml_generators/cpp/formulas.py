@@ -70,11 +70,13 @@ def number(expression: Expression, names: Mapping[str, str], binding: int = _CHO
             return _within(text, _SIGNED if text.startswith("-") else _ATOM, binding)
         case Variable(name=name):
             return names[name]
+        # The right branch may be a choice itself, without parentheses.
         case Conditional(condition=condition, then=then, otherwise=otherwise):
             branches = f"{number(then, names, _OR)} : {number(otherwise, names)}"
             return _within(f"{truth(condition, names, _OR)} ? {branches}", _CHOICE, binding)
         case Call(function=function, arguments=arguments) if function != "isfinite":
             return _call(function, [number(argument, names) for argument in arguments])
+        # Python refuses a division by 0; C++ would give an infinity.
         case Operation(sign="/", operands=(dividend, divisor)) if not _is_divisor(divisor):
             return f"check.divide({number(dividend, names)}, {number(divisor, names)})"
         case Operation(sign="^", operands=(base, exponent)):
@@ -84,6 +86,7 @@ def number(expression: Expression, names: Mapping[str, str], binding: int = _CHO
             return _within(f"-{number(only, names, _ATOM)}", _SIGNED, binding)
         case Operation(sign="+" | "-" | "*" | "/" as sign, operands=(left, right)):
             own = _PRODUCT if sign in "*/" else _SUM
+            # Operators bind from the left: the same one on the right needs parentheses.
             text = f"{number(left, names, own)} {sign} {number(right, names, own - 1)}"
             return _within(text, own, binding)
     return f"static_cast<double>({truth(expression, names)})"
@@ -164,6 +167,7 @@ def conversion_lines(conversion: Conversion) -> tuple[str, ...]:
     results = [number(result, names) for result in definition.results]
     kind, made = _result(conversion, results)
     text = "\n".join([*lines, *made])
+    # Unused parameters stay without a name, or compilers warn.
     check = "jausml::Check& check" if "check." in text else "jausml::Check&"
     template = (
         [f"template <{', '.join(f'class {type_name}' for type_name in types)}>"] if types else []
@@ -198,6 +202,7 @@ def _parameters(
     for at, kind in enumerate(kinds):
         is_near = conversion.needs_clock and at == len(kinds) - 1
         if is_near:
+            # Arguments stand before the instant, as in the signature of Python.
             numbers, rest = rest[:given], rest[given:]
             parameters += [f"double {cpp_name(parameter)}" for parameter in numbers]
             given = 0
@@ -213,6 +218,7 @@ def _parameters(
             lines.append(f"const double {local} = {value};")
     parameters += [f"double {cpp_name(parameter)}" for parameter in rest]
     used = " ".join(map(str, [definition.text, definition.refused]))
+    # What the definition does not ask for would be an unused variable.
     kept = [line for line in lines if line.split()[2].rstrip("_") in used]
     return parameters, kept, types
 
@@ -222,6 +228,7 @@ def _result(conversion: Conversion, results: Sequence[str]) -> tuple[str, list[s
     (kind, *more) = conversion.outputs
     if kind not in STRUCTS and not more:
         return "double", [f"return {results[0]};"]
+    # Parts of times are integers in the structs.
     if kind in {TIME, TIME_STAMP}:
         results = [f"jausml::to_integer({result})" for result in results]
     made = STRUCTS.get(kind, f"std::array<double, {len(conversion.outputs)}>")

@@ -170,6 +170,7 @@ class _Message:
         struct = self._declared(view.path)
         reading: list[str] = []
         writing: list[str] = []
+        # Lists of octets are copied as a whole, which needs members that lie as on the wire.
         is_octet = not self._is_bounded and _only_octet(view) is not None
         for member in view.members:
             name, kind = cpp_name(member.attribute), self._type(member.value)

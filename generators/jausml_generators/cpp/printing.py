@@ -111,6 +111,7 @@ class _Printer(Values):
             case Let(locals=several, value=value):
                 names = [self.claim(variable, REAL) for variable in several]
                 text = self.text(value)
+                # Several results are an array, which C++ takes apart itself.
                 self._lines.append(f"const auto [{', '.join(names)}] = {text};")
             case Write():
                 self._write(step.place, step.value, step.remark)
@@ -134,6 +135,7 @@ class _Printer(Values):
             return
         text, kind = self.text(value), self.type(value)
         is_alias = isinstance(value, values.Read) and not isinstance(kind, Plain)
+        # A view of what stands in the message costs nothing; numbers are copied.
         how = "const auto&" if is_alias or kind is TEXT else "const auto"
         self._lines.append(f"{how} {self.claim(local, kind)} = {text};")
 
@@ -148,6 +150,7 @@ class _Printer(Values):
             # What is done to the element from now on is done to the one in the list.
             known, text = self.locals[value.place.root], f"{items.value}[{at}]"
             if isinstance(items.type, Elements) and isinstance(items.type.of, Choice):
+                # The place has a variant, of which the element is one alternative.
                 text = f"std::get<{known.type.cpp}>({text})"
             self.locals[value.place.root] = replace(known, text=text)
 
@@ -155,6 +158,7 @@ class _Printer(Values):
         if not place.steps and place.root == "target":
             return  # it is made before
         found = self.at(place)
+        # A backslash at the end of a comment would join the next line to it.
         is_plain = remark.isascii() and remark.isprintable() and "\\" not in remark
         comment = f"  // {remark}" if remark and is_plain else ""
         if value.kind in {values.QUATERNION, values.TIME} and isinstance(found.type, Struct):
@@ -180,6 +184,7 @@ class _Printer(Values):
     def _may_be_unknown(self, value: Limit) -> bool:
         """Whether a field is left out, and counted, where its value is no number."""
         is_real = value.how == "" and value.value.kind == values.REAL
+        # Each such field has one bit, which all elements of a list would share.
         has_room = len(self.unknown) < _MOST_UNKNOWN and not self._is_in_list
         return value.drops_field and is_real and has_room
 
@@ -200,6 +205,7 @@ class _Printer(Values):
         return self._fitting_one(value, kind) if is_element else self.text(value)
 
     def _fitting_one(self, value: Expression, kind: Type) -> str:
+        # Elements of lists lie as on the wire, other values are 64 bits wide.
         element = getattr(kind, "element", "")
         if not element or element == kind.cpp:
             return self.text(value)
@@ -220,6 +226,7 @@ class _Printer(Values):
         self.locals[step.index] = Found(f"static_cast<std::int64_t>({index})", INTEGER)
         item = self.name(step.item.hint)
         self.locals[step.item] = Found(item, kind.of, is_optional=kind.may_lack)
+        # What lies as on the wire is widened once, not at each use.
         is_plain = isinstance(kind.of, Plain) and bool(kind.of.element) and not kind.may_lack
         bound = f"const {kind.of.cpp} {item}" if is_plain else f"const auto& {item}"
         element = self.claim(step.element, target.type.of)
@@ -233,6 +240,7 @@ class _Printer(Values):
         else:
             put = f"{target.value}[{index}] = {self._put(element, target.type.of)};"
         size = (
+            # After a check that failed, there may be more items than the array holds.
             f"{items}.size()" if not target.type.count else f"check.passed() ? {items}.size() : 0"
         )
         self._lines += [

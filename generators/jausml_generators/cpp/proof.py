@@ -131,6 +131,7 @@ def _lines(core: Core, name: str, to_ros: str, to_jaus: str, view: View) -> list
     there, between = _slice(core.inputs[to_ros][0], {place})
     sources = {replace(intermediate, root="source") for intermediate in between}
     back, reached = _slice(core.inputs[to_jaus][0], sources)
+    # The number must come back at its own place, and at no other.
     if reached != {replace(place, root="target")}:
         raise _NoSweepError
     message, type_ = core.structs_of(to_ros)
@@ -152,6 +153,7 @@ def _lines(core: Core, name: str, to_ros: str, to_jaus: str, view: View) -> list
         f"{_INDENT}using Ros = {type_.cpp};",
         f"{_INDENT}jausml::proof::alone<Jaus, Ros>(sweep, from, to, most, tally,",
         *_lambda("jausml::JausInput& in, Jaus& source", [read_number(value, read)]),
+        # What a step does not use must not be a warning.
         *_lambda(
             "const Jaus& source, Ros& target, const jausml::Live* live, jausml::Check& check",
             ["(void)source, (void)live, (void)check;", *steps[0]],
@@ -211,6 +213,7 @@ def _kept(
             case Choose(conditions=alternatives, steps=inner):
                 kept = _kept(inner, known, reached)
                 tests = [test for one in alternatives for test in one]
+                # With a condition on the value, one value would not tell for the others.
                 if any(_decides(test, known) for test in tests):
                     raise _NoSweepError
                 if kept:
@@ -227,6 +230,7 @@ def _kept(
 def _with_needed(steps: tuple[Step, ...], kept: dict[int, Step]) -> list[Step]:
     """Adds the variables that kept steps use."""
     found = dict(kept)
+    # From the last to the first, since a variable may need another one before it.
     for at in range(len(steps) - 1, -1, -1):
         step = steps[at]
         used = {variable for one in found.values() for variable in _locals(one)}

@@ -50,6 +50,7 @@ class RosCodec:
             struct = Struct(f"ros::{cpp_class(names[message_type])}")
             try:
                 self.text[message_type] = self._struct(message_type, struct)
+            # A type without a form makes only the translations that use it Python's.
             except UnprintableError:
                 continue
             self.structs[message_type] = struct
@@ -115,6 +116,7 @@ class RosCodec:
             return [f"{target} = in.sequence<{number}>({most});"]
         lines = []
         if not field.is_fixed:
+            # A count that the octets left cannot hold is refused before memory is taken.
             least = 4 if field.message is None else self._sizes.fewest_bytes(field.message)
             most = f", {field.count}" if field.is_bounded else ""
             lines = [f"{target}.resize(in.count({least}{most}));"]

@@ -63,6 +63,7 @@ def cpp_number(value: float) -> str:
         return "true" if value else "false"
     if isinstance(value, int):
         return cpp_integer(value)
+    # Only NaN differs from itself.
     if value != value:
         return "std::numeric_limits<double>::quiet_NaN()"
     if value in (float("inf"), float("-inf")):
@@ -73,6 +74,7 @@ def cpp_number(value: float) -> str:
 
 def cpp_integer(value: int) -> str:
     """Returns an integer as a literal of C++."""
+    # -2^63 as a literal would be the negative of a number that no type holds.
     if value == -(2**63):
         return "std::numeric_limits<std::int64_t>::min()"
     if -(2**31) < value < 2**31:
@@ -230,6 +232,7 @@ def _broken(line: str) -> Iterator[str]:
         places = [
             match.start()
             for match in _PLACES.finditer(line)
+            # Matches of texts are no places: nothing is broken within a text.
             if match[0] == " " and begin < match.start() <= LINE_WIDTH
         ]
         if not places:
@@ -301,6 +304,7 @@ class Places:
         """Knows the messages by the parameters of the method."""
         self.classes = classes
         self._roots = {name: Found(name, kind) for name, kind in roots.items()}
+        # A joined message may not have come yet.
         for name, kind in joins.items():
             self._roots[name] = Found(cpp_name(name), kind, is_optional=True)
         self.locals: dict[Local, Found] = {}
@@ -326,6 +330,7 @@ class Places:
         root = place.root
         found = self.root(root) if isinstance(root, str) else self.locals[root]
         for at, step in enumerate(place.steps):
+            # Behind a test for an option, its place is that option.
             option = self.options.get(replace(place, steps=place.steps[:at]))
             if isinstance(found.type, Choice) and option is not None:
                 found = Found(f"std::get<{option.cpp}>({found.value})", option)

@@ -77,6 +77,7 @@ class Used:
             key: Kind of its keys.
             value: Kind of what is found.
         """
+        # Items are literals that this program printed itself, so literal_eval reads them.
         pairs = ast.literal_eval(f"{{{', '.join(self.tables[name])}}}")
         kinds = f"{_TYPES[key].cpp}, {_TYPES[value].cpp}"
         rows = (
@@ -161,6 +162,7 @@ class Values(Places):
                 return self._read(place)
             case values.Setting(name=name, kind=values.REAL):
                 self.quantities.setdefault(name)
+                # By number, so that the compiled core needs no names.
                 return f"live->quantities[{list(self.quantities).index(name)}]"
             case values.Setting(name=name, kind=values.TEXT):
                 self.texts.setdefault(name)
@@ -255,6 +257,7 @@ class Values(Places):
         known = CONVERSIONS[value.name]
         given = ["check"]
         for operand, kind in zip(value.inputs, known.inputs, strict=True):
+            # Reals cannot hold all 64-bit integers, so these must not pass through a double.
             if kind not in PARTS and operand.kind == values.INTEGER and known.keeps_integers:
                 return self._of_integers(value)
             if kind in PARTS and operand.kind != _KINDS[kind]:
@@ -293,6 +296,7 @@ class Values(Places):
 
 def _in_64_bits(bounds: Sequence[Expression], texts: Sequence[str]) -> list[str]:
     """Bounds of integers, as far as 63 bits go."""
+    # Beyond it integers go to Python, which has no end of them.
     most = 2**63 - 1
     return [
         text if abs(int(_constant(bound))) <= most else cpp_integer(most)

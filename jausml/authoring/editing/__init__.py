@@ -1,1 +1,1 @@
-"""Small changes of model files: commands become splices, are checked, written and logged."""
+"""Changes of model files: commands are planned, checked by reading again, written and logged."""

@@ -74,6 +74,7 @@ class Applying:
     def _set(self, command: Set) -> None:
         copy = self._copy(command.element)
         feature = feature_of(copy.table, command.feature)
+        # A new name must be followed by all that names the element.
         if command.feature == NAME and len(command.values) == 1:
             self._rename(Rename(command.element, command.values[0]))
             return
@@ -140,6 +141,7 @@ class Applying:
                 self._give(copy, feature_of(table, name), tuple(values))
         for child in command.children:
             self._own(copy, child.feature, self._made(file, child), None)
+        # What is new is written as a whole, not as a change.
         self.changed.pop(copy, None)
         return copy
 
@@ -183,6 +185,7 @@ class Applying:
             raise EditError(f"{copy.label} is all of {copy.file}: delete the file")
         going: set[ElementCopy] = set()
         pending = [copy]
+        # What cannot be without something that goes, goes too, and so on.
         while pending:
             element = pending.pop()
             if element in going:
@@ -200,6 +203,7 @@ class Applying:
         }
         self.removed = [removed_copy for removed_copy in self.removed if removed_copy not in inner]
         self._unlink(going)
+        # Refs are those before the command, so all are taken before anything is dropped.
         fragments = self._working_copy.fragments()
         for element in self.removed:
             self.steps.append(Remove(self._working_copy.ref(element, fragments)))

@@ -79,6 +79,7 @@ def execute(commands: Sequence[Command], draft: Draft, known: WorkingCopy | None
 
 def names_elements(file: str, data: bytes) -> bool:
     """Tells whether a file may refer to elements by their names."""
+    # Without its zeros, UTF-16 reads like ASCII.
     return is_text(file) or _BY_NAME.search(data.replace(b"\0", b"")) is not None
 
 
@@ -111,6 +112,7 @@ class _Work:
 
     def __init__(self, draft: Draft, known: WorkingCopy | None) -> None:
         self._draft = draft
+        # A file that was read again has new elements, which the copies do not know.
         is_current = known is not None and all(
             file in draft.files and draft.read(file).model is model
             for file, model in known.models.items()
@@ -162,6 +164,7 @@ class _Work:
         files = self._concerned(command)
         self._take(files)
         working_copy = self._working_copy
+        # Taken before the command, to tell afterwards what has shifted.
         paths = working_copy.paths()
         is_shifting = not isinstance(command, Set | Rename)
         before = working_copy.refs(paths) if is_shifting else {}
@@ -170,6 +173,7 @@ class _Work:
             Context(file, root, self._draft.read(file).model, working_copy, paths, locate)
             for file in files
         ]
+        # Asked before the command: afterwards every file has our layout.
         odd = [context.file for context in contexts if not self._is_laid_out(context)]
         applying = Applying(working_copy, self._find, contexts[0].model.metamodels)
         applying.apply(command)
@@ -206,6 +210,7 @@ class _Work:
             if layout_file(file) in self._draft.files:
                 layout = followed(self._layout_of(file), file, self._working_copy, read)
                 self._draft.put(layout_file(file), write_layout(layout) or None)
+        # A later command may have removed what an earlier one created.
         there = set(read.copies.values()) if self._created else set()
         self._created = [copy for copy in self._created if copy in there]
         self._created += applying.created
@@ -217,6 +222,7 @@ class _Work:
         if set(wanted) == set(self._working_copy.roots):
             return
         working_copy = WorkingCopy.of(self._read(list(wanted)), self._draft.root)
+        # Refs outlive the working copy, its elements do not.
         created = [self._working_copy.ref(copy) for copy in self._created]
         self._created = [copy_of(reference, working_copy) for reference in created]
         self._working_copy = working_copy
@@ -235,6 +241,7 @@ class _Work:
         files = [self._draft.editable(reference) for reference in named]
         if isinstance(command, Set) and command.feature not in _NAMING:
             return files
+        # Other files name elements by position or by name, and must follow.
         found = dict.fromkeys(f for file in files for f in self._draft.referring(file))
         if isinstance(command, Set | Rename):
             return [f for f in found if f in files or names_elements(f, self._draft.files[f].data)]
@@ -265,6 +272,7 @@ def _shift(before: Mapping[ElementCopy, Ref], after: Mapping[ElementCopy, Ref]) 
 
 def _referrers_of(applying: Applying, paths: Mapping[ElementCopy, str]) -> Iterable[Referrer]:
     """Yields what goes with an element that is removed, and what loses its reference to it."""
+    # The first is the element that the command itself names.
     for copy in applying.removed[1:]:
         yield Referrer(f"{copy.file}#{paths[copy]}", copy.label, "")
     for copy, names in applying.changed.items() if applying.removed else ():
@@ -291,6 +299,7 @@ def renewed(
             copy, obj = pending.pop()
             _renew(copy, obj, file, wanted, read, is_changed=copy in changed)
             pending += _children(copy, read)
+    # Elements must all be there before references to them can be compared.
     read.pair()
     for copy in read.everything():
         _compare_references(copy, read)
@@ -312,6 +321,7 @@ def _renew(
         raise _different(copy, "is another element")
     if copy.identifier != (model.identifier(obj) or ""):
         raise _different(copy, "is another element")
+    # Asked before the copy gets its new element: the old one is what it compares with.
     is_written_alike = not is_changed and _is_written_alike(copy, obj, wanted, model)
     read.hold(copy, obj, file)
     if not is_written_alike:

@@ -206,6 +206,7 @@ class Project:
 
     def _done(self, commands: Sequence[Command], label: str) -> Entry:
         draft = self._draft()
+        # If the commands fail, the copy is worth nothing.
         working_copy, self._working_copy = self._working_copy, None
         outcome = execute(commands, draft, working_copy)
         changes = draft.changes()
@@ -339,6 +340,7 @@ class Project:
 
     def _write(self, changed: Mapping[str, Stored | None]) -> None:
         """Writes files, all or none, if they are still as this project knows them."""
+        # Nobody may write between the check and the storing.
         with self._disk.alone():
             self._check_unchanged(changed)
             self._store(changed)
@@ -356,6 +358,7 @@ class Project:
                 self._disk.store(file, new.data if new is not None else None)
                 written.append(file)
         except OSError as error:
+            # All or none: what was written is put back.
             for file in written:
                 self._disk.store(file, self._data(file))
             raise EditError(f"{error.filename} cannot be written: {error.strerror}") from error

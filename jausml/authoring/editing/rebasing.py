@@ -49,6 +49,7 @@ class _Revision:
 
     def past(self, command: ElementCommand, *, is_first: bool) -> ElementCommand:
         """Returns a command with the refs after what happened."""
+        # Comparing two states of a file is costly, and most commands concern another one.
         if self.outside is not None and self._concerns(command):
             return self.outside().followed(command, is_first=is_first)
         return with_created(command, self._followed)
@@ -56,6 +57,7 @@ class _Revision:
     def _concerns(self, command: ElementCommand) -> bool:
         named: list[Ref] = []
 
+        # with_created visits all refs of a command; here they are noted on the way.
         def noted(ref: Ref) -> Ref:
             named.append(refs.split(ref)[0])
             return ref
@@ -69,6 +71,7 @@ class _Revision:
             raise _forgotten(file)
         for shift in self.shifts or ():
             ref = shift.get(ref, ref)
+            # A ref that was empty from the start names nothing that could be gone.
             if not ref and file:
                 raise EditError("what was to be changed is gone meanwhile", conflict=True)
         return ref
@@ -90,6 +93,7 @@ class Rebasing:
         """Remembers that an entry was undone, or done again; tells whether commands say how."""
         shifts = self._shifts.get(entry.number)
         if back and shifts is not None:
+            # The last shift was made on top of the others, so it is undone first.
             shifts = tuple(_inverted(shift) for shift in reversed(shifts))
         self._pass(revision, entry, shifts)
         return shifts is not None
@@ -130,6 +134,7 @@ def _forgotten(what: str) -> EditError:
 
 
 def _inverted(shift: Shift) -> Shift:
+    # What went has no new ref that could lead back.
     return {new: old for old, new in shift.items() if new}
 
 
@@ -197,6 +202,7 @@ class OutsideChange:
         pending = [(list(old), list(new))]
         while pending:
             before, after = pending.pop()
+            # Names first; what is left is known by its content, if nothing else has the same.
             pairs = [*_unique(before, after, _named)]
             paired = set(chain.from_iterable(pairs))
             left, other = ([e for e in side if e not in paired] for side in (before, after))
@@ -233,6 +239,7 @@ def _unique(
     old, new = sides
     for key, copies in old.items():
         others = new.get(key, ())
+        # Of two alike on one side nobody can tell which is which.
         if key is not None and len(copies) == len(others) == 1:
             yield copies[0], others[0]
 

@@ -211,9 +211,11 @@ class WorkingCopy:
         copy.values = {
             name: values
             for name, feature in attributes_of(copy.table)
+            # What was never set has its default, and asking for it would create it.
             if name in obj.__dict__ and (values := attribute_values(obj, feature))
         }
         copy.open = open_features(copy.table, copy.file)
+        # What the text states is not open.
         node = self.models[copy.file].node_of(obj) if copy.open else None
         if node is not None:
             copy.open -= {child.tag for child in node.children}

@@ -50,10 +50,12 @@ def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xm
     starts = [0, *ends[:-1]]
     edits: list[tuple[int, int, str]] = []
     for comment in here:
+        # Said once on both sides it is the same comment; else which one went is open.
         if counts[0][comment.said] == counts[1][comment.said] == 1 and not counts[2][comment.said]:
             edits.append(_removal(merged, comment))
     known = counts[0] | counts[1]
     for comment in there:
+        # Each comment of theirs uses up one that is known: what is left over is new.
         known[comment.said] -= 1
         if known[comment.said] >= 0:
             continue
@@ -66,6 +68,7 @@ def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xm
         margin = indentation.group() if indentation is not None else ""
         edits.append((at, at, f"{margin}{comment.written}\n"))
     newline = "\r\n" if "\r\n" in merged else "\n"
+    # From the end to the beginning, so that the places before stay right.
     for start, end, new in sorted(edits, key=lambda edit: edit[0], reverse=True):
         written = new.replace("\r\n", "\n").replace("\n", newline)
         merged = merged[:start] + written + merged[end:]

@@ -71,6 +71,7 @@ class Execution:
         """Carries a plan out."""
         going = {e for one in (*plan.removed, *plan.replaced) for e in self._sides.all_of(one)}
         self._moved = plan.moved
+        # Where there is room for one element alone, the old one must go first.
         for replaced_element in plan.replaced:
             self._remove(replaced_element, going)
         for addition in plan.additions:
@@ -78,11 +79,13 @@ class Execution:
                 self._add(addition)
         for setting in plan.settings:
             self._set(setting.element, setting.feature, setting.values, setting.element)
+        # References among additions wait until all of these are there.
         for element, feature, owner in self._later:
             tokens = self._sides.values(element, feature, self._sides.theirs)
             self._set(element, feature, tokens, owner)
         for order in plan.orders:
             self._reorder(order)
+        # Last: until here something that stays may have referred to it.
         for removed_element in plan.removed:
             self._remove(removed_element, going)
 
@@ -192,6 +195,7 @@ class Execution:
             name = feature.name if place is element else ""
             self.conflicts.append(Conflict(LOST_TARGET, place, what, name))
         texts = tuple(ref for ref in found if ref is not None)
+        # With no target left the feature keeps its value, as the conflict says.
         if texts or None not in found:
             self._do(Set(self.where[element], feature.name, texts))
 
@@ -199,10 +203,12 @@ class Execution:
         """Returns the ref of an element on our side as it stands now, None when it is not there."""
         if value is None or isinstance(value, str):
             return value
+        # An empty ref stands for what is gone.
         return self.where.get(self._sides.ours.matching.news.get(value, value)) or None
 
     def _reorder(self, order: Order) -> None:
         """Moves elements of one owner to each other's places."""
+        # They share the places that they have now; what stands between them stays.
         places = sorted(map(self._position, order.elements))
         for place, element in zip(places, order.elements, strict=True):
             if self._position(element) != place:

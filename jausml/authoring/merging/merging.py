@@ -1,4 +1,4 @@
-"""Merges of one model file: what theirs did is done to ours by small changes of its bytes."""
+"""Merges of one model file: what theirs did is done to ours by commands of editing."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def merged(
         file: The file, relative to the root with forward slashes; its references are followed from
             there, whether it is there or not.
         root: The folder that references may not leave, symbolic links followed.
-        ours: Our side, whose layout stays.
+        ours: Our side, to which the changes of theirs are made.
         around: Other files that a side has changed. They are merged first, so that references
             by position lead to the same elements behind the merge.
 
@@ -138,6 +138,7 @@ class _Merge:
             },
         ]
         results = [self._read(*pair) for pair in zip(sides, beside, strict=True)]
+        # References to what only another branch has would make a state unreadable.
         absent = [
             reference
             for one in results
@@ -191,6 +192,7 @@ class _Merge:
         if made == now:
             return data, []
         written = made.encode(encodings[1], "xmlcharrefreplace")
+        # Read once more: in a wrong place, the text of a comment could become part of the model.
         files = {**self.files, self._file: stored(self._file, written, 0)}
         again = self._reader.read(self._file, files).model
         before, after = (list(state.documents[0].roots) for state in (model, again))
@@ -289,6 +291,7 @@ def with_places(merged: bytes, base: bytes, ours: bytes, theirs: bytes) -> bytes
     if now == _places(merged):
         return merged
     written = b" ".join(word for pair in now.items() for word in pair)
+    # A function, since a replacement text would give backslashes a meaning.
     return _PLACES.sub(lambda _: written, merged, count=1)
 
 

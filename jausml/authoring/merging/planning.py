@@ -155,6 +155,7 @@ class _Planner:
         sides = self._sides
         if sides.is_same(base, theirs, sides.theirs):
             return
+        # A list is no whole: the assignments of its elements are merged one by one.
         is_whole = isinstance(base, _WHOLE) and not isinstance(base, bridge.ListAssignment)
         if is_whole and not sides.is_same(base, ours, sides.ours):
             if not sides.is_alike(ours, theirs):
@@ -178,6 +179,7 @@ class _Planner:
         if here == before:
             self.plan.settings.append(Setting(ours, feature, there))
         elif feature.many and feature.is_reference:
+            # Of references, what either side added comes and what either side removed goes.
             kept = [value for value in here if value in there or value not in before]
             added = [value for value in there if value not in before and value not in here]
             self.plan.settings.append(Setting(ours, feature, (*kept, *added)))
@@ -214,6 +216,7 @@ class _Planner:
     def gone(self) -> None:
         """Looks at what our side changed and theirs has no more, or has in another place."""
         sides = self._sides
+        # Only when all additions are known can one of them be the element that is missing.
         new = [e for addition in self.plan.additions for e in sides.all_of(addition.element)]
         for base, ours in self._gone:
             found = next((element for element in new if self._is_moved(base, element)), None)
@@ -231,6 +234,7 @@ class _Planner:
             return False
         identifiers = (e.identifier for e in (self._sides.base, self._sides.theirs.model))
         one, other = (of(obj) for of, obj in zip(identifiers, (base, theirs), strict=True))
+        # An id is surer than a name, so with an id on either side names do not count.
         if one or other:
             return one == other
         names = [getattr(element, "name", None) for element in (base, theirs)]
@@ -249,6 +253,7 @@ class _Planner:
                 before = self._following(there[position + 1 :])
                 self.plan.additions.append(Addition(ours, feature, element, before))
             else:
+                # Each of ours is the twin of one of theirs alone.
                 new.remove(twin)
                 self._paired(twin, element)
                 if not self._sides.is_alike(twin, element):
@@ -304,6 +309,7 @@ class _Planner:
         if there in (common, here):
             return
         if here != common:
+            # Where the order means nothing, that of ours will do.
             if not is_ordered(self._sides.table(base), feature):
                 return
             what = (

@@ -73,6 +73,7 @@ class Sides:
         `side`: the side that has it, None for the base.
         """
         model = self.base if side is None else side.model
+        # Elements of other files are compared by their refs, those of changed files by ours.
         if model.document_of(obj) is not model.documents[0]:
             if obj in self._around:
                 obj, model = self._around[obj], self.ours.model

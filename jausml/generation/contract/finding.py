@@ -197,8 +197,10 @@ def removal(
         start, end = _start(statement), _end(statement)
         edit = text.replaced(start, end, "pass" if is_alone else "")
         before, after = text.around(start, end)
+        # Alone on its lines, the statement takes its line end along.
         if not is_alone and not before.strip() and not after.strip():
             edit = text.replaced((start[0], 0), (end[0] + 1, 0), "")
+        # Comments, and what shares the last line, are left to the user.
         return () if "#" in edit.old or (not is_alone and edit.end) else (edit,)
     edits = []
     last = max(i for i, imported_name in enumerate(statement.names) if imported_name not in unused)
@@ -216,6 +218,7 @@ def edited(data: bytes, edits: Iterable[Edit]) -> bytes | None:
     if not text.is_exact:
         return None
     lines, former = text.lines, (len(text.lines) + 1, 0)
+    # From the end to the beginning, so that the places before stay right.
     for edit in sorted(set(edits), reverse=True):
         if (edit.end_line, edit.end) > former:
             return None
@@ -227,6 +230,7 @@ def edited(data: bytes, edits: Iterable[Edit]) -> bytes | None:
         lines[edit.line - 1 : edit.end_line] = [(first + edit.new.encode() + rest).decode()]
     try:
         result = text.encoded(lines)
+        # A file that is no Python any more is worse than the finding.
         ast.parse(result)
     except (SyntaxError, ValueError):
         return None
@@ -242,6 +246,7 @@ class Lines:
 
     def __init__(self, data: bytes) -> None:
         try:
+            # detect_encoding knows line feeds alone.
             first = io.BytesIO(data.replace(b"\r", b"\n"))
             self._encoding, _ = tokenize.detect_encoding(first.readline)
             self.lines = _LINE.findall(data.decode(self._encoding))

@@ -125,6 +125,7 @@ class Imports:
         is_taken = any(successor in namespace.bindings for namespace in self._names.scopes.values())
         is_given = self._module.is_package or (self._module.name, name) in self._around.imported
         is_single = len(scope.bindings.get(name, ())) == 1
+        # Where the new name may clash or the old one is used out of sight, `as` keeps the old one.
         if is_taken or is_given or not is_single or name in self._file.words:
             kept = f"{successor} as {name}"
             return (name_edit(alias.lineno, alias.col_offset, name, kept),)

@@ -55,6 +55,7 @@ class _Difference:
                 yield from self._of_classes(one, other)
 
     def _of_classes(self, former: Class, present: Class) -> Iterator[tuple[str, str]]:
+        # Most classes stay as they are, and need no comparison.
         if ast.dump(former.node) == ast.dump(present.node):
             return
         before, after = self._old.members(former), self._new.members(present)
@@ -80,6 +81,7 @@ class _Difference:
         if key is _number or len(ours) != len(theirs):
             return
         fields = list(zip(ours, theirs, strict=True))
+        # Fields have other names and nothing else if the code is the same with the new ones put in.
         text = _code(former.node)
         for one, other in (*same, *fields):
             text = re.sub(rf"\b{one}\b", other, text)
@@ -108,6 +110,7 @@ def _paired(
 def _key(symbol: Symbol | None) -> str:
     """Returns what stays of a class when it is renamed; empty when nothing is known."""
     if isinstance(symbol, Class):
+        # A message that is renamed keeps its code.
         for statement in symbol.node.body:
             if (
                 isinstance(statement, ast.AnnAssign)
@@ -126,6 +129,7 @@ def _number(symbol: Symbol) -> str:
 
 def _code(node: ast.ClassDef) -> str:
     """Returns the code of a class without its name and its documentation."""
+    # A copy, since taking documentation out changes the tree.
     text = ast.unparse(_Bare().visit(ast.parse(ast.unparse(node))))
     return re.sub(rf"\b{node.name}\b", "_", text)
 
@@ -215,6 +219,7 @@ def former_names(before: Interface, after: Interface, known: object = None) -> d
     """Returns the names that an interface had and has no more, with what each is called now."""
     new = renames(before.modules, after.modules, after.changed_from(before))
     former = {**_strings(known), **new}
+    # A name that was renamed before leads on to the present one.
     followed = {
         name: new.get(f"{name.rpartition('.')[0]}.{successor}", successor)
         for name, successor in former.items()
@@ -233,6 +238,7 @@ def _strings(known: object) -> Mapping[str, str]:
 def _has(modules: Modules, dotted: str) -> bool:
     """Tells whether there is a name inside a module, or inside a class of it."""
     parts = dotted.split(".")
+    # The longest beginning that is a module; the rest lies inside it.
     for count in range(len(parts) - 1, 0, -1):
         found: object = modules.find(".".join(parts[:count]))
         if isinstance(found, Module):

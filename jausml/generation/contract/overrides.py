@@ -51,6 +51,7 @@ class SourceClass:
 def read_classes(tree: ast.Module) -> dict[str, SourceClass]:
     """Returns the top-level classes of a Python file by name."""
     statements = list(flat(tree.body))
+    # Bases are known by the names that they have in the generated code.
     aliases = {
         alias.asname: alias.name
         for statement in statements
@@ -71,6 +72,7 @@ def _read_class(
     bases = [name for name in map(last_name, node.bases) if name]
     methods: dict[str, Definition] = {}
     ancestors = {aliases.get(name, name) for name in bases}
+    # Of several bases, the first has the last word.
     for base in (earlier[name] for name in reversed(bases) if name in earlier):
         methods.update(base.methods)
         ancestors |= base.ancestors
@@ -153,6 +155,7 @@ def _compare_methods(
             message = f"{name}: the model has no such element any more, nothing calls it"
             yield Finding(FindingKind.ORPHAN, path, definition.line, message)
         else:
+            # Each method is the successor of one orphan alone.
             del missing[successor.name]
             message = f"{name}: renamed to {successor.name}?"
             edits: tuple[Edit, ...] = ()
@@ -222,6 +225,7 @@ def _renaming(
         and successor.name not in user.methods
         and not _signature_problem(function, successor)
         and all(last_name(attribute.value) in ("self", "super") for attribute in used)
+        # A text may name the method, as for getattr, and no edit would follow it.
         and name not in file.words
     )
     if function is None or not is_certain:
@@ -233,6 +237,7 @@ def _renaming(
 
 
 def _resemble(first: str, second: str) -> bool:
+    # Without the prefix as well: `on_` alone makes names alike.
     pairs = [(first.partition("_")[2], second.partition("_")[2]), (first, second)]
     return all(difflib.SequenceMatcher(None, a, b).ratio() >= _SIMILAR for a, b in pairs)
 
@@ -248,6 +253,7 @@ def _signature_problem(function: Function, method: MethodContract) -> str:
     if any(isinstance(d, ast.Name) and d.id == "staticmethod" for d in function.decorator_list):
         return "is a static method"
     arguments = function.args
+    # A leading underscore says only that a parameter is not used.
     names = [a.arg.lstrip("_") for a in (*arguments.posonlyargs, *arguments.args)][1:]
     wanted = [name.lstrip("_") for name in method.parameters]
     required = len(names) - len(arguments.defaults)

@@ -128,6 +128,7 @@ class Scope:
         """Returns the bindings that a name has here, and the scope that has them."""
         scope: Scope | None = self
         while scope is not None:
+            # Functions do not see the names of the class around them.
             is_seen = scope is self or not isinstance(scope.node, ast.ClassDef)
             if is_seen and name in scope.bindings:
                 return scope, scope.bindings[name]
@@ -181,6 +182,7 @@ def _share(scope: Scope, name: str, node: ast.AST) -> None:
     """A name that inner functions bind, too, is certain nowhere."""
     outer: Scope | None = scope
     while outer is not None:
+        # Twice, since a single binding counts as certain.
         outer.bindings.setdefault(name, []).extend([Binding(Bound.OTHER, node)] * 2)
         outer = outer.parent
 
@@ -192,6 +194,7 @@ def own_nodes(node: Block) -> Iterator[ast.AST]:
         syntax = waiting.pop()
         yield syntax
         if isinstance(syntax, (*Function, *_COMPREHENSIONS, ast.ClassDef)):
+            # Decorators run in the block around what they decorate.
             if not isinstance(syntax, (ast.Lambda, *_COMPREHENSIONS)):
                 waiting += syntax.decorator_list[::-1]
         else:
@@ -315,6 +318,7 @@ class Walk:
             case ast.ListComp() | ast.SetComp() | ast.DictComp() | ast.GeneratorExp():
                 yield from _at(self._within(node, place), ast.iter_child_nodes(node))
             case ast.AnnAssign():
+                # Python never evaluates annotations of local variables.
                 is_local = isinstance(place.scope.node, Function)
                 yield node.annotation, self._annotation(place, is_run=not is_local)
                 yield from _at(place, (node.target, node.value))

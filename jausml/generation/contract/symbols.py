@@ -134,6 +134,7 @@ class Modules:
         return self._found[name]
 
     def _load(self, name: str) -> Module | Unknown | None:
+        # A package of the workspace lies in a folder that bears its name, too.
         place = "/".join((name.partition(".")[0], *name.split(".")))
         for path, is_package in ((f"{place}/__init__.py", True), (f"{place}.py", False)):
             text = self._read(path)
@@ -154,6 +155,7 @@ class Modules:
         names = self._scope(module)
         found = names.symbols.get(name)
         if isinstance(found, _Alias):
+            # Modules may import a name from each other.
             if module in passed:
                 return UNKNOWN
             return self._imported(found, (*passed, module))
@@ -221,6 +223,7 @@ class Modules:
             names = self._members[cls] = _names(cls.node, cls.module, cls)
             for name in _set_by_methods(cls.node):
                 known = names.symbols.get(name)
+                # A value that methods replace may be of any type.
                 if known is None or (isinstance(known, Value) and known.annotation is None):
                     names.symbols[name] = UNKNOWN
             special = names.symbols.keys() & {"__getattr__", "__getattribute__"}
@@ -322,6 +325,7 @@ def _symbol(name: str, binding: Binding, module: Module, owner: Class | None) ->
         case ast.expr() as value if binding.how is Bound.VALUE:
             return Value(None, value, module, owner)
         case ast.Import() if binding.alias:
+            # `import a.b` binds a; with `as` it is the inner module that gets the name.
             return _Alias(binding.alias.name if binding.alias.asname else name, "")
         case ast.ImportFrom() as node if binding.alias:
             source = absolute(node, module.name, is_package=module.is_package)
@@ -353,6 +357,7 @@ def _is_dynamic(node: ast.ClassDef) -> bool:
     named: set[ast.AST] = set()
     for syntax in ast.walk(node):
         match syntax:
+            # With a constant key it can be seen what is set.
             case ast.Subscript(slice=ast.Constant()):
                 named.add(syntax.value)
             case ast.Call() if syntax not in named and last_name(syntax) in _SETTERS:

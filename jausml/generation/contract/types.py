@@ -82,6 +82,7 @@ class Types:
         look_up = self._within(symbol.owner) if symbol.owner else self.at_top(symbol.module)
         if symbol.owner is not None and is_enumeration(self.modules, symbol.owner):
             return Object(symbol.owner)
+        # TypeAlias says nothing of the value.
         if symbol.annotation is not None and "TypeAlias" not in ast.unparse(symbol.annotation):
             return self.of_annotation(symbol.annotation, look_up)
         return UNKNOWN if symbol.value is None else self.of(symbol.value, look_up)
@@ -119,6 +120,7 @@ class Types:
                 return self._result(self.of(function, look_up))
             case ast.Subscript(value=owner):
                 found = self.of(owner, look_up)
+                # `State["MOVING"]` is a member of the enumeration.
                 if isinstance(found, Class) and is_enumeration(self.modules, found):
                     return Object(found)
                 is_slice = isinstance(node.slice, ast.Slice)
@@ -151,6 +153,7 @@ class Types:
     def _method(self, function: Function, owner: Class | Object) -> Type:
         decorators = function.node.decorator_list
         is_object = isinstance(owner, Object)
+        # These decorators do not change how a method is called.
         match [d for d in decorators if not is_decorated_by(d, "override", "abstractmethod")]:
             case []:
                 return Method(function, is_bound=is_object)
@@ -174,6 +177,7 @@ class Types:
 
     def _annotated(self, function: Function) -> Type:
         """Returns what a function returns, as its annotation has it."""
+        # A call of it gives something to await.
         if function.node.returns is None or isinstance(function.node, ast.AsyncFunctionDef):
             return UNKNOWN
         return self.of_annotation(function.node.returns, self.at_top(function.module))
@@ -202,6 +206,7 @@ class Types:
             case ast.Subscript(value=ast.Name(id="Optional"), slice=inner):
                 return self.of_annotation(inner, look_up)
             case ast.Subscript(value=ast.Name(id=name), slice=inner) if name in _LISTS:
+                # Of tuples, `tuple[X, ...]` alone has elements of one type.
                 if isinstance(inner, ast.Tuple):
                     inner = (
                         inner.elts[0] if len(inner.elts) == 2 and _is_rest(inner.elts[1]) else node
@@ -236,6 +241,7 @@ class Names:
             if found is None:
                 return UNKNOWN
             owner, bindings = found
+            # Of a name that is bound twice, nobody knows which value it has.
             if len(bindings) != 1 or name in _probed(scope, owner):
                 return UNKNOWN
             return self._bound(owner, bindings[0])
@@ -309,6 +315,7 @@ class Names:
             return owner if is_class else Object(owner)
         if position < 0 or decorators:
             return UNKNOWN
+        # The base that calls the method says by its annotations what it gives.
         base = self.types.find(Object(owner, is_super=True), function.name)
         return self.types.parameter(base, position) if isinstance(base, Function) else UNKNOWN
 

@@ -50,6 +50,7 @@ class Signature:
         if count > len(self.positional) and not self.takes_more:
             few = len(self.positional)
             return f"takes {few} positional argument{'' if few == 1 else 's'}, not {count}", None
+        # What `*` and `**` give is not known, so nothing is missing for certain.
         if is_open or is_open_by_name:
             return "", None
         given = {*self.positional[:count], *names}
@@ -129,6 +130,7 @@ def _of_fields(classes: Sequence[Class]) -> Signature | None:
             value = ast.unparse(statement.value) if statement.value is not None else ""
             if value.startswith("field(") and ("init=" in value or "kw_only" in value):
                 return None
+            # field() without a default is as required as an annotation alone.
             is_bare = value.startswith("field(") and "default" not in value
             positional[statement.target.id] = not value or is_bare
     required = frozenset(name for name, is_required in positional.items() if is_required)
@@ -193,6 +195,7 @@ class _Reader:
 
     def _attribute(self, node: ast.Attribute) -> Iterator[Finding]:
         owner = self._type_of(node.value)
+        # The file itself asks whether the attribute is there.
         if node.attr in self._file.asked or "AttributeError" in self._place.caught:
             return
         if isinstance(owner, Module):
@@ -227,14 +230,17 @@ class _Reader:
         name, is_super = node.attr, isinstance(owner, Object) and owner.is_super
         if name.startswith("_") or (is_super and self._is_uncalled(name)):
             return False
+        # Where objects take any attribute, one that is set somewhere may be there.
         if not is_slotted(self._modules, cls) and name in self._file.stored:
             return False
+        # Classes have the attributes of `type`, too.
         if isinstance(owner, Class) and hasattr(type, name):
             return False
         if self._around.types.find(owner, name) is None:
             # A class from which others derive may be completed by these.
             is_whole = cls.module.is_generated or cls.name not in self._around.derived
             return is_super or is_whole
+        # The class may have names that nobody sees; one that generated code had and lost is gone.
         classes = self._classes(cls)
         return not any(name in self._modules.members(ancestor) for ancestor in classes) and any(
             f"{ancestor.module.name}.{ancestor.name}.{name}" in self._around.former

@@ -94,6 +94,7 @@ def _end_of_head(first: ast.stmt, lines: Sequence[str]) -> int | None:
     if not decorators and lines[start - 1][: first.col_offset].strip():
         return None
     end: int = start - 1
+    # Comments and blank lines before the body are its own, decorators too.
     while lines[end - 1].lstrip()[:1] in {"", "#", "@"}:
         end -= 1
     return end
@@ -189,6 +190,7 @@ def _assignment(parts: Sequence[Part], words: Sequence[str], at: int, indent: st
     is_short = len(indent + before + sign) < LINE_WIDTH
     is_empty = isinstance(value[0], Bracket) and not value[0].inside and len(value) == 1
     line = indent + before + sign + flat(value)
+    # The formatter breaks a long annotation before the value.
     if ":" in words[:at] and (not is_short or (is_empty and len(line) > LINE_WIDTH)):
         colon = words.index(":")
         annotation = parts[colon + 1 : at]

@@ -95,6 +95,7 @@ def names_in(module: ast.Module) -> Names:
     while pending:
         node, used = pending.pop()
         if isinstance(node, ast.Name):
+            # A name that is stored is defined; only one that is loaded must come from somewhere.
             (used if isinstance(node.ctx, ast.Load) else defined).add(node.id)
             continue
         if isinstance(node, _DEFINING):
@@ -200,6 +201,7 @@ class _Piece:
 
     def under(self, word: str, strings: str) -> _Piece:
         """Returns the piece with a word and the strings for what stands in for them."""
+        # The stand-in has the length of the word, so that the layout is the same.
         stand_in = _STAND_IN * len(word)
         letters = StringIO(strings)
         text = _HIDDEN_STRING.sub(lambda found: letters.read(len(found[0])), self.text)
@@ -229,6 +231,7 @@ class Modules:
                 connections. It is the same without them, and takes longer.
         """
         with warnings.catch_warnings():
+            # An invalid escape of a template shows as a warning only.
             warnings.simplefilter("error")
             try:
                 pieces = [self._piece(word, words) for word in _START.split(text)]
@@ -259,6 +262,7 @@ class Modules:
         whole = f"class _:\n{text}" if is_member else text
         module = ast.parse(whole)
         laid_out = layout(whole, module, lambda lines: self._statement(lines, words))
+        # The formatter is trusted for layout alone: what it made must still be Python.
         if laid_out != whole:
             ast.parse(laid_out)
         return _Piece(laid_out.partition("\n")[2] if is_member else laid_out, names_in(module))
@@ -285,6 +289,7 @@ def _joined(pieces: Sequence[_Piece]) -> Names:
 def _without_word(text: str, words: Collection[str]) -> tuple[str, str]:
     """Returns a word that a text is about, and the text without it; no word when there is none."""
     word = _word_in(text, words) if words and _STAND_IN not in text else ""
+    # A word such as "f" before a string would change what the string is.
     if not word or _PREFIX.fullmatch(word):
         return "", text
     stand_in = _STAND_IN * len(word)

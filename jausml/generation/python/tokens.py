@@ -83,6 +83,7 @@ def flat(parts: Sequence[Part]) -> str:
     """Returns parts on one line, without a space at the start; strings side by side are one."""
     text, ends_string = "", False
     for part in parts:
+        # Only strings in double quotes are joined: their ends are of one kind.
         is_string = isinstance(part, Token) and part.is_string and part.text[0] == '"'
         if isinstance(part, Token) and is_string and ends_string:
             text = text[:-1] + part.text[1:]
@@ -107,6 +108,7 @@ def read(text: str) -> Statement | None:
         if len(comments) > 1 or tokens[-1] is not comments[0]:
             return None
         comment = tokens.pop().string
+    # A text over several lines cannot be laid out without changing it.
     if any("\n" in token.string for token in tokens):
         return None
     parts, _ = _parts(tokens, 0)
@@ -129,6 +131,7 @@ def _joined(text: str) -> Iterator[tokenize.TokenInfo]:
     try:
         for token in tokenize.generate_tokens(io.StringIO(text).readline):
             if token.type == _FSTRING_START:
+                # From Python 3.12 on f-strings are several tokens, and may stand within each other.
                 start = start if depth else token.start
                 depth += 1
             elif token.type == _FSTRING_END:
@@ -160,6 +163,7 @@ def _parts(tokens: Sequence[tokenize.TokenInfo], index: int) -> tuple[list[Part]
         if token.string in _CLOSING:
             trails = bool(found) and not spaced and ends_operand(found[-1])
             inside, index = _parts(tokens, index + 1)
+            # The comma says how to break, and is put back by the layout.
             comma = bool(inside) and inside[-1] == Token(",")
             kept = tuple(inside[:-1] if comma else inside)
             found.append(Bracket(token.string, kept, comma, spaced, trails))
@@ -176,6 +180,7 @@ def _is_spaced(tokens: Sequence[tokenize.TokenInfo], index: int) -> bool:
     before, token = tokens[index - 1], tokens[index]
     if before.end[0] == token.start[0]:
         return before.end[1] < token.start[1]
+    # Joined to one line, brackets and commas need no space beside them.
     return before.string not in _CLOSING and token.string not in {",", ".", *_CLOSING.values()}
 
 
@@ -206,6 +211,7 @@ def items(bracket: Bracket) -> list[tuple[Part, ...]]:
     current: list[Part] = []
     arguments_of_lambda = 0
     for part in bracket.inside:
+        # Commas between the parameters of a lambda part no items.
         if isinstance(part, Token) and part.text == "lambda":
             arguments_of_lambda += 1
         elif isinstance(part, Token) and part.text == ":" and arguments_of_lambda:

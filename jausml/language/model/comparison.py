@@ -184,6 +184,7 @@ class _Comparison:
             if obj in self._roots:
                 steps.append("")
                 break
+            # A service is the same wherever it stands.
             urn = getattr(obj, "urn", None)
             if urn:
                 steps.append(f"{urn} {getattr(obj, 'version', '')}")

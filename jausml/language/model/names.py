@@ -170,6 +170,7 @@ class NameFinder:
             found = [
                 element
                 for target in self._referred(scope)
+                # Few targets can own such an element, and walking all that they own is costly.
                 if wanted in held_by(self._model.metamodels, self._class_of(target))
                 for element in target.eAllContents()
                 if self._is_a(element, wanted) and _matches(element, text)
@@ -207,6 +208,7 @@ class NameFinder:
         if index is None:
             index = document.by_name or self._indexed(document)
             self._indices[document] = index
+            # A shared document keeps its index for the readings to come.
             if document.is_shared:
                 document.by_name = index
         return index

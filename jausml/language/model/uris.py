@@ -148,6 +148,7 @@ class UriResolver:
                 f"'{written}' lies outside the project root {self._root}",
                 "name another one by --project-root, or use --allow-outside",
             )
+        # A copy of the library in a project is the library.
         shipped = shipped_as(real)
         if shipped is not None:
             return FileTarget(shipped, display, is_library=True)

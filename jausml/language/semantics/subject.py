@@ -100,6 +100,7 @@ class Subject:
         """
         subtypes = self.model.metamodels.class_of(kind).subtypes
         found = [pair for table in subtypes for pair in self._by_class.get(table.eclass, ())]
+        # Collected by class, but rules and reports go by the document.
         found.sort(key=itemgetter(0))
         if needs is None or not self._unread:
             return [element for _, element in found if element not in self._unread]
@@ -202,12 +203,15 @@ class _Answers:
         `SelfAskingError`: it asks for its own answer.
         """
         value = self._known.get(call)
+        # None may be an answer, too.
         if value is None and call not in self._known:
+            # Marked, so that a call that leads back to itself ends at once.
             self._known[call] = _RUNNING
             try:
                 value = call[0](*call[1:])
             except Exception as error:
                 value = _Raised(error)
+            # An interrupt is no answer: who asks next is to get one.
             except BaseException:
                 del self._known[call]
                 raise
@@ -215,6 +219,7 @@ class _Answers:
         if value is _RUNNING:
             raise SelfAskingError(call)
         if value.__class__ is _Raised:
+            # Else the traceback would grow with each who asks.
             raise value.error.with_traceback(None)
         return value
 

@@ -57,6 +57,7 @@ def check(
         SupersededError: Nobody wants to know any more.
     """
     rules = all_rules() if rules is None else rules
+    # Places and units are asked for by many rules, and computed once for all.
     with without_collector(), remembering():
         subject = Subject(result.model, result.diagnostics)
         found = [finding for rule in rules for finding in _found_in_whole(subject, rule)]
@@ -97,6 +98,7 @@ def _found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
             if not part.kinds
             for finding in part.check(subject)
         ]
+    # Whatever a rule raises is a fault of jausml, and must tell the rule.
     except Exception as error:
         raise RuleError(rule, error) from error
 
@@ -136,6 +138,7 @@ def _reported(
     """Returns a report on a model that was read, of all that rules have found in it."""
     findings = list(result.diagnostics)
     findings += (_diagnostic(rule, finding, result.model) for rule, finding in found)
+    # Two parts of a rule may find the same.
     sorted_findings = sorted(set(findings), key=attrgetter("sort_key"))
     standing, aside = settled(result.model, sorted_findings, {rule.id for rule in rules})
     files = tuple(document.display for document in result.model.documents if document.given)

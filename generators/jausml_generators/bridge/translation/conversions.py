@@ -98,6 +98,7 @@ class Chain:
             is_last = position == len(conversions) - 1
             before = len(current)
             current = self._convert(conversion, current, paths, is_last=is_last)
+            # Several results have no paths any more: what comes behind names them value1, value2.
             paths = paths if len(current) == before else [f"value{i + 1}" for i in range(99)]
         if len(current) != len(self._target_paths):
             raise AssignmentError(
@@ -117,6 +118,7 @@ class Chain:
         factor, offset = step
         known, given = (numbers.Linear, (factor, offset)) if offset else (numbers.Scale, (factor,))
         arguments = tuple(Constant(number, REAL) for number in given)
+        # The limits and known values were those before the scale, and prove nothing afterwards.
         return [
             replace(
                 value,
@@ -136,6 +138,7 @@ class Chain:
         """
         known = [conversion_of(conversion) for conversion in conversions]
         first = next((conversion for conversion in known if not conversion.changes_nothing), None)
+        # What only copies, or gives reals whatever it is given, needs no integers made real.
         if first is None or not first.keeps_integers:
             return True
         kinds = {self._target.kind(path) for path in self._target_paths}
@@ -182,15 +185,18 @@ class Chain:
         """The limit of the connection that counts what the map limits on purpose."""
         *_, maximum = ends
         minimum = ends[0] if len(ends) > 1 else _opposite(maximum)
+        # The map limits this on purpose, whatever the connection does with what does not fit.
         policy = self._body.named_policy(numbers.Clamp.name)
         path, bounds = self._target_paths[0], (minimum, maximum)
         return Limit(policy.owner, policy.name, "within", path, value.expression, bounds)
 
     def _results(self, made: Expression, kinds: list[str], values: list[Value]) -> list[Value]:
         """The results of a conversion; several get a variable each."""
+        # What the source promised holds for its own value, not for the result.
         first = replace(values[0], limits=None, listed=(), known=())
         if len(kinds) == 1:
             return [replace(first, expression=made, is_computed=True)]
+        # A variable for each result, so that the conversion is computed once.
         locals_ = tuple(
             Local(snake_case(name.rpartition(".")[2]))
             for name in _names_for(kinds, self._target_paths)
@@ -221,6 +227,7 @@ class Chain:
     def _expression(self, conversion: Any, values: list[Value], paths: list[str]) -> Value:
         expression = parse_expression(conversion.expression or "")
         names = source_names(paths)
+        # Each source once, however often the expression names it, and in a stable order.
         used = dict.fromkeys(occurrence.name for occurrence in occurrences(expression))
         by_index = {
             at: self._operand(values[at], paths[at])
@@ -246,6 +253,7 @@ class Chain:
             "int" if value.kind == BOOLEAN else INPUT_TYPES.get(value.kind, "Any")
             for value in values
         ]
+        # Only what the last conversion gives must have the type of the target.
         kinds = [self._target.kind(path) for path in self._target_paths] if is_last else [REAL]
         outputs = [PYTHON_TYPES.get(kind, "Any") for kind in kinds]
         output = outputs[0] if len(outputs) == 1 else f"tuple[{', '.join(outputs)}]"
@@ -305,6 +313,7 @@ def look_up(
         texts = (entry.jaus, entry.ros) if to_ros else (entry.ros, entry.jaus)
         key = _constant(str(texts[0] or ""), value.kind, value.listed, table.name)
         found = _constant(str(texts[1] or ""), kind, listed, table.name)
+        # The first entry of a key counts, so that tables read from top to bottom.
         pairs.setdefault(literal(key), found)
     ends = "JAUS to ROS" if to_ros else "ROS to JAUS"
     about = f"Table {table.name}, {ends}."
@@ -313,6 +322,7 @@ def look_up(
     name = f"{table.name} to {'ros' if to_ros else 'jaus'}"
     known: tuple[int, ...] = ()
     if kind == INTEGER:
+        # With all results known, a limit at the target may prove unnecessary.
         known = tuple(sorted({int(found.value or 0) for found in pairs.values()}))
     return Table((name, annotation, items, "{}", about), known)
 

@@ -77,6 +77,7 @@ class Length:
 
 
 _MARKER_KINDS = {"float32": REAL, "float64": REAL, "bool": BOOLEAN}
+# Types of more digits than a double has.
 _LARGE = frozenset({"int64", "uint64"})
 
 

@@ -100,6 +100,7 @@ class _ListSteps:
         """The elements after the conversions of the list as a whole."""
         first = Read(self._many.place, LIST)
         made: Expression = first
+        # Asked without a policy: the values go to a conversion, which limits nothing.
         others = (self._outer.source.value(path, NO_POLICY) for path in self._paths[1:])
         inputs: tuple[Expression, ...] = (first, *(other.expression for other in others))
         for conversion in self._assignment.conversions:
@@ -114,6 +115,7 @@ class _ListSteps:
         if len(inputs) > 1:
             raise AssignmentError(f"{self._assignment.source}: several sources need a conversion")
         found = self._items(made, self._many.counts)
+        # A user may return what is no list of octets, so the short way by a table is closed.
         return replace(found, is_put_together=isinstance(made, UserCall))
 
     def _items(self, value: Expression, counts: tuple[float, float]) -> _Items:
@@ -142,9 +144,11 @@ class _ListSteps:
         key_list = Read(self._outer.source.many(keys).place, LIST)
         needed = self._many.path if must else ""
         is_outermost = isinstance(self._assignment.eContainer(), bridge.AttributeMap)
+        # Memory of names across messages is for the list of the message, not for lists within it.
         owner = self._body.owner if needed and is_outermost else ""
         local = self._body.local("items", ByName(constant, key_list, items.value, needed, owner))
         counts = (len(names), len(names))
+        # A name may be missing in this message; its element is then None.
         return _Items(Read(Place(local), LIST), Place(constant), counts, may_be_none=True)
 
     def _named_in_ros(
@@ -164,6 +168,7 @@ class _ListSteps:
         wanted = self._target.counts
         if wanted is None:
             return items
+        # The source never has more or fewer than the target carries: nothing needs a check.
         if wanted[0] <= items.counts[0] and items.counts[1] <= wanted[1]:
             return items
         limit = self._body.whole_policy.limit("sized", items.value, self._target.path, wanted)
@@ -187,6 +192,7 @@ class _ListSteps:
         inner_source = source.element(self._many, item, counters, conditions)
         inner_target = target.element(self._target, element)
         inner = replace(outer, body=body, source=inner_source, target=inner_target)
+        # Required inside the loop: only there is the element at hand.
         if items.may_be_none and self._assignment.whenAbsent.name == "dropMessage":
             body.require(conditions, self._many.path)
         inner.require(self._assignment.assignments)
@@ -200,10 +206,12 @@ class _ListSteps:
                 index,
                 INDEX in counters.used,
                 element,
+                # Steps that always write the element need no empty one before.
                 None if gives(steps, Place(element)) else self._target.new_element,
                 steps,
                 self._target.place,
                 is_fresh=self._target.fresh,
+                # A list of ROS is checked when it is assigned: all elements must be there by then.
                 is_replaced=outer.to_ros,
                 octets=self._octets(items),
             )

@@ -119,6 +119,7 @@ def _map_to_ros(
     if may_set_limits(attribute_map.message):
         _refuse_limits(body, attribute_map)
     translation = _translation_to_ros(body, attribute_map, message, joins, around)
+    # What is required comes before anything is made: a refused message costs least.
     translation.require(attribute_map.toRos)
     body.add(Write(TARGET, New(class_name)))
     translation.say_unset(attribute_map.toRos)
@@ -182,6 +183,7 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     given, made = words if translation.to_ros else words[::-1]
     about = printable(attribute_map.documentation or "")
     text = "\n\n".join(filter(None, [f"{given} to {made}.", about]))
+    # Entered before its statements are made, so that a message within itself finds its method.
     nested = around.nested[key] = NestedTranslation(name, source, target, text)
     body = Body(owner, translation.body.policy)
     if translation.to_ros:
@@ -223,6 +225,7 @@ def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> N
         data = field.place
         if field.kind == FORMAT:
             text = f"{field.path} carries no JAUS message"
+            # Format 0 of a variable-format field is a JAUS message; others carry other data.
             body.add(Require(Equal(data.at("format_index"), 0), "ConversionError", (text,)))
             data = data.at("data")
         decoded = Decode(message.class_name, Read(data, OCTETS))

@@ -50,6 +50,7 @@ def octet_limit(step: Each) -> values.Limit | None:
     if limit.how != "integer" or limit.drops_field or not isinstance(made, values.Convert):
         return None
     (given,) = made.inputs if len(made.inputs) == 1 else (None,)
+    # Casts to real change no octet, and the table has the result of each.
     while isinstance(given, values.Cast):
         given = given.value
     is_plain = isinstance(given, values.Read) and given.place.root == step.item

@@ -1,4 +1,4 @@
-"""Places in messages, typed and in no language, and the paths that lead to them in ROS."""
+"""Places in messages and conditions on them, for any language, and paths into ROS types."""
 
 from __future__ import annotations
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from jausml.language.semantics.paths.markers import Mark
 
 
+# Compared by identity: two variables may have the same hint.
 @dataclass(frozen=True, eq=False)
 class Local:
     """A variable of a translation; printers name it where it is given its value."""
@@ -51,6 +52,7 @@ class Place:
     @property
     def last(self) -> str:
         """What a variable for the value should be called."""
+        # Only the last name and the indexes behind it make the hint: whole paths are too long.
         words = [str(self.root.hint if isinstance(self.root, Local) else self.root)]
         for step in self.steps:
             words = [*words, f"{step}"] if isinstance(step, int) else [step]
@@ -164,6 +166,7 @@ def joined(conditions: Iterable[Way]) -> tuple[Way, ...]:
     longest: dict[Place, int] = {}
     for condition in unique:
         if isinstance(condition, Longer):
+            # A list with more than 5 elements has more than 3 too: the strictest test is enough.
             longest[condition.place] = max(condition.than, longest.get(condition.place, 0))
     kept = (
         replace(condition, than=longest[condition.place])
@@ -257,6 +260,7 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
                 conditions.append(elements[-1][0])
             place = place.at(int(found["index"]))
         is_array = field.arrayKind.name != "single" and found["index"] is None
+        # Markers that speak of elements ask each element, others ask the field as a whole.
         marks = marks_at(field, is_element=not is_array)
         conditions += markers(marks, field, place, owner)
         current = field.messageType if isinstance(field, ros.MessageField) else None

@@ -190,6 +190,7 @@ class _Printer:
         is_alternative = isinstance(value, New) and not value.is_spread
         if is_dropped or is_alternative or value.kind in {values.QUATERNION, values.TIME}:
             return None
+        # On trial: a comprehension has no room for a statement that the element needs before.
         trial = _Printer(self._names.copy(), dict(self._locals))
         text = trial.text(value)
         return None if trial._made else text
@@ -200,6 +201,7 @@ class _Printer:
         if step.new is not None:
             body.insert(0, Assign(element, self.text(step.new)))
         filled = place
+        # A list of ROS is checked when it is assigned, so it is filled under another name.
         if step.is_fresh and step.is_replaced:
             filled = self._names.claim("elements")
         if step.is_fresh:
@@ -327,6 +329,7 @@ class _Printer:
 
     def _authored(self, value: values.Authored) -> str:
         names = dict(value.operands)
+        # A name for what is long or used more than once, and no statement for what is neither.
         times = Counter(id(names[occurrence.name]) for occurrence in occurrences(value.expression))
         texts: dict[int, str] = {}
         for operand in names.values():

@@ -112,6 +112,7 @@ class JausSource:
     def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path."""
         try:
+            # A path may name a counter of the loop, but a field of that name comes first.
             found = self.field(path)
         except PathError:
             counter = self.counters.value(path, policy) or _count(self, path, policy)
@@ -208,6 +209,7 @@ class RosSource:
         """Returns an element of an array as a source."""
         start: RosStart = replace(many.start, root=root)
         if start.field is not None:
+            # The marks of the array itself were asked on the way; these ask each element.
             marks = [mark for mark in marks_of(start.field) if mark.is_of_elements]
             own = markers(marks, start.field, Place(root), start.owner)
             conditions = (*conditions, *own)

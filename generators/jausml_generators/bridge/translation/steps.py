@@ -141,6 +141,7 @@ class Body:
 
     def deeper(self) -> Body:
         """Returns the body of a block in this one, whose steps are added when complete."""
+        # What is required inside holds there only, so the list is copied.
         return replace(self, steps=[], _required=list(self._required))
 
     def policy_of(self, assignment: bridge.FieldAssignment, *, of_a_place: bool) -> Policy:
@@ -154,8 +155,10 @@ class Body:
             return self.named_policy(own)
         if self.policy != "clamp":
             return self.named_policy(self.policy)
+        # The nearest latitude is a wrong place, not a rough one: better no message.
         if of_a_place:
             return self.named_policy("dropMessage")
+        # Cut off, a number of an entity would name another one.
         return replace(self.named_policy(self.policy), identifiers="drop_message")
 
     def named_policy(self, name: str) -> Policy:
@@ -165,6 +168,7 @@ class Body:
     @property
     def whole_policy(self) -> Policy:
         """The policy of what is no field that could be dropped alone."""
+        # A whole list or text cannot be left out of what needs it.
         return self.named_policy("dropMessage" if self.policy == "dropField" else self.policy)
 
     # -- steps -----------------------------------------------------------------------------------
@@ -195,6 +199,7 @@ class Body:
         """
         outer, known = self.steps, len(self._required)
         last = outer[-1] if outer else None
+        # One block for several assignments under one condition, as a person would write it.
         again = isinstance(last, Choose) and last.conditions == alternatives
         self.steps = list(last.steps) if isinstance(last, Choose) and again else []
         yield
@@ -203,6 +208,7 @@ class Body:
         if again:
             outer.pop()
         outer.append(block)
+        # What the block required does not hold behind it.
         del self._required[known:]
 
     @contextmanager
@@ -212,6 +218,7 @@ class Body:
         first = next(
             (at for at, requirement in enumerate(wanted) if isinstance(requirement, Named)), None
         )
+        # Conditions before the variable stand around it, those behind it may use the variable.
         if first is not None:
             with self.given(wanted[:first]):
                 self._name(wanted[first])

@@ -1,4 +1,4 @@
-"""Surroundings of translations: the base class of a bridge, and the module that it stands in."""
+"""What translations use of the class of a bridge and its module: constants, frames, methods."""
 
 from __future__ import annotations
 
@@ -169,6 +169,7 @@ class Surroundings:
             about = found.documentation or quantity.documentation or ""
             name = self.attributes.claim(snake_case(quantity.name))
             self.quantities[key] = QuantityView(name, *key[1:], str(about))
+        # Asked by one conversion, it holds for all that use the quantity.
         if is_maximum:
             self.quantities[key] = replace(self.quantities[key], is_maximum=True)
         return self.quantities[key].name
@@ -184,6 +185,7 @@ class Surroundings:
         last = path.rpartition(".")[2]
         key = (connection, last, value)
         if key not in self.frames:
+            # Two frames that end alike need the full path to be told apart.
             short = f"{connection}.{last}"
             parameter = short if short not in self.frame_parameters else f"{connection}.{path}"
             self.frame_parameters.add(parameter)
@@ -204,6 +206,7 @@ class Surroundings:
         found: dict[str, float] = {}
         for quantity in quantities:
             used = self.quantities.get(self._quantity_key(quantity))
+            # Where both state the same value, there is nothing to tell the user.
             if used is not None and used.value != quantity.value:
                 found.setdefault(used.name, float(quantity.value))
         return found
@@ -223,6 +226,7 @@ class Surroundings:
         if len(known.inputs) != len(inputs):
             raise AssignmentError(f"user conversion '{method}' takes {len(known.inputs)} values")
         pairs = zip(known.inputs, inputs, strict=True)
+        # Two uses of one method may give it different kinds, and its signature must take both.
         self.methods[method] = UserMethod(
             known.name,
             method,
@@ -359,6 +363,7 @@ def names_of(method: UserMethod) -> tuple[str, ...]:
 
 def _constant(constant: Constant) -> str:
     opening, closing = constant.brackets[0], constant.brackets[1]
+    # Python reads `(x)` as x, not as a tuple.
     comma = "," if opening == "(" and len(constant.items) == 1 else ""
     value = f"{opening}{', '.join(constant.items)}{comma}{closing}"
     about = " ".join(printable(constant.about).split())

@@ -121,6 +121,7 @@ class RosTarget:
                     made = New(self.class_of(sequence.messageType))
                     new = Read(Place(body.local(element.last, made)))
                 else:
+                    # An element that is no message has no class: it is the zero of its kind.
                     kind = ros_kind(found)
                     new = Constant(_ZEROS[kind], kind)
                 body.add(Append(length.place, new))
@@ -174,6 +175,7 @@ class RosTarget:
             found.place,
             found.path,
             counts,
+            # ROS fills an array of fixed size with zeros; appending would make it too long.
             fresh=counts is not None and counts[0] > 0,
             new_element=new,
             start=RosStart("", found.message_type, found.field, found.path, found.owner),
@@ -220,6 +222,7 @@ class JausTarget:
 
     def _named(self, place: Place) -> Place:
         """A place by the variable of the innermost element of a list on the way to it."""
+        # The innermost was made last, and shortens the place the most.
         for known in reversed(self.made):
             local = self.made[known]
             if local is not None and place.is_within(known):
@@ -248,6 +251,7 @@ class JausTarget:
                 body.add(Write(self._named(place), value))
                 self.made[place] = None
                 continue
+            # Elements before the wanted one are needed too; they stay as they are made.
             for index in range(last + 1):
                 self._append(body, replace(place, steps=place.steps[:-1]), index, value)
 
@@ -283,6 +287,7 @@ class JausTarget:
         index = number(int(found.index or 0))
         if not (isinstance(value, Limit) and value.drops_field):
             return New(found.class_name, (index, value))
+        # A variable field that holds None would be encoded: the field itself must be None.
         kept = Read(Place(body.local("value", value)), value.kind)
         return IfKept(kept, New(found.class_name, (index, kept)))
 
@@ -318,6 +323,7 @@ class JausTarget:
         if isinstance(element, PartValue | Bits):
             new = New(element.python_type)
         elif isinstance(element, VariantValue):
+            # With several options only an assignment can tell which one is meant.
             new = New(element.python_type) if len(element.options) == 1 else None
         elif isinstance(element, Fixed | Blob):
             new = default_of(element)
@@ -325,6 +331,7 @@ class JausTarget:
             found.place,
             found.path,
             (fewest, most),
+            # A list that may be absent is None as it is made, and a minimum fills it with elements.
             fresh=found.is_optional or fewest > 0,
             new_element=new,
             start=JausStart("", found.element, found.path),

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from jausml_generators.python.codec.messages import MessageView
 
 
+# Control characters stand in no name, and in literals only as escapes.
 _NAME = "\1"
 """Stands for the name of a connection."""
 
@@ -88,6 +89,7 @@ class SharedTranslations:
             self._once.add(key)
             return make(name, self._uses)
         if key not in self._shared:
+            # The very collections of the bridge, no copies: what is made here counts for all of it.
             known = {
                 attribute.name: getattr(self._uses, attribute.name)
                 for attribute in fields(self._uses)
@@ -95,6 +97,7 @@ class SharedTranslations:
             around = _Unnamed(**known)
             self._shared[key] = make(_NAME, around), around
         shared, around = self._shared[key]
+        # Each connection has attributes of its own, in the order of the marks.
         claimed = [claim(self._uses, name, frames) for claim in around.claims]
 
         def named(text: str) -> str:
@@ -143,6 +146,7 @@ class AlikeMaps:
             self._features[kind] = [(e.name, e.many) for e in features if e.name not in without]
         found: list[Hashable] = [kind]
         for name, is_many in self._features[kind]:
+            # Names of frames are parameters, so maps that differ in nothing else share their code.
             if name == "value" and element in self._frames:
                 continue
             value = getattr(element, name)

@@ -1,4 +1,4 @@
-"""Assignments as statements: fields, constants and the clock."""
+"""Turns the assignments of a map into typed steps: fields, constants and the clock."""
 
 from __future__ import annotations
 
@@ -148,6 +148,7 @@ class Translation(ABC):
     @property
     def to_ros(self) -> bool:
         """Whether the target is of ROS."""
+        # Targets of JAUS have a message, those of ROS a type.
         return not hasattr(self.target, "message")
 
     def require(self, assignments: Iterable[bridge.Assignment]) -> None:
@@ -159,6 +160,7 @@ class Translation(ABC):
                 continue
             paths = paths_of(assignment.source)
             if isinstance(assignment, bridge.ListAssignment):
+                # The first path is the list; those behind it are single values.
                 many = self.source.many(paths.pop(0))
                 self.body.require(many.conditions, many.path)
             for path in paths:

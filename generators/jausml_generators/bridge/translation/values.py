@@ -143,6 +143,7 @@ def ros_kind(target: RosField) -> str:
     """Returns the kind of value that a ROS field holds."""
     if target.is_array:
         return OCTETS if target.type in {"uint8", "byte"} else f"array of {target.type}"
+    # Names of message types are kinds of their own.
     return _ROS_KINDS.get(target.type, target.type)
 
 
@@ -159,6 +160,7 @@ def fitted_to_ros(value: Value, target: RosField) -> Expression:
         return _integer(value, policy, target.path, INTEGER_RANGES[target.type])
     if wanted == REAL and value.kind in {INTEGER, BOOLEAN}:
         return Cast(value.expression, REAL)
+    # A double may be beyond the range of float32, where it would become infinite.
     if wanted == value.kind == REAL and target.type == "float32":
         return _single(value, target.path)
     if wanted == value.kind == TEXT and value.policy.owner and target.bound:
@@ -179,6 +181,7 @@ def fitted_to_jaus(value: Value, target: JausField) -> Expression:
         return _integer(value, policy, target.path, target.limits)
     if target.kind == REAL and value.kind in NUMBERS:
         given = value.expression if value.kind == REAL else Cast(value.expression, REAL)
+        # Limits of the source that lie within those of the target make a check needless.
         if value.limits is None or not _within(value.limits, target.limits):
             return real(value.policy, given, target.path, target.limits)
         return given
@@ -223,6 +226,7 @@ def _single(value: Value, path: str) -> Expression:
 def _octets(value: Value, target: JausField) -> Expression:
     octets = Cast(value.expression, OCTETS)
     lower, upper = target.limits
+    # The length field of 32 bits takes any octets that fit in memory.
     if lower == 0 and upper >= _COUNTED_BY_32_BITS:
         return octets
     return value.policy.limit("octets", octets, target.path, target.limits)
@@ -254,6 +258,7 @@ def constant(
             found = float(text) if kind == REAL else int(text, 0)
         except ValueError as error:
             raise AssignmentError(f"{text!a} is no number ({place})") from error
+        # Some ROS fields say by NaN that a value is unknown; where there is a range, none does.
         is_unknown = math.isnan(found) and limits == UNLIMITED
         if not limits[0] <= found <= limits[1] and not is_unknown:
             raise AssignmentError(f"{text!a} is out of the range of {place}")

@@ -1,1 +1,1 @@
-"""Changes of ros2jaus texts: splices that keep layout and comments."""
+"""Changes of ros2jaus texts: laid out as a whole, with all comments kept."""

@@ -36,6 +36,7 @@ class Anew:
         """Returns a detached element as it will be; its owner is an element of the model."""
         made = detached(copy, self.find, is_whole=is_whole)
         if copy.owner is not None:
+            # Names are looked up from the owner, but the owner must not learn of the element.
             hang(made, self.find(copy.owner), copy.owner.table.features[copy.feature])
         if copy.obj is None:
             settle_new(made, copy)

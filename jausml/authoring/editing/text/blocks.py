@@ -114,6 +114,7 @@ class Blocks:
         heading: list[str] = []
         for piece in pieces_of(items):
             if id(piece.part) in self.gone:
+                # A heading that an empty line sets apart is of what follows too: it stays.
                 heading += heading_of(piece.item)
                 continue
             copy = self.touched.get(id(piece.part))
@@ -138,6 +139,7 @@ class Blocks:
     def _merged(self, piece: Piece, copy: ElementCopy) -> Piece:
         part, changed = piece.part, self.changed.get(copy, {})
         if isinstance(part, Element):
+            # The block may be the value of a feature, whose own words stay.
             block = replace(part)
             item = block if piece.item is part else replace(piece.item, values=[block])  # type: ignore[call-arg]
             if "name" in changed and not _says(part, "name"):
@@ -298,6 +300,7 @@ class Blocks:
         if before is not None:
             self._insert_at(found, before + 1, piece, is_top=around is None)
         elif behind is not None:
+            # Before the head of a direction, not between it and its first arrow.
             at = behind - isinstance(found[behind].origin, Direction)
             self._insert_at(found, at, piece, is_top=around is None)
         elif around is None:

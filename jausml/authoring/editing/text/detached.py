@@ -45,6 +45,7 @@ def detached(
     for name, targets in copy.references.items():
         if features[name].settable:
             for target in targets:
+                # Not linked: elements of the model must not refer back to one that is thrown away.
                 point(made, features[name], find(target))
     for name, owned in copy.owned.items() if is_whole else ():
         for owned_copy in owned:

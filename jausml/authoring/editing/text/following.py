@@ -47,6 +47,7 @@ def words_for(
     written = cast("TextDocument", context.document.written)
     for node, child in named_references(context.document) if named else ():
         text = child.get(BY_NAME)
+        # Few references have a step of an old name, and finding the target is costly.
         if text is None or not old.intersection(_steps(text)):
             continue
         target, span = _target(node, child, context, names), written.value_span(child)
@@ -64,6 +65,7 @@ def _target(node: Node, child: Node, context: Context, names: Naming) -> EObject
         return cast("EObject | None", value)
     alike = [node_child for node_child in node.children if node_child.tag == child.tag]
     targets = list(value)
+    # A name that led nowhere has no target, so positions agree only if none is missing.
     if len(targets) == len(alike):
         return cast("EObject", targets[next(i for i, e in enumerate(alike) if e is child)])
     return names.meant(child.get(BY_NAME) or "", node.obj, feature)
@@ -79,6 +81,7 @@ def with_words(value: Any, words: Mapping[int, Name | Href]) -> Any:
     if isinstance(value, list | tuple):
         found = [with_words(element, words) for element in value]
         is_same = all(one is other for one, other in zip(value, found, strict=True))
+        # What stays must be the same object, since spans are known by their ids.
         return value if is_same else tuple(found) if isinstance(value, tuple) else found
     if not isinstance(value, Item | Call):
         return value
@@ -91,6 +94,7 @@ def with_words(value: Any, words: Mapping[int, Name | Href]) -> Any:
 
 @cache
 def _parts(kind: Any) -> tuple[str, ...]:
+    # Comments and layout hold no names.
     beside = {field.name for field in fields(Item)} | {"closing"}
     return tuple(field.name for field in fields(kind) if field.name not in beside)
 
@@ -100,11 +104,14 @@ def renamed(text: str, target: EObject, named: dict[EObject, str]) -> str:
     parts = _PARTING.split(text)  # steps, with what parts them between
     end = len(parts)
     element: EObject | None = target
+    # From the last step to the first, since owners follow outwards.
     while element is not None and end > 0:
         name = _PARTING.split(name_of(element))
         start = end - len(name)
+        # Elements without a name have no step.
         if name != [""] and parts[max(start, 0) : end] == name:
             if element in named:
+                # Emptied, not taken out: the indices of the steps before must stay.
                 parts[start:end] = [named[element], *[""] * (len(name) - 1)]
             end = start - 1
             if end > 0 and parts[end - 1] in _FOLDERS and parts[end] == "/":

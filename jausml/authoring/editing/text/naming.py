@@ -100,6 +100,7 @@ class Naming(DocumentNames):
         }
         for node, child in named_references(self._home_document):
             text = child.get(BY_NAME) or ""
+            # An import can change the meaning of nothing but the names that it brings.
             if text.replace("/", ".").rpartition(".")[2] not in names:
                 continue
             wanted = classes.class_of(node.obj).features[child.tag].target

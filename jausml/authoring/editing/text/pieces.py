@@ -60,6 +60,7 @@ def _values(item: Feature) -> Iterator[Piece]:
         return
     for value in item.values:
         alone = Feature(item.name, [value])
+        # What is before the feature belongs to its first value, what trails it to the last.
         if value is item.values[0]:
             alone.comments, alone.documentation = item.comments, item.documentation
             alone.spaced = item.spaced
@@ -73,6 +74,7 @@ def piece_of(part: Item, items: Iterable[Item]) -> Piece | None:
     pieces = list(pieces_of(items))
     for piece in pieces:
         if piece.part is part:
+            # A heading is of what follows too, unless nothing does.
             heading = heading_of(piece.item) if piece is not pieces[-1] else []
             own = piece.item.comments[len(heading) :]
             return Piece(replace(piece.item, comments=own), part, piece.origin)
@@ -95,6 +97,7 @@ def list_of(pieces: Iterable[Piece]) -> list[Item]:
             heads.append((item, replace(item, assignments=[])))
             found.append(heads[-1][1])
         elif isinstance(piece.origin, Direction):
+            # Something came between the arrows of one direction, so its brackets open again.
             if piece.origin is not origin:
                 again = Direction(piece.origin.to_ros)
                 set_apart(found, again)
@@ -110,6 +113,7 @@ def list_of(pieces: Iterable[Piece]) -> list[Item]:
         else:
             found.append(item)
         origin = piece.origin
+    # A direction that was empty before was meant to be there.
     emptied = {id(new) for old, new in heads if old.assignments and _says_nothing(new)}
     return [entry for entry in found if id(entry) not in emptied]
 
@@ -119,6 +123,7 @@ def _says_nothing(item: Direction) -> bool:
 
 
 def _can_join(last: Feature, item: Feature) -> bool:
+    # Within one feature the comments would lose their place.
     return not (last.trailing or last.documentation or item.documentation or item.comments)
 
 
@@ -127,6 +132,7 @@ def set_apart(before: Sequence[Item], item: Item) -> None:
     if len(before) > 1 and type(before[-1]) is type(item):
         item.spaced = before[-1].spaced
     elif before:
+        # space() sets both, and the item that is there already is to stay.
         kept = before[-1].spaced
         space([*before[-1:], item])
         before[-1].spaced = kept
@@ -150,6 +156,7 @@ def comments_in(item: Item) -> Iterator[str]:
 def in_place_of(old: Item, new: Item) -> Item:
     """Returns a new item with the comments of an old one, in it too, and set apart like it."""
     said = Counter(comments_in(new))
+    # A new element may have no place for them within it, so they go before it.
     lost = list((Counter(comments_in(old)) - said).elements())
     new.comments, new.trailing, new.spaced = [*old.comments, *lost], old.trailing, old.spaced
     return new

@@ -154,6 +154,7 @@ class _Plan:
         is_here = obj.eContainer() is owner and obj.eContainmentFeature().name == copy.feature
         table = self._context.model.metamodels.class_of(owner)
         before = list(contents(owner, table.features[copy.feature]))
+        # It is there already, and moving it would make its block anew.
         if is_here and before.index(obj) == len(copy.siblings[0]):
             return
         _check_names(obj, owner)
@@ -176,6 +177,7 @@ class _Plan:
             owned = self._context.model.owned(cast("EObject", root.obj))
             before = [part for part in map(self._blocks.part_of, owned) if part is not None]
             left = [copy for some in root.owned.values() for copy in some]
+            # What owns nothing any more is implied by nothing, and would be gone with its name.
             if before and all(copy.obj and self._blocks.part(copy) is None for copy in left):
                 items.append(Element(Name(snake_case(root.table.name)), Name(root.name)))
 

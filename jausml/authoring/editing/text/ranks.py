@@ -30,6 +30,7 @@ _MAP_ORDER = (
 
 def rank_of(item: Item, table: ClassTable, owned: dict[int, str], part: Part | None = None) -> int:
     """Returns where an item stands in a block by the metamodel."""
+    # Imports and the ends of a map come before all features.
     if isinstance(item, Import):
         return -3
     if isinstance(item, End):

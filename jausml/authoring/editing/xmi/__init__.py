@@ -1,1 +1,1 @@
-"""Changes of XMI: what is planned keeps quotes, layout, comments, encoding and line ends."""
+"""Changes of XMI files: printed as EMF saves them, with comments, encoding and line ends kept."""

@@ -23,6 +23,7 @@ class Comments:
         self.trailing: defaultdict[int, list[str]] = defaultdict(list)
         self.closing: dict[int, list[str]] = {}
         self.last: list[str] = []
+        # Most files need no second parse. Without its zeros, UTF-16 reads like ASCII.
         if b"<!--" in (plain := data.replace(b"\0", b"")) or plain.count(b"<?") > 1:
             self._find(data)
 
@@ -35,6 +36,7 @@ class Comments:
         def note(text: str) -> None:
             at = parser.CurrentByteIndex
             line = data[data.rfind(b"\n", 0, at) + 1 : at].replace(b"\0", b"")
+            # On the line where an element ended it speaks of that; a lone \r ends a line too.
             is_behind = ended is not None and line.strip() and b"\r" not in line.strip()
             (self.trailing[ended] if ended is not None and is_behind else waiting).append(text)
 

@@ -61,6 +61,7 @@ def _printed(commands: Sequence[ElementCommand], context: Context) -> bytes:
         return document.data
     try:
         old = document.data.decode(document.encoding)
+        # Some codecs do not give back what they read, and the rest of the file must stay as it is.
         is_same = old.encode(document.encoding) == document.data
     except (LookupError, ValueError):
         is_same = False
@@ -68,6 +69,7 @@ def _printed(commands: Sequence[ElementCommand], context: Context) -> bytes:
         message = f"the encoding {document.encoding} of {context.file} cannot be kept"
         raise EditError(f"{message}: save it as UTF-8")
     stated = _ENCODING.match(old)
+    # A declaration says UTF-16; which byte comes first is told by the byte order mark.
     encoding = stated.group(1) if stated else document.encoding[:6].upper()
     lines = [f'<?xml version="1.0" encoding="{encoding}"?>', *_Printer(commands, context).lines()]
     text = "\n".join([*lines, ""]).replace("\n", line_end(old))
@@ -85,6 +87,7 @@ class _Touch:
     def is_touched(self, commands: Sequence[ElementCommand]) -> bool:
         if any(map(self._changes, commands)):
             return True
+        # A reference by position must follow its target, even where its file is not edited.
         before, after = self._context.paths, self._working_copy.paths()
         shifted = {copy for copy, path in before.items() if after.get(copy) != path}
         shifted |= {copy for copy in after if copy.root.file != copy.file}
@@ -276,6 +279,7 @@ class _Printer(DocumentPrinter[Target]):
                 plain = []
         apart = iter(copy.references.get(feature.name, ()))
         is_unread = self._unread(copy, feature) is not None
+        # None stands for the end: what is behind the last element.
         for owned_copy in (*owned, None):
             for child in before[owned_copy] if owned_copy is not None else plain:
                 if is_unread:
@@ -340,6 +344,7 @@ class _Printer(DocumentPrinter[Target]):
         prefix = next(prefix for prefix, uri in node.prefixes.items() if uri == space)
         if prefix and prefix != "xml" and not is_xmi(space):
             self._given[prefix] = space
+        # Whatever version of XMI was read, what is written has one.
         return f"{'xmi' if is_xmi(space) else prefix}:" if prefix else ""
 
     def _followed(self, word: str) -> str:
@@ -390,6 +395,7 @@ class _Printer(DocumentPrinter[Target]):
                 f"{indent}{comment}" for comment in (*comments.closing.get(at, ()), *trailing)
             )
             return
+        # An empty element has no end tag yet, before which they could stand.
         if closing and len(whole) == 1 and whole[0].endswith("/>"):
             tag = re.split(r"[\s/>]", whole[0].strip()[1:], maxsplit=1)[0]
             whole = [f"{whole[0][:-2]}>", f"{indent}</{tag}>"]

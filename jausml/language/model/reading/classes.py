@@ -78,6 +78,7 @@ class ClassFinder:
 
     def check_prefixes(self, node: Node) -> None:
         """Reports other prefixes than xsi and xmi: EMF knows these alone."""
+        # Any other prefix is right XML, but EMF looks for these two by their names.
         for prefix, belongs in (("xsi", XSI.__eq__), ("xmi", is_xmi)):
             other = [name for name, uri in node.prefixes.items() if belongs(uri)]
             if other and prefix not in other:
@@ -97,6 +98,7 @@ class ClassFinder:
         if attribute is None and not table.abstract:
             return table
         written = "" if attribute is None else node.get(" ".join(attribute)) or ""
+        # Sound cases are decided here without a report; what follows only finds the right one.
         named = self._known(node, written)
         if named is not None and named in table.subtypes and not named.abstract:
             return named
@@ -149,6 +151,7 @@ class ClassFinder:
     def _namespace_hint(self, namespace: str) -> str:
         if namespace == ECORE:
             return "this is a metamodel, not a model"
+        # The last part of a namespace is the version, so the same rest is another version of it.
         family, _, theirs = namespace.rpartition("/")
         for known in self._metamodels.packages:
             if family and known.rpartition("/")[0] == family:
@@ -219,6 +222,7 @@ def _report(
     number: int,
     problems: Problems,
 ) -> None:
+    # A later check of the same feature would report the same cause once more.
     problems.mark_unread(node.obj, feature.name)
     what = f"feature '{feature.name}' of {_label(table, node.obj)}"
     written = node.get(feature.name) is not None

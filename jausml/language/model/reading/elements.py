@@ -106,6 +106,7 @@ class ElementBuilder:
     def _element(self, node: Node, table: ClassTable) -> None:
         node.obj = new_object(table)
         self._model.adopt(self._document, node)
+        # What attributes gave counts for child elements too: a feature may be written in both ways.
         given: set[str] = set()
         attributes = node.attributes
         features = table.features
@@ -121,6 +122,7 @@ class ElementBuilder:
                 self._assign_attribute(node, feature, attributes[index + 1])
         if node.children or node.text:
             self._children(node, table, given)
+        # Last, when the value of the id is known, whatever the order of the attributes.
         if table.id_feature is not None and table.id_feature.name in given:
             identifier = getattr(node.obj, table.id_feature.name)
             if identifier is not None:
@@ -193,6 +195,7 @@ class ElementBuilder:
 
     def _contained(self, node: Node, child: Node, feature: FeatureTable, waiting: set[str]) -> None:
         href = child.get("href")
+        # Text notations need no class beside an href: the element referred to has its own.
         if href is not None and not self._document.is_xml:
             waiting.add(feature.name)
             self._href(node, child, feature, href)
@@ -201,6 +204,7 @@ class ElementBuilder:
         if table is None:
             self._problems.mark_unread(node.obj, feature.name)
             return
+        # A class may have a feature of this name, which is then meant.
         if href is not None and "href" not in table.features:
             waiting.add(feature.name)
             self._href(node, child, feature, href)
@@ -242,6 +246,7 @@ class ElementBuilder:
             message = f"attribute '{feature.name}' of {_class(node)} has a value, no elements"
             self._lose(node.obj, feature, "JML103", inner, message)
         elif feature.many:
+            # Space in the text of an element is its value, so it is not split as attributes are.
             self._set_all(NodePlace(self._document, child), node.obj, feature, [child.text])
         else:
             self._set(NodePlace(self._document, child), node.obj, feature, child.text)
@@ -256,6 +261,7 @@ class ElementBuilder:
             self._references.append(Reference(place, node.obj, feature, name=name))
         elif href is not None and not self._document.is_xml:
             self._href(node, child, feature, href)
+        # EMF makes a placeholder before it opens the file, so the class must be concrete.
         elif href is not None:
             if self._classes.of_feature(child, feature, node) is None:
                 self._problems.mark_unread(node.obj, feature.name)
@@ -284,10 +290,12 @@ class ElementBuilder:
         for token in text.split():
             uri, hash_sign, fragment = token.partition("#")
             if hash_sign:
+                # A class before the file serves the placeholder; `typed` says that one was written.
                 if uri and not typed and not self._can_stand_in(place, obj, feature):
                     return
                 found.append((uri, fragment))
                 typed = False
+            # A colon without a slash ends the prefix of a class; paths and URIs have slashes.
             elif ":" in token and "/" not in token:
                 typed = True
                 if self._classes.of_name(place, token) is None:

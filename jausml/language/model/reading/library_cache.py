@@ -54,6 +54,7 @@ class LibraryCache:
         """Forgets everything when a file has changed: what refers to it has its elements."""
         paths = {path for path, _ in self._documents}
         is_current = all(self._stamps[path] == _stamp(path) for path in paths)
+        # What an editor holds may differ from the file of which the stamp was taken.
         if not is_current or not paths.isdisjoint(held) or len(self._documents) > _MOST:
             self._documents.clear()
 
@@ -68,6 +69,7 @@ class LibraryCache:
     def put(self, model: Model, opened: Opened, faulty: Collection[str]) -> None:
         """Puts the documents of a model there that may be shared, if all of them are sound."""
         shared = [document for document in model.documents if document.is_shared]
+        # All or none: a sound document may refer to an element of an unsound one.
         if all(_is_sound(document, opened, faulty) for document in shared):
             for document in shared:
                 if (key := (document.path, document.display)) not in self._documents:
@@ -80,6 +82,7 @@ class LibraryCache:
 def _is_sound(document: Document, opened: Opened, faulty: Collection[str]) -> bool:
     if not document.readable or document.display in faulty:
         return False
+    # An element of the cache must not hold on to the elements of one project.
     return all(other and other.is_shared for other in opened.get(document, {}).values())
 
 

@@ -105,6 +105,7 @@ class Problems:
             model.element_path(obj) if obj is not None else "",
             model.fragment(obj) if obj is not None else "",
             draft.related,
+            # None tells the validation that every feature is in doubt, a set that these alone are.
             None if draft.hides or "" in unread else frozenset(unread),
         )
 

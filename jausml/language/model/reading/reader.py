@@ -112,6 +112,7 @@ def read_models(
         try:
             reading = _Reading(*given, cache)
             model, diagnostics = reading.run(names)
+        # The library reads the same without a cache, only slower.
         except NotShareableError:
             reading = _Reading(*given, None)
             model, diagnostics = reading.run(names)
@@ -163,6 +164,7 @@ class _Reading:
         for document, written in self._written.items():
             self._report(document, written.check())
         read = [candidate for candidate in self._model.documents if candidate not in self._taken]
+        # Documents of the cache were sound when they were put there, so they are not checked again.
         check_bounds(read, self._model, self._problems)
         self._model.unread = self._problems.unread
         diagnostics = self._problems.diagnostics(self._model)
@@ -206,11 +208,13 @@ class _Reading:
         """Returns the document that a URI names, read at the first call."""
         opened = self._opened_by(uri, base)
         if base.is_shared:
+            # A fault is noted too: a document of the library that lacks another must not be shared.
             found = None if isinstance(opened, UriFault) else opened
             self._opened.setdefault(base, {}).setdefault(uri, found)
         return opened
 
     def _opened_by(self, uri: str, base: Document) -> Document | UriFault:
+        # A URI means the same from everywhere in a document, and thousands of references repeat it.
         key = (uri, base.display)
         target = self._targets.get(key)
         if target is None:
@@ -224,6 +228,7 @@ class _Reading:
             if fault is not None:
                 message = f"referenced file {target.display}: {fault}"
                 absent = UriFault("JML203", message)
+                # The next reference to it gets the same answer without a second look at the disk.
                 self._targets[key] = absent
                 del self._documents[target.path]
                 self._model.documents.remove(document)
@@ -251,6 +256,7 @@ class _Reading:
         self._model.share(cached.origins)
         self._taken.add(document)
         place = NodePlace(document, document.root_nodes[0])
+        # What it refers to is opened again: the model needs those documents, not just this one.
         self._references += [Mention(place, uri) for uri in cached.uris]
         return document
 
@@ -263,6 +269,7 @@ class _Reading:
             path = document.path
             document.data = read_input(path) if held is None else bounded(held, path)
         except (OSError, ValueError) as error:
+            # A file that is too large is there, so references to it are not reported as absent.
             if isinstance(error, OSError) and error.errno == errno.EFBIG:
                 self._problems.report("JML002", Location(document.display), str(error.strerror))
                 return None
@@ -343,10 +350,12 @@ class _Reading:
 
     def _declare(self) -> None:
         """Has notations declare what is used and known nowhere, imported documents first."""
+        # Imported ones first, or two documents would declare the same name as new.
         for document in in_order_of_import(self._written):
             if document not in self._written or document.lacks_imports:
                 continue  # what looks new may stand in the document that is missing
             known = KnownNames(self._model, self._names, document)
             nodes, faults = self._written[document].declare(known)
             self._add_roots(document, nodes, faults)
+            # What was just declared must be found by the documents that import this one.
             self._names.forget(document)

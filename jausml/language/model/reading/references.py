@@ -58,6 +58,7 @@ class NameResolution:
             return found[0]
         if found:
             self._report_ambiguous(reference, found)
+        # With an import missing, the name may stand there: the import alone is reported.
         elif not document.lacks_imports:
             self._report_unknown(reference)
         return None
@@ -92,6 +93,7 @@ class NameResolution:
             return ""
         wanted = target_class(reference.feature)
         explanation = self._explain(document, wanted.qualified_name, reference.name)
+        # Similar names would lead away from an explanation that is certain.
         if explanation.is_certain:
             return explanation.hint
         near = self._names.alike(reference.name, wanted, document)
@@ -200,10 +202,12 @@ class Resolution:
                 waiting.append(reference)
             else:
                 self._resolve(reference)
+        # The owners nearer to the root first: what a name means may depend on what owners refer to.
         for reference in sorted(
             waiting, key=lambda deferred_reference: depth(deferred_reference.owner)
         ):
             self._resolve(reference)
+        # Resolving may have opened documents, whose references stand behind those that were there.
         for reference in islice(references, done, None):
             if isinstance(reference, Mention):
                 self._open(reference.uri, reference.place.document)
@@ -224,6 +228,7 @@ class Resolution:
         elif holds(reference.owner, reference.feature, target):
             self._report_repeated(reference)
         elif self._is_of_others(reference, target):
+            # A full link would set the opposite, and so change the element for all other models.
             point(reference.owner, reference.feature, target)
         else:
             link(reference.owner, reference.feature, target)
@@ -242,6 +247,7 @@ class Resolution:
         if reference.uri:
             opened = self._open(reference.uri, document)
             if isinstance(opened, UriFault):
+                # One finding for each file and cause, however many references name it.
                 key = (opened.rule, opened.message)
                 self._absent.setdefault(key, _Absent(opened)).references.append(reference)
                 return None
@@ -267,6 +273,7 @@ class Resolution:
     def _follow(self, document: Document, node: Node) -> Found | None:
         """Steps from a child element with an href to the element that it stands for."""
         uri, _, fragment = (node.get("href") or "").strip().partition("#")
+        # Reaching a node that is being followed closes a circle; none of these has an element.
         if node in self._following:
             self._circular.add(node)
         if node.obj is not None or node in self._following:
@@ -277,6 +284,7 @@ class Resolution:
         opened = self._open(uri, document) if uri else document
         if isinstance(opened, UriFault) or not opened.readable:
             return None
+        # Marked while it is followed, so that a circle of hrefs ends here and not in the stack.
         self._following.add(node)
         try:
             return self._finder.find(opened, fragment)
@@ -297,6 +305,7 @@ class Resolution:
         return False
 
     def _contain(self, reference: Reference, target: EObject) -> None:
+        # Containment is stored at the element contained: it would change in the models of others.
         if self._is_of_others(reference, target):
             raise NotShareableError
         owner: Any = reference.owner
@@ -307,6 +316,7 @@ class Resolution:
                 "JML207", reference, f"{_label(target)} is already contained in {_label(container)}"
             )
             return
+        # An href may lead to an owner, and a tree that contains itself has no end.
         while owner is not None:
             if owner is target:
                 message = f"{_where(reference)} makes {_label(target)} contain itself"
@@ -327,6 +337,7 @@ class Resolution:
             )
 
     def _report_repeated(self, reference: Reference) -> None:
+        # With an opposite the other end has already made the reference: both ends may be written.
         opposite = reference.feature.opposite
         if opposite is None:
             what = show(reference.name or reference.fragment)

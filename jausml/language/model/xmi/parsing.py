@@ -99,6 +99,7 @@ def parse(data: bytes) -> ParseResult:
     Returns:
         Its root element, or the one fault that ended the parse. Never raises for bad input.
     """
+    # Before the parse: expat would only say that the first line is not well-formed.
     fault = _accident(data)
     if fault is not None:
         return ParseResult(fault=fault)
@@ -161,7 +162,9 @@ class _TreeBuilder:
         self._declared: dict[str, str] = {}
         self._data = b""
         self._parser = expat.ParserCreate(namespace_separator=_SEPARATOR)
+        # Else expat calls back for each line of a text, and texts are joined again and again.
         self._parser.buffer_text = True
+        # A flat list of names and values: a dictionary for each element costs time and memory.
         self._parser.ordered_attributes = True
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
@@ -177,6 +180,7 @@ class _TreeBuilder:
         parser = self._parser
         stack = self._stack
         parent = stack[-1] if stack else None
+        # Most elements declare no prefix and share the mapping of their parent.
         prefixes = parent.prefixes if parent is not None else self._prefixes
         if self._declared:
             prefixes = {**prefixes, **self._declared}
@@ -212,6 +216,7 @@ class _TreeBuilder:
             line = self._data.count(b"\n", 0, start) + 1
             before = self._data[self._data.rfind(b"\n", 0, start) + 1 : start]
             column = len(before.decode("utf-8", errors="replace")) + 1
+        # Entities can read other files, and grow without bounds (the attack of a billion laughs).
         hint = "models need none; delete the <!DOCTYPE ...> declaration"
         raise _Refused(ParseFault("JML007", "a DOCTYPE is not accepted", hint, line, column))
 
@@ -229,6 +234,7 @@ def _accident(data: bytes) -> ParseFault | None:
 
 def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
     line, column = max(error.lineno, 1), error.offset + 1
+    # Markers of a merge give all kinds of errors of XML; which one does not help.
     conflict, first = inputs.unmerged(data)
     if conflict:
         return ParseFault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)
@@ -237,6 +243,7 @@ def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
     if error.code in _ENCODING_ERRORS:
         rule = "JML006"
         reason, hint = f"the encoding cannot be read: {reason}", _AS_UTF_8
+    # A UTF-16 file begins with its byte order mark; what else has no `<` first is no XML.
     elif line == 1 and not data.lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"<", b"\xff", b"\xfe")):
         reason = f"the file is not XML: {reason}"
     else:
@@ -303,8 +310,11 @@ def _start_tag(data: bytes, encoding: str, offset: int) -> str:
     """Decodes a start tag, whose end is the first `>` outside quotes."""
     size = _CHUNK
     while True:
+        # The chunk may end within a character; the next, larger chunk has all of it.
         text = data[offset : offset + size].decode(encoding, errors="ignore")
+        # Lines are counted as expat counts them: \r\n is one end.
         text = text.replace("\r\n", "\n").replace("\r", "\n")
         if _WHOLE.match(text) or offset + size >= len(data):
             return text
+        # Start tags are short as a rule, and a list of references may be long.
         size *= 4

@@ -88,6 +88,7 @@ class DocumentPrinter(Generic[ElementT]):
         for root in roots:
             tag = self.tag(self.table_of(root))
             # The namespaces are known only when all is written: they replace this mark.
+            # No document can hold the character NUL, so no text of the model is mistaken for it.
             mark = "" if is_wrapped else "\0"
             lines += self.lines_of(root, tag, mark, "  " if is_wrapped else "")
         further = self.further_attributes()
@@ -118,6 +119,7 @@ class DocumentPrinter(Generic[ElementT]):
             for inner_feature in inner
             for line in self.children(element, inner_feature, indent + "  ")
         )
+        # Whether an element is empty is known only with its first child, which may never come.
         first = next(lines, None)
         if first is None:
             yield f"{indent}<{tag}{head}/>"
@@ -125,6 +127,7 @@ class DocumentPrinter(Generic[ElementT]):
         yield f"{indent}<{tag}{head}>"
         yield first
         yield from lines
+        # The tag may carry its xsi:type, which an end tag has not.
         yield f"{indent}</{tag.partition(' ')[0]}>"
 
     def attribute(self, element: ElementT, feature: FeatureTable) -> str | None:
@@ -136,6 +139,7 @@ class DocumentPrinter(Generic[ElementT]):
             return None
         fragments = [self.fragment_of(target) for target in self.targets_of(element, feature)]
         here = [fragment for fragment in fragments if fragment is not None]
+        # EMF writes all targets as attributes or all as elements, never some of each.
         return " ".join(here) if here and len(here) == len(fragments) else None
 
     def children(self, element: ElementT, feature: FeatureTable, indent: str) -> Iterator[str]:

@@ -65,13 +65,16 @@ def replace_file(path: Path, data: bytes) -> None:
     Raises:
         OSError: The file cannot be written; it is left as it was.
     """
+    # Replacing the link itself would leave the file that it leads to as it was.
     real = Path(os.path.realpath(path))
+    # In the same folder, since a rename across file systems is no single step.
     temporary = real.with_name(f".{real.name}.{os.getpid()}.jausml-tmp")
     try:
         temporary.write_bytes(data)
         if real.exists():
             shutil.copymode(real, temporary)
         temporary.replace(real)
+    # An interrupt must not leave the temporary file behind either.
     except BaseException as error:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
@@ -106,6 +109,7 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
         while pending:
             obj, at = pending.pop()
             identifier = self._model.identifier(obj) or self._identifying_value(obj)
+            # A fragment must mean one element, so of equal ids only the first is one.
             is_free = identifier not in self._identifiers and _REFERABLE.fullmatch(identifier or "")
             self._fragments[obj] = identifier if identifier and is_free else at
             self._identifiers.add(identifier or "")
@@ -115,6 +119,7 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
                     steps = [(value, f"{at}/@{feature.name}")]
                     if feature.many:
                         steps = [(e, f"{at}/@{feature.name}.{i}") for i, e in enumerate(value)]
+                    # Elements of other documents are written there, and referred to by href.
                     pending += [step for step in reversed(steps) if not self.is_apart(step[0])]
 
     def table_of(self, element: EObject) -> ClassTable:
@@ -137,6 +142,7 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
 
     def identifier_of(self, element: EObject) -> str | None:
         identifier = self._model.identifier(element)
+        # An id that an attribute gives already is not written a second time as xmi:id.
         return identifier if identifier != self._identifying_value(element) else None
 
     def values_of(self, element: EObject, feature: FeatureTable) -> Sequence[str | None]:
@@ -173,6 +179,7 @@ def external_href(target: EObject, model: Model, folder: Path) -> str:
         name = getattr(target, "name", None) or target.eClass.name
         raise UnwritableError(f"'{name}' is referred to, but stands in no document")
     library = Path(os.path.realpath(library_root()))
+    # In the shipped models themselves the library has no URI yet: they are the library.
     if document.is_library and not folder.is_relative_to(library.parent):
         place = document.path.relative_to(library).as_posix()
         return f"{LIBRARY_URI}{quote(place)}#{fragment}"
@@ -184,6 +191,7 @@ def is_written(obj: EObject, feature: FeatureTable) -> bool:
     """Tells whether a feature must be written: reading without it would not yield its value."""
     if feature.many:
         return count(obj, feature) > 0
+    # EMF writes an unsettable feature that was set, even to its default.
     if feature.unsettable:
         return is_set(obj, feature)
     return _differs(getattr(obj, feature.name), feature.default)

@@ -74,6 +74,7 @@ def axis_of(attribute: Attribute) -> Axis | None:
     if attribute.kind == "geometry_msgs/Quaternion":
         return Axis(attribute.frame, "", is_angle=True)
     owner = attribute.field.eContainer() if attribute.field is not None else None
+    # A number of a quaternion is no angle about x, y or z, in spite of its name.
     if getattr(owner, "name", None) == "Quaternion":
         return None
     words = _words(attribute.label)
@@ -102,6 +103,7 @@ def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | No
     between, sign = None, 1
     for step in steps:
         if step.conversion.frames:
+            # Which axes lie between two conversions of frames is not followed.
             if between is not None:
                 return None
             between = step.conversion
@@ -149,8 +151,10 @@ def _shape(conversion: Conversion) -> tuple[tuple[str, ...], ...]:
 def direction(axis: Axis) -> tuple[str, int]:
     """Returns the direction of an axis within its family, and its sign there."""
     if FAMILIES[axis.frame] == EARTH and not axis.is_angle and axis.name != "z":
+        # x of east-north-up is y of north-east-down.
         is_east = (axis.name == "x") == (axis.frame == ENU)
         return ("east" if is_east else "north"), axis.sign
+    # Frames with z down are turned about x, which stays as it is.
     turned = IS_DOWN[axis.frame] and axis.name != "x"
     return axis.name, -axis.sign if turned else axis.sign
 

@@ -1,4 +1,4 @@
-"""Meanings: what of an assignment rules or a person can judge, and members that are crossed."""
+"""Which assignments rules can judge and which only a person can; members that are crossed."""
 
 from __future__ import annotations
 
@@ -230,6 +230,7 @@ def outcome(
     value, wanted = map(float, ends)
     step = source.step or 0.0
     try:
+        # One step of the source to both sides: a vector may state what is rounded on the wire.
         made, *near = (sent_through(placed, value + part * step) for part in (0, -1, 1))
     except (NoValueError, OverflowError, ValueError):
         return None

@@ -45,6 +45,7 @@ def named_places(used: bridge.AttributeMap) -> NamedPlaces | None:
         if place is not None and isinstance(assignment, bridge.ConstantAssignment):
             keys = str(assignment.target).partition("[")[0].strip()
             names[place] = str(assignment.value)
+    # With a gap in the places an element would have no name.
     if not names or [*sorted(names)] != [*range(len(names))]:
         return None
     read = (

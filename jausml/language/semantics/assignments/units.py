@@ -123,6 +123,7 @@ def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
     """Tells whether an assignment makes one thing of another, so that axes and ranges are lost."""
     result = result_measure(placed)
     if not isinstance(result, Measure):
+        # A fault is a clash of units; None says that nothing is known.
         return result is not None
     wanted = [attribute_measure(found) for _, found in placed.targets]
     return any(
@@ -291,6 +292,7 @@ def source_range(attribute: Attribute) -> Interval | None:
         return None
     lower = -math.inf if attribute.lower is None else float(attribute.lower)
     upper = math.inf if attribute.upper is None else float(attribute.upper)
+    # A float32 of ROS holds infinities too, unless the model narrows it.
     if attribute.is_single and attribute.is_ros and not _is_narrowed(attribute):
         return EVERYTHING
     if attribute.values:

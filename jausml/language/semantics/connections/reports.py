@@ -71,6 +71,7 @@ def joined_reports(connection: bridge.Connection) -> list[JoinedReport]:
     """Returns the joined reports of a connection; none from ROS to JAUS."""
     if connection.direction.name != "jausToRos":
         return []
+    # Of two sources of one join the first counts.
     stated = {source.join: source for source in reversed(connection.sources)}
     return [JoinedReport(connection, join, stated.get(join)) for join in connection.map.reportJoins]
 

@@ -294,6 +294,7 @@ def _matches(kind: str, wanted: str) -> bool:
 
 def linear_interval(value: Interval, factor: float, offset: float = 0.0) -> Interval:
     """Returns the range of the value times a factor plus an offset."""
+    # 0 times an infinite end would be no number.
     if factor == 0.0:
         return offset, offset
     return total(product(value, (factor, factor)), (offset, offset))

@@ -79,6 +79,7 @@ class Definition:
         """The local values by name, in order, that results need: each is made of those before."""
         needed = {name for result in self.results for name in variables(result)}
         found: dict[str, Expression] = {}
+        # From the last line on: a local value is needed only by what comes behind it.
         for line in reversed(self._lines):
             name, is_step, text = line.partition(" = ")
             if is_step and name in needed:

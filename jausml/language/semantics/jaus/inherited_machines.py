@@ -100,6 +100,7 @@ def _core_machines() -> Mapping[str, CoreMachine]:
     found = {}
     for urn, service in newest_services().items():
         states: dict[str, str] = {}
+        # The oldest ancestor first: a state is of the service that was the first to have it.
         for ancestor in reversed(list(lineage(service))):
             for state in (state for machine in ancestor.machines for state in machine.states):
                 states.setdefault(str(state.name), str(ancestor.name))
@@ -159,8 +160,10 @@ class Machine:
     def add(self, element: jaus.StateMachine) -> None:
         """Adds a machine of an heir."""
         self.elements.append(element)
+        # A further machine may say which states are initial.
         self._initial.clear()
         for path, state in states_of(element):
+            # What an heir says of a state goes before what it inherits.
             self.enter(path).elements.insert(0, state)
 
     def enter(self, path: str) -> StateNode:
@@ -185,6 +188,7 @@ class Machine:
 
     def _find_initial(self, path: str) -> str | None:
         inside = self.children(path)
+        # Which of the core states is entered is up to the core services.
         if inside and inside[0] in self.core_states:
             return inside[0]
         marked = [substate for substate in inside if self.nodes[substate].is_initial]
@@ -231,6 +235,7 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
     found: list[Machine] = []
     by_service: dict[jaus.Service | None, dict[str, Machine]] = {}
     for service in services:
+        # A copy: what this service adds is not of others that inherit the same.
         inherited = dict(by_service.get(service.inherits, {}))
         for element in service.machines:
             machine = inherited.get(element.name)

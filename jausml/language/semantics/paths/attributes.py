@@ -168,6 +168,7 @@ def is_real(text: str) -> bool:
 def _number_fault(text: str, attribute: Attribute) -> str:
     if attribute.integral and not is_integer(text):
         return "is not an integer"
+    # Floats of ROS can hold these; numbers of JAUS fields have a range.
     if text in _NOT_FINITE and attribute.is_ros and not attribute.integral:
         return ""
     if not is_real(text):
@@ -244,6 +245,7 @@ class Comparison:
     @property
     def is_of_one_enumeration(self) -> bool:
         """Whether so many names are common that both sides mean the same values."""
+        # An enumeration of one value cannot have two in common with another.
         return len(self.common) >= min(_LEAST_COMMON, len(self.source), len(self.target))
 
 
@@ -281,6 +283,7 @@ def _of_flag(flag: Attribute, other: Attribute) -> dict[str, NamedValue]:
     """
     values = named_values(other) if flag.kind == BOOL else {}
     told = _words(flag.label)
+    # A "not" in the name turns the meaning of its last word.
     if not values or not told or "not" in told:
         return {}
     is_plain, last = {*told} <= {*_PLAIN, *_words(other.label)}, told[-1]
@@ -341,6 +344,7 @@ def _common(names: list[list[str]]) -> int:
     """Returns how many words several names have in common at their beginning, none a whole name."""
     if len(names) < _LEAST_COMMON:
         return 0
+    # The last word always stays: without it a name would be empty.
     columns = zip(*(name[:-1] for name in names), strict=False)
     return sum(1 for _ in takewhile(lambda column: len({*column}) == 1, columns))
 

@@ -113,6 +113,7 @@ def number_as_made(owner: ros.MessageType, path: str) -> float | None:
     if not isinstance(field, ros.PrimitiveField):
         return None
     try:
+        # ROS makes numbers without a default 0.
         value = json.loads(field.defaultValue or "0")
         if isinstance(value, list):
             value = value[int(index.rstrip("]") or 0)]

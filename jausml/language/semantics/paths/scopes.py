@@ -66,6 +66,7 @@ class PathScope:
             outer = outer_scope(self.map, to_ros=self.to_ros)
             return outer.find_source(path[1:])
         first, _, rest = path.partition(".")
+        # Paths within a list start at its element, where no join is known.
         join = None if self.is_nested else self._join(first)
         if join is None:
             return _followed((self.source, path))

@@ -56,8 +56,10 @@ def parts_of(
         _hold_counts(source, target)
         whole = _copy(assignment, bridge.ListAssignment, paths)
         elements = source.element(), target.element()
+        # A list of records of one value corresponds to an array of such values.
         ends = _value_in(elements[0], elements[1]), _value_in(elements[1], elements[0])
         inner = _copy(assignment, bridge.FieldAssignment, ends, whole)
+        # Not linked: elements of the model must not learn of what only stands for others.
         point(whole, load_metamodels().class_of(whole).features["assignments"], inner)
         return [whole]
     members = _members(source), _members(target)
@@ -156,6 +158,7 @@ def _copy(
             set_value(copy, table.features[name], getattr(assignment, name))
     for name, path in zip(("source", "target"), paths, strict=True):
         set_value(copy, table.features[name], path)
+    # Beside the features, where no writer and no comparison sees it.
     copy.__dict__[_WRITTEN] = written(assignment)
     around = assignment.eContainer() if owner is None else owner
     if around is not None:

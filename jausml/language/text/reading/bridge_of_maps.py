@@ -1,6 +1,6 @@
 """The bridge that carries all maps of a text, for those who say its address when they run a tool.
 
-So the paper runs its Figure 5: a file of maps, and the address and the frequency of a bridge.
+The file has maps alone; address and frequency of the bridge are given on the command line.
 """
 
 from __future__ import annotations
@@ -105,6 +105,7 @@ def _maps(ends: Sequence[WrittenEnd], declarer: Declarer, known: Known) -> Itera
         if not end.is_jaus or not name:
             continue
         directions = {child.tag for child in node.children} & {"toRos", "toJaus"}
+        # A map without assignments has its directions from its ends alone: both.
         directions = directions or {"toRos", "toJaus"}
         if (found := _service_of(written, declarer, known)) is not None:
             service, is_input = found
@@ -144,6 +145,7 @@ def _connection(
     nodes.name(node, "map", map_ways.name, span)
     nodes.value(node, "direction", direction, span)
     nodes.value(node, "exchange", MESSAGE if map_ways.is_input else EVENT, span)
+    # The message goes the way of its service from outside, so its peer must be found.
     if map_ways.is_input == (direction == TO_JAUS):
         search = nodes.element(node, "search", classes["jaus.PeerSearch"], span)
         nodes.name(search, "services", map_ways.service, span)

@@ -70,9 +70,11 @@ class OwnService:
         root = self._nodes.root(self._classes["jaus.ServiceSet"], span)
         self._nodes.value(root, "name", system_name(self._path), span)
         service = self._service(root, span, ends)
+        # All codes that are stated anywhere, before the first free one is given away.
         self._used = known.message_codes() | set(self._stated_codes(ends))
         for written in ends:
             self._message(service, written, known)
+        # After all messages: a query that the text declares itself needs no second one.
         for written in ends:
             self._query(service, written, known)
         self.node = service

@@ -104,6 +104,7 @@ def shown_type(member: Member) -> str:
 
 def _number(text: str) -> int | None:
     try:
+        # A longer text is no count of 32 bits, and int() of very long ones takes long.
         return int(text, 0) if len(text) < len("4294967296") else None
     except ValueError:
         return None
@@ -150,6 +151,7 @@ class MemberBuilder:
                 hint = "write it behind the type: struct [ ... ] pose"
                 self.nodes.fault("JML712", member.span, message, hint)
             elif member.name.text in seen:
+                # Of two members of one name only the first is built: one cause is one error.
                 message = f"member {show(member.name.text)} is declared twice"
                 self.nodes.fault("JML707", member.name.span, message)
             else:
@@ -183,6 +185,7 @@ class MemberBuilder:
     def is_too_much(self, member: Member) -> bool:
         """Counts a member; tells, with a report at the first one, whether there are too many."""
         self.types.members += 1
+        # At the first one only, however many follow.
         if self.types.members == MOST_MEMBERS + 1:
             message = f"new messages have more than {MOST_MEMBERS} members"
             self.nodes.fault("JML712", member.span, message)
@@ -245,11 +248,13 @@ class JausFields(MemberBuilder):
             if node is not None:
                 self.elements.document(node, member)
             return
+        # What repeats records or lists is a list: arrays have plain elements (AS5684).
         is_array = size.is_fixed and not self._is_container(definition.type)
         many = self._array if is_array else self._list
         node = many(owner, feature, size, definition.span)
         self.nodes.value(node, "name", name, member.span)
         self.elements.document(node, member)
+        # Some facts are of the list as a whole, all others of its elements.
         whole = [fact for fact in member.features if fact.name.text in _OF_THE_WHOLE]
         self.elements.items(node, whole)
         facts = [fact for fact in member.features if fact not in whole]
@@ -324,6 +329,7 @@ class JausFields(MemberBuilder):
         self.nodes.value(node, "type", "uint8" if word == BOOL else word, span)
         limits = [fact for fact in facts if fact.name.text in _LIMITS]
         self.elements.items(node, [fact for fact in facts if fact not in limits])
+        # JAUS scales integers over a range; a float has its limits in a value set instead.
         if limits and word.startswith("float"):
             values = self.new(node, "values", "jaus.ValueSet", span)
             self.elements.items(self.new(values, "values", "jaus.ValueRange", span), limits)

@@ -1,4 +1,4 @@
-"""Declaration of the messages of Figure 5 that nobody knows: those of JAUS and those of ROS."""
+"""Declares the new JAUS messages and ROS types whose members the maps of a text list."""
 
 from __future__ import annotations
 
@@ -67,6 +67,7 @@ class Declarer:
         for written in ends:
             end = written.end
             if end.members is not None and self._is_new(end, known):
+                # The first end of a name declares it; later ones are checked against that.
                 fresh.setdefault((end.is_jaus, end.type.text), written)
         self._declaring = {id(written.end) for written in fresh.values()}
         self._fresh = fresh
@@ -88,6 +89,7 @@ class Declarer:
         package, _, name = end.type.text.replace("/msg/", "/").rpartition("/")
         if end.is_jaus:
             package, name = "", end.type.text
+        # In a package that is known, a type that it lacks is an error and nothing new.
         if not _NAME.fullmatch(name) or has_package(package):
             return False
         kind = "jaus.MessageDef" if end.is_jaus else "ros.MessageType"
@@ -134,6 +136,7 @@ class RosFields(MemberBuilder):
             return
         if isinstance(definition.type, list):
             is_named = definition is not member
+            # A named type is one ROS type for all; a struct without a name is one for its member.
             if is_named and definition.name is not None:
                 inner = _camel(definition.name.text)
             else:

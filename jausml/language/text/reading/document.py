@@ -63,6 +63,7 @@ class TextDocument:
         self._roots = RootReader(metamodels, self._nodes, elements, path)
         self._declarer = Declarer(metamodels, self._nodes, elements, path, self._roots.types)
         self.imports: list[ImportedDocument] = []
+        # Set apart, since messages that maps declare go into it once all maps are read.
         self._declarer.service.written = _own_service(document)
         self._declarer.service.asks_for_all = bridge is not None
         for item in document.items:
@@ -111,6 +112,7 @@ class TextDocument:
 
     def check(self) -> Sequence[Fault]:
         """Settles what connections leave open; returns what is unclear about them and members."""
+        # An end that declares its message agrees with it, and needs no check.
         ends = [end for end in self._maps.ends if not self._declarer.declares(end.end)]
         check = MemberCheck(self._declarer.types)
         unclear = [*check.run(ends), *self._unused()]
@@ -186,6 +188,7 @@ def _settle(node: Node, table: ClassTable) -> Iterator[Fault]:
         for name in FEATURES
         if name in written
     }
+    # With a reference unresolved, what follows from the rest may be wrong: nothing is reported.
     is_known = _is_read(node, _PEERS) and (node.parent is None or _knows_services(node.parent))
     inferred = infer(connection, **stated, is_known=is_known)
     for name in unstated:
@@ -261,6 +264,7 @@ class RootReader:
         table = self._elements.class_of(block)
         if block.keyword is None and is_map(block.items):
             owner = self._owner("bridge.MapLibrary", block.span)
+            # A map needs no keyword: it is known by its ends.
             self._elements.owned_map(owner, block)
         elif table is None:
             self._elements.report_unknown(block)

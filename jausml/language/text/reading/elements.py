@@ -133,6 +133,7 @@ class NodeMaker:
         return node
 
     def _node(self, name: str, owner: Node | None, span: Span) -> Node:
+        # Offsets in bytes are for XML alone, whose attributes are looked up by them.
         node = Node(name, [], self._prefixes, owner, (span.line, span.column, 0))
         if owner is not None:
             owner.children.append(node)
@@ -243,6 +244,7 @@ class ElementReader:
         table = self.class_of(block)
         features = self._nodes.classes[owner].features
         is_plain_map = block.keyword is None and is_map(block.items)
+        # A word that is no keyword is rather the name of a map, if one may stand here.
         if is_plain_map or (table is None and self._may_be_map(owner, block)):
             self.owned_map(owner, block)
             return
@@ -290,6 +292,7 @@ class ElementReader:
             self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=meant)
             return
         blocks = [block for block in item.values if isinstance(block, Element)]
+        # A comment documents a block; with several values it is open which one.
         if item.documentation and not (len(item.values) == len(blocks) == 1):
             message = f"the comment before feature '{feature.name}' documents nothing"
             self._nodes.fault("JML703", item.span, message, _LOST)
@@ -383,6 +386,7 @@ def literal(value: Name | Number | Text, feature: FeatureTable) -> str:
 def decimal(number: str) -> str:
     """Returns a number without hexadecimal digits; one that no type holds stays as it is."""
     sign, digits = ("-", number[1:]) if number.startswith("-") else ("", number.lstrip("+"))
+    # int() of a very long number takes long, and no type of the metamodels holds one.
     if digits[:2] in ("0x", "0X") and len(digits) <= _MOST_DIGITS:
         return f"{sign}{int(digits, 16)}"
     return sign + digits

@@ -36,12 +36,14 @@ def resolve(item: Import) -> ImportedDocument | Fault:
         if not target.text.strip():
             return Fault("JML704", "an import names a file", line=line, column=column)
         is_uri = target.text.startswith(LIBRARY_URI)
+        # A path may have blanks and the like, which a URI must not.
         uri = target.text if is_uri else quote(target.text, safe="/:")
         return ImportedDocument(uri, line, column)
     known = library_files()
     path = known.get(target.text)
     if path is not None:
         return ImportedDocument(f"{LIBRARY_URI}{path}", line, column)
+    # A name of the library without its first step is a common slip.
     ends = [name for name in known if name.partition(".")[2] == target.text]
     hint = f"did you mean '{ends[0]}'?" if ends else suggest(target.text, known)
     hint = hint or 'a file of yours stands in quotation marks: import "robot.xmi"'
@@ -55,6 +57,7 @@ def library_files() -> Mapping[str, str]:
     return {module_of(path): place_in_library(path) for path in library_paths()}
 
 
+# The texts of the library are in canonical layout, so a pattern does without a parse.
 _MAP = re.compile(
     r"^(\w+) \{\n(?:(?!\}).*\n)*?    JAUS (?:\w+\.)*(\w+).*\n(?:(?!\}).*\n)*?    ROS ([\w/]+)",
     re.MULTILINE,
@@ -93,6 +96,7 @@ def explain(qualified_class: str, name: str, service: OwnService) -> Explanation
             library_map.module for library_map in library_maps() if library_map.name == wanted
         ]
         imports = " or ".join(f"import {module}" for module in modules)
+        # A map has one way to be known, so with an import found nothing else is suggested.
         return Explanation(f"the library has it: {imports}" if imports else "", bool(imports))
     if qualified_class == "jaus.Service" and service.node is not None and service.written is None:
         hint = f"the messages of this file belong to '{service.name}', named after the file"

@@ -102,6 +102,7 @@ def grammar() -> Grammar:
     return Grammar(re.compile(pattern), keywords, states, tables.start_state, tables.end_state)
 
 
+# Only what running the tables takes: a rule of lark has far more.
 def _rule(rule: Any, tables: Any) -> Rule:
     return len(rule.expansion), str(rule.origin.name), tables.callbacks[rule]
 
@@ -127,6 +128,7 @@ class Machine:
                 parts = values[-size:]
                 del values[-size:], states[-size:]
             else:
+                # An empty rule has nothing to take away, and a slice from -0 would take all.
                 parts = []
             values.append(make(parts))
             states.append(table[states[-1]][name])  # type: ignore[arg-type] # a rule's is a state
@@ -136,6 +138,7 @@ class Machine:
 
     def accepts(self, type_: str) -> bool:
         """Tells whether a token of a kind could come next."""
+        # On a copy of the states, without making anything: the token is only asked about.
         table, states = self._grammar.states, list(self.states)
         while (action := table[states[-1]].get(type_)) is not None:
             if isinstance(action, int):

@@ -78,6 +78,7 @@ class MapReader:
 
     def _end(self, node: Node, end: End) -> None:
         self.ends.append(WrittenEnd(end, node))
+        # Members are looked at later, once the names of messages can be resolved.
         feature = "message" if end.is_jaus else "type"
         self._nodes.name(node, feature, end.type.text, end.type.span)
 
@@ -108,6 +109,7 @@ class MapReader:
             self._nodes.fault("JML705", odd[0].span, message, hint, owner=node)
         elif isinstance(first, Clock):
             pass
+        # true and false are names to the grammar, and constants here.
         elif _is_constant(first):
             self._nodes.value(node, "value", first.text, first.span)
         else:
@@ -143,6 +145,7 @@ class MapReader:
         self._nodes.fault("JML705", argument.span, message, hint, owner=node)
 
     def _name_argument(self, node: Node, call: Call, argument: Name) -> None:
+        # The name is that of a method, a table or else a quantity: the conversion says which.
         own = _own_argument(call)
         if own is not None and own.kind is ArgumentKind.METHOD:
             self._nodes.value(node, own.feature, argument.text, argument.span)

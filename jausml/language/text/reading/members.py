@@ -107,6 +107,7 @@ class MemberCheck:
         if member.features:
             message = f"member {show(member.name.text)} is known: its facts stand in its own model"
             self._report("JML713", member.features[0].span, message, "remove the block", node)
+        # The size may stand at the member or at its named type.
         size = size_of(member) or size_of(definition)
         if not self._agrees(definition, size, kind):
             message = f"member {show(member.name.text)} is {kind}, and not {shown_type(member)}"
@@ -151,6 +152,7 @@ def kind_of(field: Part) -> MemberKind | None:
 
 def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> MemberKind | None:
     field = target_of(part) if isinstance(part, jaus.Field) else part
+    # A field that contains itself has no end.
     if field is None or field in above:
         return None
     keyword = snake_case(class_name(field))
@@ -165,6 +167,7 @@ def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> MemberKind |
             also = {keyword, f"{STRING}<={bound}"} if bound else {keyword}
             return MemberKind(STRING, frozenset(also))
         case jaus.FixedField():
+            # JAUS has no bool: it is an octet.
             is_byte = field.type.name == "uint8"
             return MemberKind(field.type.name, frozenset({keyword, *([BOOL] if is_byte else [])}))
         case jaus.BitField():
@@ -183,6 +186,7 @@ def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> Mem
         size = Size(prod(field.dimensions), is_fixed=True)
     else:
         count = field.maximumCount
+        # A list whose bounds are equal is what text calls a fixed size.
         size = Size(count, is_fixed=0 < count == field.minimumCount)
         inner = _plain(inner)
     return MemberKind(inner.word, inner.also, size, inner.inner)

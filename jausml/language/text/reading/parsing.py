@@ -87,6 +87,7 @@ class _Run:
             depth += token.type in _CLOSERS
             if depth > DEEPEST or len(self.faults) >= MOST_FAULTS:
                 break
+            # Before the machine sees it: two words in a row are an element to the grammar.
             if token.type in _VALUES and (fault := self._lone_word(position)) is not None:
                 self.faults.append(fault)
                 position += 1
@@ -96,6 +97,7 @@ class _Run:
             else:
                 self._report(position)
                 position = self._recover(position)
+                # Recovery may have closed brackets or dropped some with their item.
                 depth = len(self._open_brackets())
         return self._end(position)
 
@@ -108,6 +110,7 @@ class _Run:
             self.faults.append(SyntaxFault(span_of(self._tokens[position]), message))
         elif not self._accepts(END):
             self._report(position)
+        # What is whole at the end of the text stays; only the unfinished item goes.
         self._complete_item()
         self._drop_item()
         while self._open_brackets():
@@ -186,6 +189,7 @@ class _Run:
             The position of the token to go on with, which the parser takes; or the end.
         """
         self._complete_item()
+        # Closers of brackets that went with the item are skipped, not taken for the list's.
         dropped = self._drop_item()
         skipped = 0
         while position < len(self._tokens):
@@ -213,6 +217,7 @@ class _Run:
 
     def _begins_item(self, token: Token) -> bool:
         """Tells whether a token begins the next item, perhaps in a list further out."""
+        # A clause begins no member or value, so what is open before it lacks its bracket.
         if token.type in _CLAUSES:
             while not self._accepts(token.type) and self._open_brackets()[0].type != "LBRACE":
                 self._close()
@@ -229,6 +234,7 @@ class _Run:
             return False
         if opener not in (bracket.type for bracket in self._open_brackets()):
             return False
+        # Brackets of other kinds within it were forgotten.
         while self._open_brackets()[0].type != opener:
             self._close()
         if self._accepts(token.type):
@@ -246,6 +252,7 @@ class _Run:
             next(candidate for candidate in self._tokens if candidate.line == line)
             for line in lines
         ]
+        # A bracket below the head of its block was meant to close it, whatever its kind.
         return first[0] is token and first[0].column == first[1].column
 
     # The stacks of the parser

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 _LONE_RETURN = re.compile(r"\r(?!\n)")
 _BAD_ESCAPE = re.compile(r"""\\(?:u(?![0-9a-fA-F]{4})|[^"`\\ntru])""")
 _LONE_SURROGATE = re.compile(
+    # A high surrogate without the low one behind it, or a low one without the high one before.
     r"\\u[dD][89abAB]\w\w(?!\\u[dD][c-fC-F])|(?<!\\u[dD][89abAB]\w\w)\\u[dD][c-fC-F]\w\w"
 )
 _INSTEAD = {
@@ -81,6 +82,7 @@ def scan(text: str) -> Scan:
 
     Lines end with LF, CR and LF, or CR alone: else a comment could swallow the file.
     """
+    # With one kind of line end less, lines are counted by line feeds alone.
     text = with_line_feeds(text)
     keywords = grammar().keywords
     result = Scan()
@@ -124,6 +126,7 @@ def _mend(token: Token, before: Token | None, result: Scan) -> None:
         kind, value = ("HREF", token[1:]) if token.startswith("@") else ("TEXT", token)
         closed = f'{_whole(value)}"'
         result.tokens.append(token.update(kind, closed if kind == "TEXT" else f"@{closed}"))
+    # A name in back quotes is taken as if it were closed, so that the item still parses.
     elif token.type == "OPEN_NAME":
         result.faults.append(SyntaxFault(span, "the name in back quotes is not closed on its line"))
         result.tokens.append(token.update("WORD", f"{_whole(token)}`"))
@@ -134,17 +137,20 @@ def _mend(token: Token, before: Token | None, result: Scan) -> None:
     else:
         shown = str(token) if token.isprintable() else f"U+{ord(token):04X}"
         joins = before is not None and before.end_pos == token.start_pos
+        # A minus or dollar beside a word belongs to a name; alone it means nothing.
         hint = _INSTEAD.get(str(token), "") if joins or str(token) not in "-$" else ""
         result.faults.append(SyntaxFault(span, f"nothing is written with '{shown}' here", hint))
 
 
 def _whole(text: str) -> str:
     """Returns a text without the first half of an escape at its end."""
+    # An even number of them are escaped backslashes.
     halves = len(text) - len(text.rstrip("\\"))
     return text[:-1] if halves % 2 else text
 
 
 def _escape_faults(token: Token) -> Iterator[SyntaxFault]:
+    # Escaped backslashes are no beginning of an escape; columns must stay.
     plain = token.replace("\\\\", "//")
     for pattern in (_BAD_ESCAPE, _LONE_SURROGATE):
         for match in pattern.finditer(plain):
@@ -269,11 +275,13 @@ def attach(document: SyntaxTree, comments: Sequence[Token]) -> None:
 def _ordinary(comment: Token) -> str:
     """Returns a comment as it is kept: further lines as far in as they stand behind its start."""
     text = str(comment)
+    # It would become a documentation comment of the next item when it is read again.
     if text.startswith("/**") and text[3] not in "*/":
         text = f"/*{text[3:]}"
     first, *further = (line.rstrip() for line in text.split("\n"))
     margin = (comment.column or 1) - 1
     blank = " \t"
+    # Blanks up to the margin are layout, further ones are of the comment.
     cut = [line[min(margin, len(line) - len(line.lstrip(blank))) :] for line in further]
     return "\n".join([first, *cut])
 
@@ -294,6 +302,7 @@ def _distribute(body: _Body, comments: list[Token]) -> list[Token]:
         line = end[0]
         for comment in _within(item, inner):
             item.comments.append(_ordinary(comment))
+        # Only comments that end on the line, or the rest of them would move.
         while pending and pending[-1].line == pending[-1].end_line == end[0]:
             item.trailing = f"{item.trailing} {_ordinary(pending.pop())}".lstrip()
     rest = list(reversed(pending))
@@ -343,6 +352,7 @@ def _within(item: Item, comments: list[Token]) -> list[Token]:
     Returns:
         Those that stand between its parts.
     """
+    # From the first list to the last, so that what is behind one is left for the next.
     for body in _bodies(item):
         before = [comment for comment in comments if _position(comment) < body.start]
         inside = [comment for comment in comments if body.start <= _position(comment) < body.end]

@@ -60,6 +60,7 @@ def unescape(text: str) -> str:
     plain = _ESCAPE.sub(_resolved, text)
     if any("\ud800" <= character <= "\udfff" for character in plain):
         # Two escapes make one character beyond the first 65,536, as in JSON.
+        # utf-16 joins the halves, and what is half of nothing becomes a replacement character.
         plain = plain.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
     return plain
 
@@ -83,6 +84,7 @@ def span_of(token: Token) -> Span:
 
 def _around(children: Sequence[Any]) -> Span:
     """Returns the stretch from the first to the last of what a rule consists of."""
+    # Parts without a place, such as empty lists, say nothing of the stretch.
     first = next(filter(None, map(_span, children)))
     last = next(filter(None, map(_span, reversed(children))))
     return Span(first.line, first.column, last.end_line, last.end_column)
@@ -130,6 +132,7 @@ class Shaper:
 
     def next_item(self, children: list[Any]) -> Items[Any]:
         items: Items[Any] = children[0]
+        # The list grows in place: a new one for each item would be quadratic.
         items.append(children[1])
         return items
 

@@ -94,6 +94,7 @@ def _bracketed(
     if not items and not closing:
         return [f"{head}{opening}{end}"]
     laid_out = [_lines(item, room - len(_INDENT)) for item in items]
+    # A comment before the closing bracket needs a line of its own.
     if not closing and _can_share_line(items, laid_out):
         short = f"{head}{opening} {_SPACE.join(lines[0] for lines in laid_out)} {end}"
         if len(short) <= room:
@@ -286,6 +287,7 @@ _MUCH = 5
 def space(items: Sequence[Item]) -> None:
     """Sets apart what says much, and the elements that follow values."""
     for before, item in pairwise(items):
+        # A block of few values that follows a single one reads as part of it.
         follows_values = isinstance(before, Feature) and _values(before) == 1
         if follows_values and (isinstance(item, Feature) or not _says_much(item)):
             item.spaced = bool(item.documentation)

@@ -94,6 +94,7 @@ class DocumentNames:
         wanted = cast("ClassTable", feature.target)
         for text in self._candidates(target):
             found = is_name(text) and self._finder.find(text, wanted, self._document, owner)
+            # A name counts only if the reader of the text is led to this very element.
             if found == [target]:
                 return text
         return None
@@ -118,6 +119,7 @@ class DocumentNames:
         """Yields the names of an element, the best first: ROS types of elsewhere by package."""
         steps = _path(target)
         qualified_class = self._model.metamodels.class_of(target).qualified_name
+        # Types of other packages are called by package and type, as ROS does it.
         if qualified_class in _PACKAGED and self._place(target) is None and len(steps) > 1:
             if isinstance(target.eContainer(), ros.ServiceType | ros.ActionType):
                 yield f"{steps[-3]}/{steps[-2]}.{target.eContainmentFeature().name}"
@@ -185,6 +187,7 @@ class ReferenceNames(DocumentNames):
                 break
             imports.append(document)
             before, named = named, self._count_named(shipped)
+            # An import that names nothing more would only make other names ambiguous.
             if named <= before:
                 named = before
                 imports.pop()
@@ -307,6 +310,7 @@ class ElementWriter:
             said_here = feature.name not in without or needs_feature(obj, feature.name)
             if not said_here or feature.kind not in _VALUES:
                 continue
+            # What follows from where a connection stands is left open, and follows again when read.
             if following is not None and feature.name in FEATURES:
                 is_needed = feature.name not in following
             else:

@@ -33,6 +33,7 @@ _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r", "\\": "\\\\"}
 
 def word(text: str) -> str:
     """Returns a name as it is written: in back quotes where it is no plain word."""
+    # A path may end with an index, a name may not.
     plain = _PATH.fullmatch(text) and not text.endswith("]") and text not in KEYWORDS
     return text if plain else f"`{_escaped(text, '`')}`"
 
@@ -54,6 +55,7 @@ def quoted(text: str) -> str:
 
 def can_document(text: str) -> bool:
     """Tells whether a documentation comment can hold a text to the letter."""
+    # Read back, since escapes and line breaks of comments have several pitfalls.
     comment = "\n".join(documentation(text, _ANY_WIDTH))
     return is_documentation(comment) and documentation_text(comment) == text
 
@@ -65,6 +67,7 @@ def documentation(text: str, room: int) -> list[str]:
         text: What it says: paragraphs with empty lines between them.
         room: Columns within which lines end, where words are short enough.
     """
+    # "*/" within the text would end the comment.
     text = _ENDS.sub(r"*\\\1/", text)
     short = f"/** {text} */"
     if len(short) <= room and "\n" not in text:
@@ -76,6 +79,7 @@ def documentation(text: str, room: int) -> list[str]:
 def _wrapped(line: str, room: int) -> list[str]:
     """Returns a line in parts that end within some columns, broken at single blanks."""
     parts: list[str] = []
+    # Other runs of blanks are kept as they are.
     for part in _SINGLE_BLANK.split(line):
         if parts and len(parts[-1]) + 1 + len(part) <= room:
             parts[-1] += f" {part}"
@@ -93,6 +97,7 @@ def _escape(character: str) -> str:
         return _SHORT[character]
     if character.isprintable():
         return character
+    # Characters beyond 16 bits are two escapes, as in JSON.
     units = character.encode("utf-16-be", "surrogatepass")
     return "".join(f"\\u{units[at : at + 2].hex()}" for at in range(0, len(units), 2))
 
@@ -103,6 +108,7 @@ NO_VALUE = Href("")
 _NUMBER = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?|0x[0-9A-Fa-f]+")
 _ADDRESS = re.compile(r"[0-9]+\.[0-9]+\.[0-9]+")
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*")
+# Texts that are sentences stay quoted even if they are one word.
 _PROSE = frozenset({"documentation", "holdReason", "units"})
 
 

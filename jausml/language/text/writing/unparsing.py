@@ -158,6 +158,7 @@ class MapWriter:
         if not sources:
             return None
         arrow = Assignment(sources, targets)
+        # The arrow says the rest; these are in its block.
         arrow.items += self._elements.values(obj, without=_BY_ARROW)
         if isinstance(obj, (bridge.FieldAssignment, bridge.ListAssignment)):
             self._convert(arrow, obj)
@@ -175,6 +176,7 @@ class MapWriter:
         if not has_source(obj) or (isinstance(obj, bridge.MessageAssignment) and obj.map is None):
             return None
         paths = _paths(obj.source)
+        # As a source these are constants, so a path of such a name needs the uniform notation.
         if paths is None or obj.source in ("true", "false"):
             return None
         return list(paths)
@@ -184,6 +186,7 @@ class MapWriter:
     ) -> None:
         calls = [self.call(conversion) for conversion in obj.conversions]
         sayable = [call for call in calls if call is not None]
+        # All or none: half of a chain behind the arrow would change its order.
         if len(sayable) == len(calls):
             arrow.conversions = sayable
         else:
@@ -203,6 +206,7 @@ class MapWriter:
         own = conversion_of(obj).own_argument
         holder = "quantity" if "quantity" in given else "arguments"
         holder = holder if own is None else own.feature
+        # A call has one kind of argument; with more only a block can say all of them.
         if given != [holder]:
             return None
         value = getattr(obj, holder)
@@ -229,6 +233,7 @@ def _are(kind: type, values: list[Any]) -> bool:
 
 def _paths(text: str | None) -> list[Name] | None:
     """Returns the paths of a source or target, None when commas stand otherwise than usual."""
+    # Commas are written in one way, and other ways would not come back.
     paths = (text or "").split(", ")
     return [Name(path) for path in paths] if all(map(_is_path, paths)) else None
 
@@ -340,6 +345,7 @@ def _parts(root: EObject, elements: ElementWriter, model: Model, path: Path) -> 
     others = (feature for name, feature in table.features.items() if name not in ("name", *names))
     if any(is_written(root, other) for other in others):
         return []
+    # A part that needs the word of its feature cannot stand without its root.
     parts = elements.children(root, names)
     return parts if all(isinstance(part, Element) for part in parts) else []
 

@@ -130,6 +130,7 @@ def _own_methods(
 ) -> list[tuple[EObject | None, bridge.Conversion, int]]:
     """Returns conversions by methods of users: the bridge, the conversion and how much it takes."""
     return [
+        # Behind the first conversion there is one value.
         (direction.map.eContainer(), conversion, 1 if position else len(placed.sources))
         for direction in directions_of(subject, directed)
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment)

@@ -136,6 +136,7 @@ def _direct(placed: Placed[bridge.FieldAssignment], source: Axis, target: Axis) 
         hint = f"convert it by {other.name}" if other is not None else ""
         return _mismatch(placed, source, target, "have different zeros", hint)
     from_, to = frames.direction(source), frames.direction(target)
+    # Whether all of a map exchanges x and y is told for the direction as a whole.
     if families == (LOCAL, LOCAL) and _is_exchange(source, target):
         return None
     if from_[0] != to[0]:

@@ -227,12 +227,14 @@ def _rounding_error(placed: Placed[bridge.FieldAssignment], end: _End) -> float:
     if end.attribute.step is not None:
         if is_copied and end.attribute.integral:
             return 0.0
+        # A field that cuts numbers off is wrong by a whole step, one that rounds by half of it.
         return end.attribute.step / (1 if _is_cut(end.attribute) else 2)
     if not end.attribute.is_single:
         return 0.0
     largest = max(map(abs, intervals.meet(end.given, end.carried)))
     if not 0.0 < largest < LARGEST_SINGLE:
         return 0.0
+    # Half of the last of the 24 bits of the largest value.
     return math.ldexp(0.5, math.frexp(largest)[1] - _SINGLE_BITS)
 
 
@@ -268,6 +270,7 @@ def _is_flattened(end: _End) -> bool:
     values = intervals.meet(end.given, end.carried)
     if not step or not all(map(math.isfinite, values)) or _is_cut(end.attribute):
         return False
+    # Scaled fields count their steps from the lower end.
     origin = 0.0 if end.attribute.integral else end.carried[0]
     low, high = (round((value - origin) / step) for value in values)
     return values[0] < values[1] and low == high

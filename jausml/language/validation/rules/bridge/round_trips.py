@@ -82,6 +82,7 @@ def covariances(subject: Subject, directed: Directed) -> Iterator[Finding]:
 def _pairs(found: Iterable[Direction]) -> Iterator[tuple[Direction, Direction]]:
     there: dict[bridge.AttributeMap, Direction] = {}
     for direction in found:
+        # Stops and safe values have no way back.
         if direction.owner is not direction.map:
             continue
         if direction.to_ros:
@@ -153,6 +154,7 @@ def _number_findings(
     for value in _samples(there, attribute):
         try:
             sent = sent_through(there, value)
+            # An integer between both ways rounds what passes.
             result = sent_through(back, round(sent) if between.integral else sent)
         except (NoValueError, OverflowError, ValueError):
             continue

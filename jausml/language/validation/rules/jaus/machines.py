@@ -169,6 +169,7 @@ def reachable(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
         for path, state in behaviour.states():
             if path in entered or path in behaviour.machine.core_states:
                 continue
+            # Of states within each other, the outermost alone is told.
             if _is_foreign(behaviour, path) or not reported.isdisjoint(_with_outer(path)):
                 continue
             reported.add(path)
