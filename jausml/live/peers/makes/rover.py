@@ -99,6 +99,8 @@ class JausPlusPlus:
 
 FULL_SPEED = 2.0
 """Metres per second at an effort of 100 percent."""
+FULL_TURN = 1.0
+"""Radians per second at a rotational effort of 100 percent."""
 
 
 class Rover:
@@ -109,13 +111,14 @@ class Rover:
         self._velocity = catalogue.message("ReportVelocityState")
         self._query = catalogue.message("QueryVelocityState")
         self._on_command = on_command
-        self._speed = 0.0
+        self._speed = self._turn = 0.0
 
     def report(self, code: int) -> bytes | None:
         """Returns the velocity to who asks for it."""
         if code != self._query.code:
             return None
-        return self._velocity.encode({"ReportVelocityStateRec": {"Velocity_X": self._speed}})
+        moves = {"Velocity_X": self._speed, "YawRate": self._turn}
+        return self._velocity.encode({"ReportVelocityStateRec": moves})
 
     def obey(self, payload: bytes, source: JausAddress) -> None:
         """Takes an effort, and nothing else."""
@@ -125,8 +128,9 @@ class Rover:
             fields = self._effort.decode(payload)
         except MessageError:
             return
-        effort = fields["WrenchEffortRec"].get("PropulsiveLinearEffortX", 0.0)
-        self._speed = FULL_SPEED * effort / 100
+        efforts = fields["WrenchEffortRec"]
+        self._speed = FULL_SPEED * efforts.get("PropulsiveLinearEffortX", 0.0) / 100
+        self._turn = FULL_TURN * efforts.get("PropulsiveRotationalEffortZ", 0.0) / 100
         self._on_command(source, self._effort, fields)
 
 
