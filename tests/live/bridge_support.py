@@ -200,10 +200,20 @@ class RosPeer(SpinningNode):
         """Calls a service once somebody serves it; returns the answer."""
         client = self.node.create_client(kind, name)
         wait_for(client.service_is_ready, f"service {name}")
-        future = client.call_async(request)
-        wait_for(future.done, f"answer of {name}")
+        futures = [client.call_async(request)]
+        asked = time.monotonic()
+
+        def answered():
+            # A server may find this client later than the client the server: its answer is lost.
+            nonlocal asked
+            if time.monotonic() > asked + PATIENCE / 4:
+                futures.append(client.call_async(request))
+                asked = time.monotonic()
+            return next((future for future in futures if future.done()), None)
+
+        answer = wait_for(answered, f"answer of {name}")
         self.node.destroy_client(client)
-        return future.result()
+        return answer.result()
 
 
 class Repeater:
