@@ -29,7 +29,7 @@ quick: $(READY)  ## run ruff, and in 15 seconds the tests that guard a change si
 
 # Many tests wait for processes, so there are more workers than processors (tests/conftest.py).
 # TESTS=tests/runtime runs a part. Tests that fail in the crowd are run again, alone.
-test: $(READY)  ## run the tests that guard everything, in seven minutes
+test: $(READY)  ## run the tests that guard everything, in six minutes
 	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
 # The budget of tests is judged by a whole run only; JUDGED is what CI adds, the skips that it expects.
