@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from jausml.authoring.editing.commands import EditError
-from jausml.authoring.editing.text.anew import Anew
+from jausml.authoring.editing.text.item_writer import ItemWriter
 from jausml.authoring.editing.text.pieces import (
     Piece,
     heading_of,
@@ -67,7 +67,7 @@ class Blocks:
 
     def __init__(self, context: Context, names: Naming) -> None:
         self._context = context
-        self._anew = Anew(context, names)
+        self._writer = ItemWriter(context, names)
         self._names = names
         self.written = cast("TextDocument", context.document.written)
         self.changed: dict[ElementCopy, dict[str, bool]] = {}
@@ -156,7 +156,7 @@ class Blocks:
             self._document(merged, copy, cast("Item", part))
             return Piece(merged, part, piece.origin)
         around = self.part(copy.owner) if copy.owner is not None else None
-        new = in_place_of(piece.item, self._anew.item(copy, around))
+        new = in_place_of(piece.item, self._writer.item(copy, around))
         is_alike = type(new) is type(piece.item) or isinstance(new, Assignment | Ignored)
         return Piece(new, part, piece.origin if is_alike else None)
 
@@ -185,7 +185,7 @@ class Blocks:
 
     def _assignment(self, part: Assignment | Ignored, copy: ElementCopy) -> Item | None:
         """Returns an arrow as it will be, None where it must be written otherwise."""
-        new, changed = self._anew.arrow(copy), self.changed.get(copy, {})
+        new, changed = self._writer.arrow(copy), self.changed.get(copy, {})
         if isinstance(part, Ignored):
             return replace(part, target=new.target) if isinstance(new, Ignored) else None
         if not isinstance(new, Assignment):
@@ -215,7 +215,7 @@ class Blocks:
     def _pairs(self, part: Table | Vector, copy: ElementCopy) -> Item | None:
         """Returns a table or a vector as it will be, None where it must be written otherwise."""
         around = self.part(cast("ElementCopy", copy.owner))
-        new, changed = self._anew.item(copy, around), self.changed.get(copy, {})
+        new, changed = self._writer.item(copy, around), self.changed.get(copy, {})
         if type(new) is not type(part):
             return None
         found = replace(part)
@@ -266,11 +266,11 @@ class Blocks:
         is_end = copy.table.qualified_name == MAP and name in _ENDS
         if is_end and not (old and isinstance(old[0].item, Feature)):
             feature = copy.table.features[name]
-            made = self._anew.made(copy, is_whole=False)
+            made = self._writer.made(copy, is_whole=False)
             type_ = self._names.name(cast("EObject", copy.obj), getattr(made, name), feature)
             if isinstance(type_, Name):
                 return End(_ENDS[name], type_, None)
-        return self._anew.feature(copy, name)
+        return self._writer.feature(copy, name)
 
     # What comes new, or comes from elsewhere
 
@@ -345,13 +345,13 @@ class Blocks:
             )
         old = piece_of(part, self.written.tree.items) if isinstance(part, Item) else None
         if old is None:
-            new = self._anew.item(copy, around)
+            new = self._writer.item(copy, around)
             if around is None and not isinstance(new, Element):
                 raise EditError(f"text has no place for this element of {copy.feature}")
             return Piece(new, part)
         if _can_go(old, copy, owner, around):
             return Piece(old.item, part)
-        return Piece(in_place_of(old.item, self._anew.item(copy, around)), part)
+        return Piece(in_place_of(old.item, self._writer.item(copy, around)), part)
 
     def _insert(self, found: list[Piece], piece: Piece, owner: ElementCopy, wanted: int) -> None:
         """Puts a piece behind the last that does not come after it by the metamodel."""

@@ -1,4 +1,4 @@
-"""Elements of a working copy, written anew as they stand in their owners."""
+"""Writes elements of a working copy as the items of the text that stand for them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from jausml.language.text.tree import Feature, Ignored, Item
 
 
-class Anew:
+class ItemWriter:
     """Writes elements of one text."""
 
     def __init__(self, context: Context, names: Naming) -> None:
