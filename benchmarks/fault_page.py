@@ -34,26 +34,15 @@ has written this page. The figures are from CPython {python} on {processors} pro
 other work included, was {load:g} in the last run. Each line is from a single run, so the times are
 examples and not guarantees.
 
-The system has one generated bridge (`tests/cases/bridge_loop`) between a JAUS vehicle, a JAUS
-operator and a ROS node. Each of them is a separate process. Every connection carries twenty
-messages a second, and each value carries the time at which it was sent. Then something fails for
-some seconds, and recovers. Nobody touches the bridge.
+One generated bridge (`tests/cases/bridge_loop`) stands between a JAUS vehicle, a JAUS operator and
+a ROS node, each a process of its own. Every connection carries twenty messages a second. Then
+something fails for some seconds, and recovers; nobody touches the bridge. `tests/faults` requires
+that new messages arrive by every connection afterwards, that the stop is in effect on the other
+side of the lost part meanwhile, and that no command older than {stale:g} s is obeyed.
 
-JAUS goes over UDP, unless the name of the fault says TCP or node manager (a stand-in with the local
-protocol of Junior's). "Held" means a TCP connection whose cable is pulled out and put back: nothing
-passes meanwhile, and everything that was sent passes afterwards.
-
-`tests/faults` requires for each fault:
-
-- after it, new messages arrive by every connection;
-- while it lasts, the stop is in effect on the other side of the lost part;
-- no command older than {stale:g} s is obeyed, even if it was waiting somewhere;
-- no log contains anything unexpected, and all programs exit with status 0 when asked to end.
-
-"stop" is the time from the fault until the stop takes effect on the other side. "back" is the time
-from the end of the fault, or from the start of the new process, until the first message arrives
-that was sent after it. If a process is restarted, this includes the start of Python, and the time
-that DDS needs to find topics.
+"stop" is the time from the fault until the stop takes effect, "back" that from its end until the
+first message arrives that was sent after it, with the start of Python and of DDS where a process is
+started again.
 """
 
 
@@ -97,12 +86,7 @@ def _guardian(guardian: Mapping[str, Any], halts: Mapping[str, Any]) -> Iterator
     """What is stopped in place of a bridge that cannot, and what it obeys when it goes on."""
     if guardian:
         yield "## A bridge that cannot stop\n"
-        yield (
-            "The guardian of a bridge sends the stops of its commands when the bridge is dead, or "
-            "has not run its loop for longer than the silence time-out of the command, at least "
-            "0.5 s. Times are from the fault until the stop arrived; none means that the "
-            "bridge went on before.\n"
-        )
+        yield "From the fault until the stop arrived; none: the bridge went on before.\n"
         rows = [(name, found.get("drive"), found.get("cruise")) for name, found in guardian.items()]
         yield table(("fault", "drive", "cruise"), map(_rounded, rows))
     if halts:
@@ -120,13 +104,9 @@ def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
         return
     yield "## Floods\n"
     yield (
-        "One process sends as many datagrams as it can, at most 50,000 a second, to the port of "
-        "the bridge. The share that arrives is that of the connection that suffers most, compared "
-        "with the same time without a flood. The times are the ages of all messages that arrived. "
-        "Each line shows the best of three runs, since the processors have other work, at least "
-        "that of sending the flood. With `allowedHosts` the bridge needs a quarter of a processor "
-        "to refuse 50,000 datagrams a second. Where it seems to lose more with it than without, it "
-        "did not get that share of a processor.\n"
+        "One process sends as many datagrams as it can to the port of the bridge. The share is "
+        "that of the connection that suffers most, against the same time without a flood; the "
+        "best of three runs.\n"
     )
     rows = [
         (
@@ -144,27 +124,6 @@ def _floods(floods: Mapping[str, Any]) -> Iterator[str]:
         *("share that arrives", "99 % alone, s", "99 % flooded, s"),
     )
     yield table(head, rows)
-    yield from _wild(floods)
-    yield (
-        "A bridge reads its one socket in the order of arrival, and the kernel drops datagrams "
-        "of any sender when the socket is full. A network that may be flooded therefore needs a "
-        "filter in front of the bridge.\n\n"
-        "`reports` are sent from elsewhere with the id of the vehicle. According to AS5669A they "
-        "take over its traffic, unless the bridge sets `fixedSources` or `allowedHosts`. "
-        "Refused datagrams cost less than accepted "
-        "ones.\n"
-    )
-
-
-def _wild(floods: Mapping[str, Any]) -> Iterator[str]:
-    passed = {name: flood["passed"] for name, flood in floods.items() if "passed" in flood}
-    if passed:
-        told = ", ".join(f"{rate} a second with `{name}`" for name, rate in sorted(passed.items()))
-        yield (
-            "`commands of the operator` are permitted commands, sent 200 times as often as usual; "
-            f"the share is that of all other messages. Of these commands, {told} arrived. Without "
-            "a cap, a ROS node takes as many as it can, and its queue drops the rest.\n"
-        )
 
 
 def exceeded(data: Mapping[str, Any], bounds: Mapping[str, Any]) -> list[str]:

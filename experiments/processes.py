@@ -40,12 +40,19 @@ def free_port() -> int:
             return port
 
 
-def wait_until(condition: Callable[[], object], seconds: float) -> bool:
-    """Waits until something holds; False when it did not in time."""
+def wait_until(
+    condition: Callable[[], object], seconds: float, check: Callable[[], object] = bool
+) -> bool:
+    """Waits until something holds; False when it did not in time.
+
+    Args:
+        check: Is called meanwhile; it may raise.
+    """
     end = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > end:
             return False
+        check()
         time.sleep(0.02)
     return True
 
@@ -158,7 +165,7 @@ class Processes:
     def __init__(self, folder: Path, environment: Mapping[str, str]) -> None:
         self._folder = folder
         self._environment = environment
-        self._all: list[Process] = []
+        self._by_name: dict[str, Process] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -169,13 +176,32 @@ class Processes:
         _error: BaseException | None,
         _trace: TracebackType | None,
     ) -> None:
-        for process in self._all:
-            process.ask_to_end()
-        for process in self._all:
-            process.end()
+        self.stop()
 
     def start(self, name: str, *arguments: str | Path) -> Process:
         """Starts `python ARGUMENTS`."""
         process = Process(arguments, self._folder / f"{name}.log", self._environment)
-        self._all.append(process)
+        self._by_name[name] = process
         return process
+
+    def lines(self, name: str) -> list[str]:
+        """Returns what a process has printed so far; nothing where it was not started."""
+        return list(self._by_name[name].lines) if name in self._by_name else []
+
+    def check(self) -> None:
+        """Looks whether all run.
+
+        Raises:
+            ExperimentError: One has ended; says which and what it said last.
+        """
+        for name, process in self._by_name.items():
+            if process.code is not None:
+                last = "\n".join(process.lines[-5:])
+                raise ExperimentError(f"{name} in {self._folder} has ended:\n{last}")
+
+    def stop(self) -> None:
+        """Ends all; what they printed stays."""
+        for process in self._by_name.values():
+            process.ask_to_end()
+        for process in self._by_name.values():
+            process.end()

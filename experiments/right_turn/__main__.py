@@ -15,7 +15,7 @@ import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from experiments.right_turn import ROOT, virtual, wall
+from experiments.right_turn import ROOT, wall
 from experiments.right_turn.data import STAGES, Plan
 from experiments.simulator import stage as simulator
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 OUT = ROOT / "experiment-out"
-RUN = dict(zip(STAGES, (wall.run, virtual.run, simulator.run), strict=True))
+RUN = dict(zip(STAGES, (wall.run, simulator.run), strict=True))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from dataclasses import astuple, dataclass
+from dataclasses import astuple
 from itertools import combinations, pairwise, product
 from statistics import median
 from typing import TYPE_CHECKING
@@ -31,19 +31,6 @@ HOP_NAMES = {
     "to_vehicle": "command to vehicle",
     "sense_act": "report to its answer",
 }
-
-
-@dataclass(frozen=True)
-class Bound:
-    """A threshold that a figure shows.
-
-    Attributes:
-        value: In the unit of the axis.
-        words: What it is called.
-    """
-
-    value: float
-    words: str
 
 
 def latencies(hops: Mapping[str, Mapping[str, Sequence[float]]]) -> Figure:
@@ -159,14 +146,12 @@ def _dots(axes: Axes, place: int, values: Sequence[float], colour: str) -> None:
 def gaps(
     first: Sequence[Sequence[Sample]],
     second: Sequence[Sequence[Sample]],
-    bounds: Mapping[str, Bound],
 ) -> Figure:
     """Returns how far two drives are apart over time: J from J beside R from J.
 
     Args:
         first: Drives of J, at least two; times count from the first motion.
         second: Drives of R.
-        bounds: Thresholds by quantity (`position`, `speed`, `angle`), in m, m/s and degrees.
     """
     null = list(combinations(first, 2))
     both = list(product(first, second))
@@ -180,9 +165,6 @@ def gaps(
             for system, pairs, words in (("R", both, "R from J"), ("J", null, "J from J")):
                 curves = [_difference(one, two, take) for one, two in pairs]
                 _band(axes, system, curves, words)
-            if name in bounds:
-                bound = bounds[name]
-                axes.axhline(bound.value, color=style.BLACK, linestyle=":", label=bound.words)
             axes.set_ylim(bottom=0.0)
             low, high = axes.get_ylim()
             axes.set_ylim(low, 1.45 * high)

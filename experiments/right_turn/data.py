@@ -1,9 +1,7 @@
 """What a drive leaves behind, as a value and as a folder, and how much shall be driven.
 
-A folder of a run holds `samples.csv` (the truth), `steps.csv` (what the controller did),
-`vehicle_events.csv` (reports sent and commands taken), `latencies.csv` (each message of each hop)
-and `run.json` with everything else. Times are seconds on the one clock of the run; time stamps of
-reports are milliseconds of the time of day.
+A folder of a run holds `samples.csv` (the truth), `latencies.csv` (each message of each hop) and
+`run.json` with everything else. Times are seconds on the one clock of the run.
 """
 
 from __future__ import annotations
@@ -12,7 +10,7 @@ import csv
 import json
 import math
 from dataclasses import asdict, dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from catvehicle.metrics import LatencySummary, Sample, latency_summary, read_log, write_log
 
@@ -25,7 +23,7 @@ HOPS = ("to_controller", "to_vehicle", "sense_act")
 way from the report to the command that answers it."""
 
 
-STAGES = ("wall", "virtual", "simulator")
+STAGES = ("wall", "simulator")
 """Parts of the experiment, in their order; each has a folder of this name."""
 
 
@@ -42,36 +40,6 @@ class Plan:
     runs: int = 10
 
 
-class Step(NamedTuple):
-    """A step of the steering controller.
-
-    Attributes:
-        stamp_ms: Time stamp of the report that it answers, ms.
-        received: When the report had come, s.
-        sent: When the command left, s.
-        delta_cmd: Tyre angle asked for, rad.
-    """
-
-    stamp_ms: int
-    received: float
-    sent: float
-    delta_cmd: float
-
-
-class Event(NamedTuple):
-    """What the vehicle sent or took.
-
-    Attributes:
-        kind: `start` (time 0 of the samples), `report`, `command` (of the tyre angle) or `speed`.
-        time: When, s.
-        value: Time stamp (ms) of a report, tyre angle (rad) of a command, speed (m/s) of another.
-    """
-
-    kind: str
-    time: float
-    value: float
-
-
 @dataclass(frozen=True)
 class Run:
     """One drive.
@@ -79,12 +47,8 @@ class Run:
     Attributes:
         system: `J` (JAUS alone), `R` (ROS through the generated bridge), or the name of another.
         name: Name among the runs of the system; that of its folder.
-        mode: `wall` or `virtual`: the clock.
-        seed: Seed of what is random in the run.
         arrived: Whether the vehicle came to rest at the end of the path.
         samples: True states, ordered by time.
-        steps: Steps of the steering controller.
-        events: Events of the vehicle.
         latencies: Seconds that each message took, for each of `HOPS`.
         config: What was set: plain JSON values.
         metrics: Numbers that judge the drive, by name.
@@ -93,12 +57,8 @@ class Run:
 
     system: str
     name: str
-    mode: str
-    seed: int
     arrived: bool
     samples: Sequence[Sample] = ()
-    steps: Sequence[Step] = ()
-    events: Sequence[Event] = ()
     latencies: Mapping[str, Sequence[float]] = field(default_factory=dict)
     config: Mapping[str, Any] = field(default_factory=dict)
     metrics: Mapping[str, float] = field(default_factory=dict)
@@ -117,8 +77,6 @@ class Run:
         """Writes the run into its folder, which is made when it is missing."""
         folder.mkdir(parents=True, exist_ok=True)
         write_log(folder / "samples.csv", self.samples)
-        _write_rows(folder / "steps.csv", Step._fields, self.steps)
-        _write_rows(folder / "vehicle_events.csv", Event._fields, self.events)
         times = (
             (hop, duration) for hop, all_of_it in self.latencies.items() for duration in all_of_it
         )
@@ -126,8 +84,6 @@ class Run:
         about = {
             "system": self.system,
             "name": self.name,
-            "mode": self.mode,
-            "seed": self.seed,
             "arrived": self.arrived,
             "config": dict(self.config),
             "metrics": {name: _finite(value) for name, value in self.metrics.items()},
@@ -149,18 +105,12 @@ class Run:
         latencies: dict[str, list[float]] = {}
         for hop, seconds in _read_rows(folder / "latencies.csv", ("hop", "seconds")):
             latencies.setdefault(hop, []).append(float(seconds))
-        steps = _read_rows(folder / "steps.csv", Step._fields)
-        events = _read_rows(folder / "vehicle_events.csv", Event._fields)
         metrics = about["metrics"].items()
         return cls(
             system=about["system"],
             name=about["name"],
-            mode=about["mode"],
-            seed=about["seed"],
             arrived=about["arrived"],
             samples=read_log(folder / "samples.csv"),
-            steps=[Step(int(row[0]), *map(float, row[1:])) for row in steps],
-            events=[Event(row[0], float(row[1]), float(row[2])) for row in events],
             latencies=latencies,
             config=about["config"],
             metrics={name: math.nan if value is None else value for name, value in metrics},

@@ -8,14 +8,14 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 from catvehicle.evaluation import MOVING, counted, delays
-from catvehicle.events import read_events
 from catvehicle.metrics import Sample, comfort, path_error, read_log, total_variation
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
 from catvehicle.progress import is_at_goal
 
-from experiments.right_turn.data import Event, Run, Step
-from experiments.right_turn.systems import OPERATOR, Running, Setting, Workspace, wait_for
+from experiments.processes import ExperimentError, wait_until
+from experiments.right_turn.data import Run
+from experiments.right_turn.systems import OPERATOR, Running, Setting, Workspace
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,10 +26,6 @@ START_LIMIT = 60.0
 
 DRIVE_LIMIT = 60.0
 """Seconds in which a drive of some 18 must be over."""
-
-
-STANDSTILL = 0.05
-"""Speed in m/s below which the vehicle has stopped; what is left are millimetres."""
 
 CREEP = 0.2
 """Speed in m/s below which the vehicle may be called arrived: the law slows it down for seconds."""
@@ -63,7 +59,7 @@ def drive(drives: Sequence[Drive], logs: Path) -> list[Run]:
         The runs, in the order of the drives; their times count from the first motion.
 
     Raises:
-        RuntimeError: A process ended, or controllers and vehicles did not find each other.
+        ExperimentError: A process ended, or controllers and vehicles did not find each other.
     """
     with ExitStack() as stack:
         systems = [
@@ -77,13 +73,20 @@ def drive(drives: Sequence[Drive], logs: Path) -> list[Run]:
             for planned_drive in drives
         ]
         for system in systems:
-            system.start()
-        if not wait_for(lambda: all(system.steps for system in systems), START_LIMIT, systems):
+            system.start_all()
+
+        def check() -> None:
+            for system in systems:
+                system.check()
+
+        if not wait_until(lambda: all(system.steps for system in systems), START_LIMIT, check):
             late = [system.workspace.system.name for system in systems if not system.steps]
-            raise RuntimeError(f"no command in {START_LIMIT:.0f} s: {', '.join(late)}; see {logs}")
+            raise ExperimentError(
+                f"no command in {START_LIMIT:.0f} s: {', '.join(late)}; see {logs}"
+            )
         for system in systems:
-            system.start(OPERATOR)
-        wait_for(lambda: all(system.arrived for system in systems), DRIVE_LIMIT, systems)
+            system.start_named(OPERATOR)
+        wait_until(lambda: all(system.arrived for system in systems), DRIVE_LIMIT, check)
         for system in systems:
             system.stop()
         runs = [
@@ -99,19 +102,13 @@ def drive(drives: Sequence[Drive], logs: Path) -> list[Run]:
 def collect(made: Drive, system: Running) -> Run:
     """Returns what a drive has left, whether or not it arrived; times are from the first motion."""
     samples = from_first_motion(read_log(system.logs / "vehicle.csv"))
-    steps = read_events(system.logs / "steering_controller.csv")
-    events = read_events(system.logs / "vehicle_events.csv")
     ways = delays(system.logs)
-    lines = [line for name in made.workspace.processes for line in system.said(name)]
+    lines = [line for name in made.workspace.processes for line in system.lines(name)]
     return Run(
         system=made.workspace.system.name,
         name=made.name,
-        mode="wall",
-        seed=0,
         arrived=bool(samples) and is_at_end(samples[-1]),
         samples=samples,
-        steps=[Step(int(row[0]), *map(float, row[1:])) for row in steps],
-        events=[Event(row[0], float(row[1]), float(row[2])) for row in events],
         latencies={
             "to_controller": ways.to_controller,
             "to_vehicle": ways.to_vehicle,

@@ -22,7 +22,6 @@ from experiments.right_turn.results import (
     FORMAT,
     by_system,
     machine,
-    measures,
     of_system,
     runs_of,
     summaries,
@@ -62,32 +61,10 @@ def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any
         "summaries": _plain(summaries(folder)),
         "figures": [],
     }
-    found["baselines"] = {name: of_system(runs) for name, runs in _baselines(folder).items()}
-    found["baselines"] |= _controls(found["summaries"].get("wall", {}).get("controls", {}))
     found["verdicts"] = _verdicts(wall)
     found["closeness"] = _closeness(wall)
     found["claims"] = _claims(found)
     return found
-
-
-def _baselines(folder: Path) -> dict[str, list[Run]]:
-    """Returns drives in virtual time by what they are."""
-    found = by_system(runs_of(folder, "virtual"))
-    return {f"{system}, virtual": runs for system, runs in found.items()}
-
-
-def _controls(controls: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the drives in real time that must be told from J, as `of_system` returns others."""
-    return {
-        control["about"]: {
-            "drives": control["drives"],
-            "arrived": control.get("arrived"),
-            "clock": "wall",
-            "measures": measures(control["metrics"]),
-            "latency": {},
-        }
-        for control in controls.values()
-    }
 
 
 def _verdicts(wall: Mapping[str, Sequence[Run]]) -> list[dict[str, Any]]:

@@ -57,7 +57,7 @@ def _figures(folder: Path) -> Iterator[tuple[str, Figure]]:
         yield "turn", turns.draw(rows, path, parameters)
         yield "steering", comparisons.steering(drives)
     if len(drives) == len(_ROWS) and len(drives["J"]) > 1:
-        yield "gaps", comparisons.gaps(drives["J"], drives["R"], {})
+        yield "gaps", comparisons.gaps(drives["J"], drives["R"])
     hops = {
         hop: {
             system: [duration for run in runs for duration in run.latencies.get(hop, ())]

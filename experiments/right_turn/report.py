@@ -24,9 +24,8 @@ The paper that proposed bridges made from models (Morley, Warren, Rabb, Whitsitt
 Sprinkle, *Generating a ROS/JAUS Bridge for an Autonomous Ground Vehicle*, 2013) compared two
 drives by eye (its Fig. 6), and saw the second one steer "more wildly". Here both are repeated and
 measured: **J** has vehicle, operator and controllers as JAUS components; in **R**, the controllers
-are ROS 2 nodes behind one generated bridge. They share the code of vehicle and control laws. In
-*real time* they are processes with sockets and rclpy; in *virtual time* the same generated code
-runs on one simulated clock.
+are ROS 2 nodes behind one generated bridge. They share the code of vehicle and control laws, and
+are processes with sockets and rclpy.
 """
 
 _NOT_REPRODUCED = """\
@@ -50,7 +49,6 @@ def page(data: Mapping[str, Any], figures: str = "figures") -> str:
         _INTRODUCTION.format(**data["machine"]),
         *_incomplete(data),
         *_claims(data),
-        *_all_systems(data),
         *_drives(data, figures),
         *_verdicts(data),
         *_latency(data, figures),
@@ -67,7 +65,6 @@ def table_of_drives(data: Mapping[str, Any]) -> list[list[str]]:
     rows = [["mean (least to most)", *systems]]
     counts = (f"{found['arrived']} of {found['drives']}" for found in systems.values())
     rows.append(["arrived", *counts])
-    rows.append(["time", *(found["clock"] for found in systems.values())])
     for measure in MEASURES:
         cells = (_cell(found["measures"].get(measure.name)) for found in systems.values())
         rows.append([f"{measure.words}, {measure.unit}", *cells])
@@ -80,11 +77,7 @@ def table(data: Mapping[str, Any]) -> str:
     drives = Table(*head)
     for row in rows:
         drives.add(*row)
-    others = Table("system", *(f"{measure.words}, {measure.unit}" for measure in MEASURES))
-    for name, found in data["baselines"].items():
-        spreads = (found["measures"].get(measure.name, {}) for measure in MEASURES)
-        others.add(name, *(number(spread.get("mean")) for spread in spreads))
-    texts = [drives.render(), others.render()]
+    texts = [drives.render()]
     for verdict in data["verdicts"]:
         shown = Table(verdict["title"], "value", "interval", "bound", "")
         for row in verdict["rows"]:
@@ -124,26 +117,6 @@ def _claims(data: Mapping[str, Any]) -> Iterator[str]:
     yield (
         "`make experiment` fails when one of these claims does not hold. Some of them require that "
         "something is *refused*, because an experiment that cannot fail proves nothing.\n"
-    )
-
-
-def _all_systems(data: Mapping[str, Any]) -> Iterator[str]:
-    yield "## All systems in numbers\n"
-    head = (
-        "system",
-        "clock",
-        "arrived",
-        *(f"{measure.words}, {measure.unit}" for measure in MEASURES),
-    )
-    rows = []
-    for name, found in {**data["systems"], **data["baselines"]}.items():
-        arrived = "" if found["arrived"] is None else f"{found['arrived']} of {found['drives']}"
-        cells = (found["measures"].get(measure.name, {}).get("mean") for measure in MEASURES)
-        rows.append((name, found["clock"], arrived, *map(number, cells)))
-    yield markdown_table(head, rows)
-    yield (
-        "All figures are means. The systems whose commands wait, and those with a car that "
-        "understeers without the controllers knowing, are included because they must be refused.\n"
     )
 
 

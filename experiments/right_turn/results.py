@@ -72,7 +72,6 @@ def of_system(runs: Sequence[Run]) -> dict[str, Any]:
     return {
         "drives": len(runs),
         "arrived": sum(run.arrived for run in runs),
-        "clock": runs[0].mode,
         "measures": measures([run.metrics for run in runs]),
         "latency": latency,
     }

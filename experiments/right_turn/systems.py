@@ -9,21 +9,16 @@ from __future__ import annotations
 
 import os
 import shutil
-import signal
-import subprocess
-import sys
-import time
-from contextlib import ExitStack, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from experiments.right_turn import EXAMPLE, ROOT
+from experiments import processes
+from experiments.right_turn import EXAMPLE
 from jausml.generation import read_manifest
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
-    from types import TracebackType
 
 FIRST_PORT = 14_000
 """JAUS port of the first place."""
@@ -36,12 +31,6 @@ FIRST_DOMAIN = 60
 
 OPERATOR = "operator_control_unit"
 """The process that lets the vehicle move; started when the others run."""
-
-POLL = 0.1
-"""Seconds between two looks at whether a condition holds."""
-
-GRACE = ((signal.SIGINT, 5.0), (signal.SIGTERM, 3.0), (signal.SIGKILL, 3.0))
-"""What is sent to a process that shall end, and the seconds that it has."""
 
 
 @dataclass(frozen=True)
@@ -96,16 +85,9 @@ def generate(system: System, folder: Path) -> Workspace:
     """Generates a system around the users' code, into a folder that is made anew.
 
     Raises:
-        RuntimeError: The model cannot be generated; says what jausml said.
+        ExperimentError: The model cannot be generated; says what jausml said.
     """
-    shutil.rmtree(folder, ignore_errors=True)
-    for source in system.sources:
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(source, folder / source.name, ignore=ignored)
-    command = [sys.executable, "-m", "jausml", "generate", str(system.model), "-o", str(folder)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise RuntimeError(f"{system.model.name} was not generated:\n{done.stderr}")
+    processes.generate(system.model, folder, *system.sources)
     entries = [
         entry
         for model in read_manifest(folder).models.values()
@@ -116,7 +98,7 @@ def generate(system: System, folder: Path) -> Workspace:
 
 
 def _line(entry: Mapping[str, Any], folder: Path) -> Sequence[str]:
-    line = ["-u", "-m", entry["module"], *entry.get("arguments", ())]
+    line = ["-m", entry["module"], *entry.get("arguments", ())]
     if entry["kind"] != "node":
         line += ["--jaus-port", "{port}"]
     if entry.get("parameters"):
@@ -150,123 +132,48 @@ class Setting:
             "CATVEHICLE_PLANT": self.plant,
             "CATVEHICLE_DELAY": str(self.delay),
             "ROS_DOMAIN_ID": str(FIRST_DOMAIN + self.place),
-            "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         }
 
 
-@dataclass
-class Running:
+class Running(processes.Processes):
     """Processes of a system; use it in a `with` statement, which ends them.
 
     Attributes:
         workspace: What runs.
         setting: Where and how.
-        logs: Folder for what the processes write and print.
+        logs: Folder for what the processes write and print, made anew.
     """
 
-    workspace: Workspace
-    setting: Setting
-    logs: Path
-    _processes: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
-    _files: ExitStack = field(default_factory=ExitStack)
+    def __init__(self, workspace: Workspace, setting: Setting, logs: Path) -> None:
+        """Makes the folder; nothing is started."""
+        self.workspace = workspace
+        self.setting = setting
+        self.logs = logs
+        shutil.rmtree(logs, ignore_errors=True)
+        logs.mkdir(parents=True)
+        folders = sorted(workspace.folder.iterdir())
+        packages = (str(path) for path in folders if (path / path.name).is_dir())
+        environment = {"CATVEHICLE_LOG": str(logs), "PYTHONPATH": os.pathsep.join(packages)}
+        super().__init__(logs, {**setting.variables, **environment})
 
-    def __enter__(self) -> Running:
-        """Make the folder anew; nothing is started."""
-        shutil.rmtree(self.logs, ignore_errors=True)
-        self.logs.mkdir(parents=True)
-        return self
+    def start_all(self) -> None:
+        """Starts all but the operator."""
+        for name in self.workspace.processes:
+            if name != OPERATOR:
+                self.start_named(name)
 
-    def __exit__(
-        self,
-        exception_type: type[BaseException] | None,
-        exception: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        """End all processes."""
-        self.stop()
-        self._files.close()
-
-    def start(self, *names: str) -> None:
-        """Start processes, by default all but the operator, each with its output in a file."""
-        for name in names or [
-            process for process in self.workspace.processes if process != OPERATOR
-        ]:
-            line = [word.format(port=self.setting.port) for word in self.workspace.processes[name]]
-            self._processes[name] = self._spawn(line, name)
-
-    def _spawn(self, line: Sequence[str], name: str) -> subprocess.Popen[bytes]:
-        folder = self.workspace.folder
-        packages = (path for path in sorted(folder.iterdir()) if (path / path.name).is_dir())
-        environment = {
-            **os.environ,
-            **self.setting.variables,
-            "CATVEHICLE_LOG": str(self.logs),
-            "PYTHONPATH": os.pathsep.join(map(str, packages)),
-        }
-        # The file stays open for the process until the system ends.
-        output = self._files.enter_context((self.logs / f"{name}.txt").open("ab"))
-        return subprocess.Popen(
-            [sys.executable, *line], env=environment, stdout=output, stderr=output
-        )
-
-    def said(self, name: str) -> list[str]:
-        """Return the lines that a process has printed."""
-        path = self.logs / f"{name}.txt"
-        return (
-            path.read_text(encoding="utf-8", errors="replace").splitlines() if path.exists() else []
-        )
+    def start_named(self, name: str) -> None:
+        """Starts one of the system's processes."""
+        line = self.workspace.processes[name]
+        self.start(name, *(word.format(port=self.setting.port) for word in line))
 
     @property
     def arrived(self) -> bool:
         """Whether the operator saw the vehicle arrive."""
-        return any("arrived at" in line for line in self.said(OPERATOR))
+        return any("arrived at" in line for line in self.lines(OPERATOR))
 
     @property
     def steps(self) -> bool:
         """Whether commands of the controller reach the vehicle."""
         path = self.logs / "vehicle_events.csv"
         return path.exists() and "command" in path.read_text(encoding="utf-8")
-
-    def check(self) -> None:
-        """Look whether everything runs that was started.
-
-        Raises:
-            RuntimeError: A process has ended; says which and what it said last.
-        """
-        for name, process in self._processes.items():
-            if process.poll() is not None:
-                last = "\n".join(self.said(name)[-5:])
-                raise RuntimeError(f"{name} of {self.workspace.system.name} has ended:\n{last}")
-
-    def stop(self) -> None:
-        """End all processes in good order, or else firmly."""
-        for number, seconds in GRACE:
-            left = [child for child in self._processes.values() if child.poll() is None]
-            for process in left:
-                process.send_signal(number)
-            deadline = time.monotonic() + seconds
-            for process in left:
-                with suppress(subprocess.TimeoutExpired):
-                    process.wait(max(0.0, deadline - time.monotonic()))
-        self._processes.clear()
-
-
-def wait_for(condition: Callable[[], bool], limit: float, systems: Sequence[Running]) -> bool:
-    """Waits for a condition while systems run; returns whether it came in time.
-
-    Args:
-        condition: What is waited for.
-        limit: Longest wait, s.
-        systems: Must run meanwhile.
-
-    Raises:
-        RuntimeError: A process of a system has ended.
-    """
-    deadline = time.monotonic() + limit
-    while not condition():
-        if time.monotonic() > deadline:
-            return False
-        for system in systems:
-            system.check()
-        time.sleep(POLL)
-    return True

@@ -40,7 +40,7 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
     A quick plan drives one pair, without positive controls.
 
     Raises:
-        RuntimeError: A system does not run.
+        ExperimentError: A system does not run.
     """
     for system in (JAUS_ALONE, BRIDGED):
         shutil.rmtree(folder / system.name, ignore_errors=True)
@@ -114,5 +114,4 @@ def judged_control(about: str, good: Sequence[Run], runs: Sequence[Run]) -> dict
         "arrived": arrived,
         "differs": verdict.moves_differently if arrived == len(runs) else None,
         "by": [row.name for row in verdict.rows if row.differs],
-        "metrics": [dict(run.metrics) for run in runs],
     }

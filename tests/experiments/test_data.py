@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import pytest
 from catvehicle.metrics import Sample
 
-from experiments.right_turn.data import Event, Run, Step, read_all
+from experiments.right_turn.data import Run, read_all
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -17,12 +17,8 @@ if TYPE_CHECKING:
 RUN = Run(
     system="J",
     name="03",
-    mode="wall",
-    seed=7,
     arrived=True,
     samples=[Sample(0.1, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0)],
-    steps=[Step(1_767_225_600_123, 0.25, 0.2500001, -0.1)],
-    events=[Event("report", 0.1, 1_767_225_600_123.0), Event("command", 0.3, -0.1)],
     latencies={"sense_act": [0.2, 0.1], "to_vehicle": [0.003]},
     config={"port": 3794, "plant": "kinematic"},
     metrics={"path_error_max": 0.25},
@@ -52,7 +48,7 @@ def test_a_hop_is_summarised_where_messages_took_it(tmp_path: Path) -> None:
 
 
 def test_a_metric_that_is_not_finite_is_no_number_in_the_file(tmp_path: Path) -> None:
-    Run("R", "0", "wall", 0, arrived=False, metrics={"closeness": math.inf}).write(tmp_path)
+    Run("R", "0", arrived=False, metrics={"closeness": math.inf}).write(tmp_path)
 
     assert json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))["metrics"] == {
         "closeness": None
@@ -62,7 +58,7 @@ def test_a_metric_that_is_not_finite_is_no_number_in_the_file(tmp_path: Path) ->
 
 def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
     RUN.write(tmp_path)
-    (tmp_path / "steps.csv").write_text("a,b\n", encoding="utf-8")
+    (tmp_path / "latencies.csv").write_text("a,b\n", encoding="utf-8")
 
-    with pytest.raises(ValueError, match=r"steps\.csv:1: header is not stamp_ms,received"):
+    with pytest.raises(ValueError, match=r"latencies\.csv:1: header is not hop,seconds"):
         Run.read(tmp_path)

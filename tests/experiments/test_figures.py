@@ -102,15 +102,13 @@ def test_a_hundredth_more_steering_does_not_look_wild():
 @pytest.mark.slow
 def test_gaps_are_of_all_pairs():
     drives = [drive(0.01 * number) for number in range(8)]
-    figure = comparisons.gaps(drives, drives, {})
+    figure = comparisons.gaps(drives, drives)
     assert "R from J, 64 pairs" in texts(figure)
     assert "J from J, 28 pairs" in texts(figure)
 
 
 def test_gaps_are_those_of_pairs_at_equal_times():
-    bound = comparisons.Bound(0.5, "bound")
-    figure = comparisons.gaps([drive(), drive(0.1)], [drive(0.3)], {"position": bound})
-    across, null, line = figure.axes[0].lines
+    figure = comparisons.gaps([drive(), drive(0.1)], [drive(0.3)])
+    across, null = figure.axes[0].lines
     assert max(across.get_ydata()) == pytest.approx((0.3 + 0.2) / 2)
     assert max(null.get_ydata()) == pytest.approx(0.1)
-    assert line.get_ydata()[0] == 0.5

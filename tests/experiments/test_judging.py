@@ -45,7 +45,7 @@ def run(loop: Loop, **changed: object) -> Run:
     """A run of a loop with the delays that it was given."""
     ways = {"to_controller": [loop.delay] * 3, "to_vehicle": [loop.delay] * 3}
     values = {"arrived": True, "samples": loop.run(), "latencies": ways, **changed}
-    return Run("J", "0", "virtual", 0, **values)  # type: ignore[arg-type]
+    return Run("J", "0", **values)  # type: ignore[arg-type]
 
 
 def rows(verdict: Verdict) -> dict[str, Row]:
@@ -165,7 +165,7 @@ def test_a_control_whose_drive_did_not_arrive_is_not_measured() -> None:
 
 
 def test_a_vehicle_that_never_moved_fails() -> None:
-    standing = Run("R", "0", "wall", 0, arrived=False)
+    standing = Run("R", "0", arrived=False)
 
     verdict = judge(drives(0.0002, 1, 4)[:1], [standing], PARAMETERS)
 

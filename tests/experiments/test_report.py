@@ -24,7 +24,7 @@ METRICS = {
 
 def drive(system, **changes):
     metrics = METRICS | changes.pop("metrics", {})
-    return Run(system, "01", "wall", 0, **{"arrived": True, "metrics": metrics} | changes)
+    return Run(system, "01", **{"arrived": True, "metrics": metrics} | changes)
 
 
 def data(**changes):
@@ -39,7 +39,6 @@ def data(**changes):
         "load": 0.1,
         "machine": {"python": "3.11.0", "processors": 2},
         "systems": {name: of_system(found) for name, found in by_system(runs).items()},
-        "baselines": {"R, late": of_system([drive("R", metrics={"path_error_max": 3.5})])},
         "verdicts": [{**verdict, "rows": [row]}],
         "closeness": [{"shift": 0.1, "position": 0.02, "speed": 0.01, "angle": 0.001}],
         "claims": [{"text": "each drive of R arrives", "holds": False}],
@@ -58,12 +57,6 @@ def test_measures_are_means_with_their_extremes():
     assert row_of(text, "duration") == "| duration, s | 18.1 (18 to 18.2) | 18 |"
     assert row_of(text, "arrived") == "| arrived | 2 of 2 | 0 of 1 |"
     assert row_of(text, "steering activity").endswith("| 30.7 | 30.7 |")
-
-
-def test_all_systems_stand_in_one_table():
-    text = report.page(data())
-    assert row_of(text, "R, late").startswith("| R, late | wall | 1 of 1 | 18 | 3.5 |")
-    assert row_of(text, "J |").startswith("| J | wall | 2 of 2 | 18.1 | 0.27 |")
 
 
 def test_a_claim_that_does_not_hold_is_told():
