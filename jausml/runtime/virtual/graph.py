@@ -35,9 +35,9 @@ def type_name(ros_type: RosType) -> str:
     """Returns the name of a type, e.g. `nav_msgs/msg/Odometry`."""
     if isinstance(ros_type, str):
         return ros_type
-    named: str | None = getattr(ros_type, "TYPE", None)
-    if named is not None:
-        return named
+    light_name: str | None = getattr(ros_type, "TYPE", None)
+    if light_name is not None:
+        return light_name
     package, kind, *_ = f"{ros_type.__module__}..".split(".")
     return f"{package}/{kind}/{ros_type.__name__}"
 
@@ -46,8 +46,9 @@ class GraphPublisher:
     """A publisher.
 
     Attributes:
-        unmatched: Messages that found none of them; whoever publishes counts.
-        kept: What late subscriptions get, with the time of its publication.
+        subscriptions: Connected subscriptions.
+        unmatched: Messages published while there was none; whoever publishes counts them.
+        kept: Data and publication time, in nanoseconds since 1970, for late subscriptions.
     """
 
     def __init__(
@@ -55,22 +56,26 @@ class GraphPublisher:
         node: str,
         qos: Qos,
         topic: GraphTopic,
-        greet: Callable[[], None] | None,
+        on_matched: Callable[[], None] | None,
         health: EndpointHealth,
     ) -> None:
         """Publishes on a topic; `RosGraph` makes it."""
         self.node = node
         self.qos = qos
         self.topic = topic
-        self.greet = greet
+        self.on_matched = on_matched
         self.health = health
         self.publish: Callable[[bytes], None] = self._publish
         self.encode: Callable[[Any], bytes] = bytes
-        self.matched = 0
         self.unmatched = 0
-        self.reached: list[GraphSubscription] = []
+        self.subscriptions: list[GraphSubscription] = []
         size = MOST_KEPT if qos.history == "keep_all" else qos.depth
         self.kept: deque[tuple[bytes, int]] = deque(maxlen=size)
+
+    @property
+    def matched(self) -> int:
+        """How many subscriptions are connected."""
+        return len(self.subscriptions)
 
     @property
     def published(self) -> Published:
@@ -79,11 +84,20 @@ class GraphPublisher:
 
     def _publish(self, data: bytes) -> None:
         # A copy: whoever publishes may use the buffer again.
-        message = bytes(data), self.topic.wall()
+        message = bytes(data), self.topic.wall_time()
         if self.qos.durability == "transient_local":
             self.kept.append(message)
-        for graph_subscription in tuple(self.reached):
-            graph_subscription.send(*message)
+        for graph_subscription in tuple(self.subscriptions):
+            graph_subscription.send(*message, self.qos.lifespan)
+
+    def send_kept(self, subscription: GraphSubscription) -> None:
+        """Sends a late subscription what is kept for it and has not outlived its lifespan."""
+        lifespan, now = self.qos.lifespan, self.topic.wall_time()
+        living = [kept for kept in self.kept if not _has_expired(now - kept[1], lifespan)]
+        if subscription.qos.history != "keep_all":
+            living = living[-subscription.qos.depth :]
+        for data, stamp in living:
+            subscription.send(data, stamp, lifespan)
 
     @property
     def address(self) -> int:
@@ -96,7 +110,7 @@ class GraphPublisher:
 
     def close(self) -> None:
         """Publishes no more."""
-        self.topic.remove(self)
+        self.topic.remove_publisher(self)
 
 
 @dataclass(eq=False)
@@ -123,29 +137,36 @@ class GraphSubscription:
 
     def close(self) -> None:
         """Subscribes no more."""
-        self.topic.remove(self)
+        self.topic.remove_subscription(self)
 
-    def send(self, data: bytes, stamp: int) -> None:
+    def send(self, data: bytes, stamp: int, lifespan: float) -> None:
         """Lets a message come.
 
         Args:
             stamp: When it was published, in nanoseconds since 1970.
+            lifespan: Seconds for which its publisher offers it; 0 means for ever.
         """
-        if not self.way.carry(partial(self._arrive, data, stamp)):
+        if not self.way.carry(partial(self._arrive, data, stamp, lifespan)):
             self.counts.missed += 1
 
-    def _arrive(self, data: bytes, stamp: int) -> None:
+    def _arrive(self, data: bytes, stamp: int, lifespan: float) -> None:
         if not self.is_open:
             # Closed while the message was on its way.
             return
-        lifespan = self.qos.lifespan
-        if lifespan and self.topic.wall() - stamp > lifespan * 1e9:
+        age = self.topic.wall_time() - stamp
+        # In DDS the lifespan is the publisher's; the queue of a subscription has one as well.
+        if _has_expired(age, lifespan) or _has_expired(age, self.qos.lifespan):
             self.counts.lost += 1
             self.counts.missed += 1
             return
         self.counts.taken += 1
-        self.topic.watch(self.topic.name, data)
+        self.topic.on_message(self.topic.name, data)
         self.take(data, stamp)
+
+
+def _has_expired(age: int, lifespan: float) -> bool:
+    """Whether a message so many nanoseconds old has outlived a lifespan in seconds; 0: none."""
+    return 0 < lifespan * 1e9 < age
 
 
 class GraphTopic:
@@ -154,8 +175,8 @@ class GraphTopic:
     def __init__(self, graph: RosGraph, name: str, kind: str) -> None:
         self.name = name
         self.kind = kind
-        self.wall = graph.loop.wall
-        self.watch = graph.watch
+        self.wall_time = graph.loop.wall
+        self.on_message = graph.on_message
         self.publishers: list[GraphPublisher] = []
         self.subscriptions: list[GraphSubscription] = []
         self._loop = graph.loop
@@ -172,21 +193,24 @@ class GraphTopic:
         for publisher in self.publishers:
             self._connect(publisher, subscription)
 
-    def remove(self, end: GraphPublisher | GraphSubscription) -> None:
-        """Disconnects a publisher or a subscription; no effect once it is."""
-        if isinstance(end, GraphPublisher):
-            end.reached.clear()
-            end.matched = 0
-            if end in self.publishers:
-                self.publishers.remove(end)
-            return
-        end.is_open = False
-        if end in self.subscriptions:
-            self.subscriptions.remove(end)
+    def remove_publisher(self, publisher: GraphPublisher) -> None:
+        """Disconnects a publisher; no effect once it is."""
+        publisher.subscriptions.clear()
+        if publisher in self.publishers:
+            self.publishers.remove(publisher)
+
+    def remove_subscription(self, subscription: GraphSubscription) -> None:
+        """Disconnects a subscription; no effect once it is."""
+        subscription.is_open = False
+        if subscription in self.subscriptions:
+            self.subscriptions.remove(subscription)
         for publisher in self.publishers:
-            if end in publisher.reached:
-                publisher.reached.remove(end)
-                publisher.matched -= 1
+            if subscription in publisher.subscriptions:
+                publisher.subscriptions.remove(subscription)
+
+    def publishers_of(self, subscription: GraphSubscription) -> int:
+        """Returns how many publishers a subscription is connected to."""
+        return sum(subscription in publisher.subscriptions for publisher in self.publishers)
 
     def others(self, *, publishers: bool) -> list[tuple[str, Qos]]:
         """Returns node and quality of service of all publishers, or of all subscriptions."""
@@ -194,22 +218,17 @@ class GraphTopic:
         return [(end.node, end.qos) for end in ends]
 
     def _connect(self, publisher: GraphPublisher, subscription: GraphSubscription) -> None:
-        found = conflicts(publisher.qos, subscription.qos)
-        if found:
-            publisher.health.note_incompatible(found[0].policy)
-            subscription.health.note_incompatible(found[0].policy)
+        mismatches = conflicts(publisher.qos, subscription.qos)
+        if mismatches:
+            publisher.health.note_incompatible(mismatches[0].policy)
+            subscription.health.note_incompatible(mismatches[0].policy)
             return
-        publisher.reached.append(subscription)
-        publisher.matched += 1
-        if publisher.greet is not None:
+        publisher.subscriptions.append(subscription)
+        if publisher.on_matched is not None:
             # Not while the subscription is made: ROS too tells of it later.
-            self._loop.call_soon(publisher.greet)
+            self._loop.call_soon(publisher.on_matched)
         if subscription.qos.durability == "transient_local":
-            kept = list(publisher.kept)
-            if subscription.qos.history != "keep_all":
-                kept = kept[-subscription.qos.depth :]
-            for data, stamp in kept:
-                subscription.send(data, stamp)
+            publisher.send_kept(subscription)
 
 
 class RosGraph:
@@ -219,9 +238,11 @@ class RosGraph:
     own. What a way loses is lost, whatever quality of service says: it stands for `best_effort`.
     """
 
-    def __init__(self, loop: Loop, random: Random, watch: Callable[[str, bytes], None]) -> None:
+    def __init__(
+        self, loop: Loop, random: Random, on_message: Callable[[str, bytes], None]
+    ) -> None:
         self.loop = loop
-        self.watch = watch
+        self.on_message = on_message
         self._random = random
         self._topics: dict[str, GraphTopic] = {}
         self._actions: dict[str, VirtualAction] = {}
@@ -257,12 +278,13 @@ class RosGraph:
         Returns:
             The subscription, whose link may be changed, and which may be closed.
         """
-        wanted = Topic(topic, UNDEMANDING if qos is None else qos)
+        requested = Topic(topic, UNDEMANDING if qos is None else qos)
 
-        def taking(data: bytes, _stamp: int) -> None:
+        def take_data(data: bytes, _stamp: int) -> None:
             take(data)
 
-        return self.attach(_OUTSIDE, ros_type, wanted, taking, Link() if link is None else link)
+        link = Link() if link is None else link
+        return self.attach(_OUTSIDE, ros_type, requested, take_data, link)
 
     def serve_action(self, name: str, taker: GoalTaker) -> VirtualAction:
         """Gives the goals of an action to a taker, in the place of the one before.
@@ -291,15 +313,19 @@ class RosGraph:
         node: str,
         ros_type: RosType,
         topic: Topic,
-        greet: Callable[[], None] | None = None,
+        on_matched: Callable[[], None] | None = None,
     ) -> GraphPublisher:
-        """Makes a publisher of a node."""
-        joint = self._topic(topic.name, ros_type)
-        qos = topic.qos
-        health = self._health(joint, qos, publishes=True)
-        made = GraphPublisher(node, qos, joint, greet, health)
-        joint.add_publisher(made)
-        return made
+        """Makes a publisher of a node.
+
+        Args:
+            on_matched: Called for each subscription that is connected, on the loop.
+        """
+        graph_topic = self._topic(topic.name, ros_type)
+        health = self._health(graph_topic, topic.qos, publishes=True)
+        publisher = GraphPublisher(node, topic.qos, graph_topic, on_matched, health)
+        health.count = lambda: publisher.matched
+        graph_topic.add_publisher(publisher)
+        return publisher
 
     def attach(
         self,
@@ -314,30 +340,33 @@ class RosGraph:
         Args:
             take: Is given each serialized message, and when it was published, in nanoseconds.
         """
-        joint = self._topic(topic.name, ros_type)
-        qos = topic.qos
+        graph_topic = self._topic(topic.name, ros_type)
         way = Way(self.loop, self._random, link)
-        health = self._health(joint, qos, publishes=False)
-        made = GraphSubscription(node, qos, joint, take, way, health)
-        joint.add_subscription(made)
-        return made
+        health = self._health(graph_topic, topic.qos, publishes=False)
+        subscription = GraphSubscription(node, topic.qos, graph_topic, take, way, health)
+        health.count = lambda: graph_topic.publishers_of(subscription)
+        graph_topic.add_subscription(subscription)
+        return subscription
 
     def _action(self, name: str) -> VirtualAction:
-        return self._actions.setdefault(_full(name), VirtualAction(name))
+        action = self._actions.get(_full(name))
+        if action is None:
+            action = self._actions[name] = VirtualAction(name)
+        return action
 
     def _topic(self, name: str, ros_type: RosType) -> GraphTopic:
         kind = type_name(ros_type)
-        found = self._topics.setdefault(_full(name), GraphTopic(self, name, kind))
-        if found.kind != kind:
-            raise RosTypeError(f"{name} has the type {found.kind}, not {kind}")
-        return found
+        graph_topic = self._topics.get(_full(name))
+        if graph_topic is None:
+            graph_topic = self._topics[name] = GraphTopic(self, name, kind)
+        if graph_topic.kind != kind:
+            raise RosTypeError(f"{name} has the type {graph_topic.kind}, not {kind}")
+        return graph_topic
 
     def _health(self, topic: GraphTopic, qos: Qos, *, publishes: bool) -> EndpointHealth:
         entity = "publisher" if publishes else "subscription"
         others = partial(topic.others, publishers=not publishes)
-        health = EndpointHealth(publishes, topic.name, qos, entity, others, self.loop.now)
-        health.count = lambda: len(others())
-        return health
+        return EndpointHealth(publishes, topic.name, qos, entity, others, self.loop.now)
 
 
 def _full(name: str) -> str:

@@ -88,6 +88,25 @@ class TestTopics:
         assert got == [b"in time"]
         assert (made.counts.taken, made.counts.lost, made.counts.missed) == (1, 1, 1)
 
+    def test_what_its_publisher_lets_expire_is_lost(self, world):
+        got = []
+        made = world.ros.subscribe("/x", KIND, got.append, Qos(lifespan=9.0), Link(delay=0.1))
+        world.ros.publish("/x", KIND, b"late", Qos(lifespan=0.05))
+        world.ros.publish("/x", KIND, b"in time", Qos(lifespan=0.5))
+        world.run_for(1)
+        assert got == [b"in time"]
+        assert (made.counts.taken, made.counts.lost, made.counts.missed) == (1, 1, 1)
+
+    def test_what_is_latched_and_has_expired_is_not_sent(self, world):
+        brief = Qos(durability="transient_local", depth=2, lifespan=1.0)
+        for data in (b"old", b"new"):
+            world.ros.publish("/map", KIND, data, brief)
+            world.run_for(0.75)
+        got = []
+        made = world.ros.subscribe("/map", KIND, got.append, LATCHED)
+        world.run_for(1)
+        assert (got, made.counts.missed) == ([b"new"], 0)
+
     def test_losses_of_a_way_are_missed(self, world):
         got = []
         made = world.ros.subscribe("/x", KIND, got.append, link=Link(loss=0.5))
@@ -162,6 +181,14 @@ class TestNode:
             "/car/left and /car/right publish on /x: the report jumps between them",
         )
         assert node.faults(Topic("/x"), publishes=False) == []
+
+    def test_a_publisher_that_does_not_fit_is_no_second_one(self, world, node):
+        node.subscribe(Float64, Topic("/x"), lambda *_: None)
+        for name, reliability in (("left", "reliable"), ("right", "best_effort")):
+            made = world.ros_node(name, namespace="car")
+            made.publisher(Float64, Topic("/x", Qos(reliability=reliability)))
+        (fault,) = node.faults(Topic("/x"), publishes=False, alone=True)
+        assert fault.kind == "incompatible_qos"
 
     def test_a_node_that_is_closed(self, world, node):
         node.subscribe(Float64, Topic("/x"), pytest.fail)
