@@ -1,4 +1,4 @@
-"""Commands whose end is told (AS5710 v1.1, Events, command events, client side)."""
+"""Commands whose completion the target reports (AS5710 v1.1, command events, client side)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..wire.message import Message
 
 MAX_DURATION = 0xFFFFFFFF
-"""Longest MaximumAllowedDuration in seconds."""
+"""Longest MaximumAllowedDuration in seconds; 0 has no meaning of its own: no time is allowed."""
 
 _CREATE = CreateCommandEvent.CODE.to_bytes(2, "little")
 
@@ -70,22 +70,22 @@ class PendingCommand:
             command_message=payload,
         )
         component.send(message, self.target, acknowledge=True)
-        self._timer.set(timeout, lambda: self.refused(None, "no answer"))
+        self._timer.set(timeout, lambda: self.report_refusal(None, "no answer"))
 
-    def confirmed(self, event_id: int, margin: float) -> None:
-        """Wait for the end, a little longer than the target has for it."""
+    def await_end(self, event_id: int, margin: float) -> None:
+        """Await the end of a confirmed command, a little longer than the target has for it."""
         self.event_id = event_id
-        self._timer.set(self.max_duration + margin, self._lost)
+        self._timer.set(self.max_duration + margin, self._on_timeout)
 
-    def refused(self, code: int | None, text: str) -> None:
+    def report_refusal(self, code: int | None, text: str) -> None:
         """Tell the user that the command was not executed."""
         self._client.forget(self)
         self._client.component.counters.add("command_client.refused")
         if self._on_refused is not None:
             self._client.component.call(self._on_refused, code, text)
 
-    def done(self, *, succeeded: bool) -> None:
-        """Tell the user the end."""
+    def report_end(self, *, succeeded: bool) -> None:
+        """Tell the user whether the command was done."""
         self._client.forget(self)
         if self._on_done is not None:
             self._client.component.call(self._on_done, succeeded)
@@ -94,9 +94,10 @@ class PendingCommand:
         """Wait for nothing any more."""
         self._timer.cancel()
 
-    def _lost(self) -> None:
+    def _on_timeout(self) -> None:
+        # The target may have done it. Nobody knows, and only what is known to be done succeeded.
         self._client.component.counters.add("command_client.lost")
-        self.done(succeeded=False)
+        self.report_end(succeeded=False)
 
 
 class CommandClient:
@@ -106,8 +107,9 @@ class CommandClient:
         self.component = component
         self._pending: dict[tuple[JausAddress, int], PendingCommand] = {}
         self._next_request = 0
-        # Messages may be reordered: ends of commands that are not confirmed yet.
-        self._early: dict[tuple[JausAddress, int], int] = {}
+        # Messages may be reordered: results, by event id, that came before the confirmation. Only
+        # targets with an unconfirmed command have any, and one has no more than 256 event ids.
+        self._early_results: dict[JausAddress, dict[int, int]] = {}
         component.on_message(ConfirmEventRequest, self._confirmed)
         component.on_message(RejectEventRequest, self._rejected)
         component.on_message(CommandEvent, self._ended)
@@ -140,12 +142,13 @@ class CommandClient:
         if self._pending.get(key) is not pending:
             return False
         del self._pending[key]
+        self._drop_early_results(pending.target)
         return True
 
     def stop(self) -> None:
         """Await no end any more."""
         for pending in list(self._pending.values()):
-            self.forget(pending)
+            self.forget(pending)  # with the last one of a target go its early results
 
     def _free_request(self, target: JausAddress) -> int:
         """Return an id that was not used lately: late answers must not meet another command."""
@@ -165,16 +168,19 @@ class CommandClient:
         pending = self._pending.get((sender, message.request_id))
         if pending is not None and pending.event_id is None:
             self._take_answer(pending)
-            pending.confirmed(message.event_id, self.component.settings.retry_max)
-            result = self._early.pop((sender, message.event_id), None)
+            # A target may use all its time, and its report is repeated on a bad link: it is given
+            # as long as any other component that is silent.
+            pending.await_end(message.event_id, self.component.settings.retry_max)
+            result = self._early_results.get(sender, {}).pop(message.event_id, None)
+            self._drop_early_results(sender)
             if result is not None:
-                pending.done(succeeded=result == CommandEvent.CommandResult.SUCCESSFUL)
+                pending.report_end(succeeded=result == CommandEvent.CommandResult.SUCCESSFUL)
 
     def _rejected(self, message: RejectEventRequest, sender: JausAddress) -> None:
         pending = self._pending.get((sender, message.request_id))
         if pending is not None and pending.event_id is None:
             self._take_answer(pending)
-            pending.refused(message.response_code, message.error_message or "")
+            pending.report_refusal(message.response_code, message.error_message or "")
 
     def _take_answer(self, pending: PendingCommand) -> None:
         """Let the answer to CreateCommandEvent end its repetition."""
@@ -182,19 +188,28 @@ class CommandClient:
         self.component.transport.answered(self.component.address, pending.target, start)
 
     def _ended(self, message: CommandEvent, sender: JausAddress) -> None:
-        waiting = [
-            pending_command
-            for pending_command in self._pending.values()
-            if pending_command.target == sender
-        ]
-        for pending in waiting:
-            if pending.event_id == message.event_id:
-                pending.done(
+        for pending in self._pending.values():
+            if (pending.target, pending.event_id) == (sender, message.event_id):
+                pending.report_end(
                     succeeded=message.command_result == CommandEvent.CommandResult.SUCCESSFUL
                 )
                 return
-        self._early = {}
-        if any(pending.event_id is None for pending in waiting):
-            self._early = {(sender, message.event_id): message.command_result}
+        if self._has_unconfirmed(sender):
+            self._early_results.setdefault(sender, {})[message.event_id] = message.command_result
         else:
             self.component.counters.add("command_client.unknown_event")
+
+    def _has_unconfirmed(self, target: JausAddress) -> bool:
+        return any(
+            pending.target == target and pending.event_id is None
+            for pending in self._pending.values()
+        )
+
+    def _drop_early_results(self, target: JausAddress) -> None:
+        """Drop and count the results that no command of a target can be about any more.
+
+        The target may use their event ids again, for commands that have not ended.
+        """
+        if not self._has_unconfirmed(target):
+            for _ in self._early_results.pop(target, {}):
+                self.component.counters.add("command_client.unknown_event")

@@ -161,6 +161,42 @@ class TestCommand:
         world.settle()
         assert outcome.done == [True]
 
+    def test_ends_of_two_commands_that_overtake_their_confirmations(self, world, client):
+        probe, ends = world.probe("5.1.1"), (Outcome(), Outcome())
+        for end in ends:
+            client.command(probe.address, Drive(), **end.callbacks())
+        first, second = probe.take()
+        for event_id, result in ((8, 0), (9, 1)):
+            probe.send(CommandEvent(event_id=event_id, command_result=result), client)
+        for event_id, request in ((8, first), (9, second)):
+            confirm = ConfirmEventRequest(request_id=request.request_id, event_id=event_id)
+            probe.send(confirm, client)
+        world.settle()
+        assert [end.done for end in ends] == [[True], [False]]
+
+    @pytest.mark.parametrize("ends_by", ["cancel", "confirmation", "rejection"])
+    def test_an_early_end_is_not_that_of_a_later_command(self, world, client, outcome, ends_by):
+        probe = world.probe("5.1.1")
+        before = client.command(probe.address, Drive())
+        (request,) = probe.take()
+        probe.send(CommandEvent(event_id=9, command_result=0), client)
+        world.settle()
+        if ends_by == "cancel":
+            before.cancel()
+        elif ends_by == "confirmation":
+            confirm = ConfirmEventRequest(request_id=request.request_id, event_id=8)
+            probe.send(confirm, client)
+        else:
+            probe.send(RejectEventRequest(request_id=request.request_id), client)
+        world.settle()
+        assert world.counters.snapshot()["command_client.unknown_event"] == 1
+        probe.take()
+        client.command(probe.address, Drive(), **outcome.callbacks())
+        (request,) = probe.take()
+        probe.send(ConfirmEventRequest(request_id=request.request_id, event_id=9), client)
+        world.settle()
+        assert outcome.done == []
+
     def test_reject_without_code_and_text(self, world, client, outcome):
         probe = world.probe("5.1.1")
         client.command(probe.address, Drive(), **outcome.callbacks())
