@@ -1,8 +1,10 @@
-"""The messages of the JAUS core services (SAE AS5710A), and of the handoff of control (IOP).
+"""Messages of the JAUS core services (SAE AS5710A), and of the handoff of control (IOP).
 
 Each class declares the fields of its message, in their order on the wire; `wire.layout` makes the
 codec of that. A message that begins with `Query` asks for the one that begins with `Report`. Names
-are those of the standard, whose records are offered by the messages that hold them.
+are those of the standard. Record classes are attributes of their message, e.g.
+`QueryServices.NodeRec`. IOP's messages of digital resource endpoints are found in `discovery`, and
+those of this project's own MachineStates in `management`.
 """
 
 from .access_control import (

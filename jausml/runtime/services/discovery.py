@@ -29,11 +29,11 @@ from ..messages.discovery import (
 from .definitions import CORE, VERSION_1_1, Scope, ServiceIdentity
 from .discovery_messages import (
     MAX_LIST,
-    registered_services,
     report_configuration,
     report_service_list,
     report_services,
     report_subsystem_list,
+    services_of,
 )
 
 if TYPE_CHECKING:
@@ -147,7 +147,7 @@ class DiscoveryService:
         elif sender not in self._registered and len(self._registered) >= MAX_REGISTRATIONS:
             counters.count("discovery.too_many_registrations", str(sender))
         else:
-            self._registered[sender] = registered_services(message)
+            self._registered[sender] = services_of(message)
             self._heard[sender] = self._component.loop.now()
 
     def _server_found(self, report: ReportIdentification, sender: JausAddress) -> None:

@@ -1,4 +1,4 @@
-"""Discovery's nested lists of subsystems, nodes, components and services, to and fro."""
+"""Builds and reads the nested lists of Discovery messages."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MAX_LIST = 255
 """Entries that a list of a report holds."""
 
 INSTANCE_ID = 0
-"""Instance ids tell components of one kind apart in old systems; addresses do here."""
+"""InstanceID of every component: old systems had several at one address, here there is one."""
 
 
 def query_services(component: JausAddress = BROADCAST) -> QueryServices:
@@ -40,18 +40,18 @@ def query_services(component: JausAddress = BROADCAST) -> QueryServices:
     Args:
         component: The component. There are stacks that know no wildcards, and report nothing.
     """
-    asked = QueryServices.ComponentRec(component_id=component.component)
+    record = QueryServices.ComponentRec(component_id=component.component)
     node = QueryServices.NodeSeq(
-        node_rec=QueryServices.NodeRec(node_id=component.node), component_list=[asked]
+        node_rec=QueryServices.NodeRec(node_id=component.node), component_list=[record]
     )
     return QueryServices(node_list=[node])
 
 
 def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
     """Return the query of v1.1 for the services of one component, or of all."""
-    asked = QueryServiceList.ComponentRec(component_id=component.component)
+    record = QueryServiceList.ComponentRec(component_id=component.component)
     node = QueryServiceList.NodeSeq(
-        node_rec=QueryServiceList.NodeRec(node_id=component.node), component_list=[asked]
+        node_rec=QueryServiceList.NodeRec(node_id=component.node), component_list=[record]
     )
     subsystem = QueryServiceList.SubsystemSeq(
         subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=component.subsystem),
@@ -65,28 +65,23 @@ def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
     return RegisterServices(service_list=_records(services))
 
 
-def registered_services(message: RegisterServices) -> tuple[ServiceIdentity, ...]:
-    """Return the services that a component registers."""
-    return _services(message)
-
-
 def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> ReportServices:
     """Return what is known of the nodes and components that a QueryServices names.
 
     Unknown nodes and components are left out, so that a query for one unknown node yields an
     empty list.
     """
-    wanted = {
+    patterns = {
         JausAddress(subsystem, node.node_rec.node_id, component.component_id)
         for node in query.node_list
         for component in node.component_list
     }
-    chosen = {
+    matches = {
         address: services
         for address, services in catalog.items()
-        if not wanted.isdisjoint(_names(address))
+        if not patterns.isdisjoint(_matching_patterns(address))
     }
-    return ReportServices(node_list=_nodes(chosen, chosen))
+    return ReportServices(node_list=_nodes(matches, matches))
 
 
 def reported_services(
@@ -111,37 +106,44 @@ def reported_services(
                 component = component_entry.component_rec.component_id
                 yield (
                     JausAddress(number, node.node_rec.node_id, component),
-                    _services(component_entry),
+                    services_of(component_entry),
                 )
 
 
 def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:
     """Return what is known of the subsystems, nodes and components that a query names.
 
-    A SearchFilter keeps the services whose identifier contains it.
+    A SearchFilter keeps the services whose identifier contains it; one of several filters of an
+    address is enough. Filters of one address beyond the length of a list are left out.
     """
     # JAUS-DEVIATION: the meaning of SearchFilter is not known to us; a part of the URI is taken.
-    filters = {
-        JausAddress(
-            subsystem.subsystem_rec.subsystem_id, node.node_rec.node_id, component.component_id
-        ): component.search_filter or ""
-        for subsystem in query.subsystem_list
-        for node in subsystem.node_list
-        for component in node.component_list
-    }
-    chosen: dict[JausAddress, Sequence[ServiceIdentity]] = {}
+    filters: dict[JausAddress, set[str]] = {}
+    for subsystem_entry in query.subsystem_list:
+        for node_entry in subsystem_entry.node_list:
+            for component in node_entry.component_list:
+                pattern = JausAddress(
+                    subsystem_entry.subsystem_rec.subsystem_id,
+                    node_entry.node_rec.node_id,
+                    component.component_id,
+                )
+                texts = filters.setdefault(pattern, set())
+                # Each is looked for in all services: thousands of them would hold up the rest.
+                if len(texts) < MAX_LIST:
+                    texts.add(component.search_filter or "")
+    matches: dict[JausAddress, Sequence[ServiceIdentity]] = {}
     for address, services in catalog.items():
-        texts = [filters[name] for name in _names(address) if name in filters]
+        texts = set().union(*(filters.get(name, ()) for name in _matching_patterns(address)))
         found = [service for service in services if any(text in service.urn for text in texts)]
+        # Without a filter a component is named even if it has no services.
         if found or "" in texts:
-            chosen[address] = found
+            matches[address] = found
     return ReportServiceList(
         subsystem_list=[
             ReportServiceList.SubsystemSeq(
                 subsystem_rec=ReportServiceList.SubsystemRec(subsystem_id=subsystem),
-                node_list=_nodes(members, chosen),
+                node_list=_nodes(members, matches),
             )
-            for subsystem, members in _by(chosen, lambda address: address.subsystem)
+            for subsystem, members in _grouped(matches, lambda address: address.subsystem)
         ]
     )
 
@@ -154,7 +156,7 @@ def report_configuration(addresses: Iterable[JausAddress]) -> ReportConfiguratio
                 node_rec=ReportConfiguration.NodeRec(node_id=node),
                 component_list=[_component(address) for address in members],
             )
-            for node, members in _by(addresses, lambda address: address.node)
+            for node, members in _grouped(addresses, lambda address: address.node)
         ]
     )
 
@@ -183,7 +185,7 @@ def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportSer
                 for address in members
             ],
         )
-        for node, members in _by(addresses, lambda address: address.node)
+        for node, members in _grouped(addresses, lambda address: address.node)
     ]
 
 
@@ -197,16 +199,17 @@ def _records(services: Iterable[ServiceIdentity]) -> list[ReportServices.Service
     ]
 
 
-def _services(
+def services_of(
     component: RegisterServices | ReportServices.ComponentSeq,
 ) -> tuple[ServiceIdentity, ...]:
+    """Return the services that a component registers, or that a report names."""
     return tuple(
         ServiceIdentity(service.uri, service.major_version_number, service.minor_version_number)
         for service in component.service_list
     )
 
 
-def _names(address: JausAddress) -> list[JausAddress]:
+def _matching_patterns(address: JausAddress) -> list[JausAddress]:
     """Return the address itself and all wildcard addresses that include it.
 
     A query may name tens of thousands of addresses; looking these few up in it keeps the answer
@@ -220,11 +223,14 @@ def _names(address: JausAddress) -> list[JausAddress]:
     ]
 
 
-def _by(
-    addresses: Iterable[JausAddress], part: Callable[[JausAddress], int]
+def _grouped(
+    addresses: Iterable[JausAddress], key: Callable[[JausAddress], int]
 ) -> list[tuple[int, list[JausAddress]]]:
-    """Group addresses by one of their parts, into as many groups as a list on the wire holds."""
+    """Group addresses by one of their parts.
+
+    Groups beyond `MAX_LIST` are dropped: a list on the wire holds no more.
+    """
     groups: dict[int, list[JausAddress]] = {}
     for address in sorted(addresses):
-        groups.setdefault(part(address), []).append(address)
+        groups.setdefault(key(address), []).append(address)
     return list(groups.items())[:MAX_LIST]

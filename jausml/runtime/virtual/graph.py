@@ -47,7 +47,7 @@ class GraphPublisher:
 
     Attributes:
         subscriptions: Connected subscriptions.
-        unmatched: Messages published while there was none; whoever publishes counts them.
+        unmatched: Messages published while there was none; whoever publishes counts.
         kept: Data and publication time, in nanoseconds since 1970, for late subscriptions.
     """
 

@@ -250,6 +250,13 @@ class TestRegistration:
         (node,) = report.subsystem_list[0].node_list
         assert node.node_rec.node_id == 2
 
+    def test_service_list_with_two_filters_for_one_address(self, tested, client):
+        query = query_service_list(65535, 255, 255, "Velocity")
+        query.subsystem_list += query_service_list(65535, 255, 255, "Nothing").subsystem_list
+        (report,) = client.ask(query, tested)
+        (node,) = report.subsystem_list[0].node_list
+        assert node.node_rec.node_id == 2
+
 
 def query_service_list(subsystem, node, component, search=None):
     return QueryServiceList(

@@ -27,12 +27,15 @@ class RosPublisher(Protocol):
 
     Attributes:
         publish: Publishes a serialized message, from any thread.
-        unmatched: Messages that found none of them; whoever publishes counts.
+        unmatched: Messages published while no subscription was there; whoever publishes counts.
     """
 
     publish: Callable[[bytes], None]
-    matched: int
     unmatched: int
+
+    @property
+    def matched(self) -> int:
+        """How many subscriptions are connected."""
 
     @property
     def address(self) -> int:
