@@ -71,7 +71,7 @@ def subjects_of(system_: system.System, demanded: float = 0.0) -> Iterator[Subje
     """Yields what is checked of a system."""
     for owner in system_.bridges:
         for connection in () if owner.external else owner.bridgeConnections:
-            if not stops.is_command(connection):
+            if not stops.carries_commands(connection):
                 continue
             if connection.direction.name == "jausToRos":
                 yield _obeying_messages(owner, connection, demanded)
@@ -187,7 +187,7 @@ def _commanding(
     )
     held = "" if has_stop else stops.hold_reason(connection)
     told = f"{owner.name}.{connection.name} to {name}"
-    stop = stops.told(connection) if has_stop else ""
+    stop = stops.stop_text(connection) if has_stop else ""
     return Subject(told, connection, product, clock.tick, held, stop)
 
 
@@ -240,7 +240,7 @@ def _obeying(
     name = f"{owner.name}.{connection.name}"
     stop = ""
     if isinstance(connection, bridge.Connection) and held is None:
-        stop = stops.told(connection)
+        stop = stops.stop_text(connection)
     return Subject(name, connection, product, clock.tick, held or "", stop)
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeVar, cast
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.assignments.meanings import unknown_targets
 from jausml.language.semantics.connections import calls, stops
+from jausml.language.semantics.connections.hold_reasons import is_reason
 from jausml.language.semantics.connections.reports import freshness_of, is_report
 from jausml.language.semantics.jaus.commands import (
     controlled_by_nobody,
@@ -115,7 +116,7 @@ def _when(holds: Callable[[Any], object], text: str) -> Callable[[Any], Answer |
 def _stop(commander: Commander) -> str:
     if isinstance(commander, bridge.RosActionConnection):
         return "cancels its goal"
-    return f"sends its stop ({stops.told(commander)})" if stops.has_stop(commander) else ""
+    return f"sends its stop ({stops.stop_text(commander)})" if stops.has_stop(commander) else ""
 
 
 def _on_silence(commander: Commander) -> Answer | None:
@@ -140,14 +141,14 @@ def _by_guardian(commander: Commander) -> Answer | None:
 
 
 def _held(commander: Commander) -> Answer | None:
-    if not isinstance(commander, bridge.Connection) or not stops.holds(commander):
+    if not isinstance(commander, bridge.Connection) or not stops.keeps_last_command(commander):
         return None
     message = commander.map.message
     if not message.moves:
         own = "" if is_published(message) else "its definition says so (moves false)"
         return Answer(f"{message.name} sets nothing in motion", reason=own)
     reason = stops.hold_reason(commander).strip()
-    return Answer("the last command stands", reason=reason) if stops.is_reason(reason) else None
+    return Answer("the last command stands", reason=reason) if is_reason(reason) else None
 
 
 def _peers_lapse(commander: Commander) -> Answer | None:
@@ -207,7 +208,11 @@ def _connections(
 
 def _commanders(*, to_ros: bool, lists: bool = True) -> Callable[[Subject], list[Commander]]:
     def find(subject: Subject) -> list[Commander]:
-        found: list[Commander] = [e for e in sound_connections(subject) if stops.is_command(e)]
+        found: list[Commander] = [
+            connection
+            for connection in sound_connections(subject)
+            if stops.carries_commands(connection)
+        ]
         found += subject.instances(bridge.RosActionConnection) if lists else []
         return [connection for connection in found if _is_to_ros(connection) == to_ros]
 
@@ -216,12 +221,14 @@ def _commanders(*, to_ros: bool, lists: bool = True) -> Callable[[Subject], list
 
 _obeyed, _given = _commanders(to_ros=True), _commanders(to_ros=False)
 _sent = _commanders(to_ros=False, lists=False)
-_aged = _connections(lambda connection: _is_to_ros(connection) or stops.is_command(connection))
+_aged = _connections(
+    lambda connection: _is_to_ros(connection) or stops.carries_commands(connection)
+)
 _taken = _connections(
     lambda connection: _is_to_ros(connection) and connection.exchange.name == "message"
 )
 _published = _connections(
-    lambda connection: _is_to_ros(connection) and not stops.is_command(connection)
+    lambda connection: _is_to_ros(connection) and not stops.carries_commands(connection)
 )
 _reports = _connections(is_report)
 

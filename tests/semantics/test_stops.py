@@ -58,17 +58,17 @@ def sent(connection):
 def test_a_constant_speed_of_a_map_does_not_fill_its_stop(connection):
     found = connection("{}")
     assert sent(found) == ["header.stamp", "header.frame_id"]
-    assert stops.driving(found) == []
-    assert stops.told(found) == "zeros"
+    assert stops.moving_values(found) == []
+    assert stops.stop_text(found) == "zeros"
 
 
 def test_a_stop_that_states_a_speed_drives(connection):
     found = connection("{ values: { target: twist.angular.z  value: -0.25 } }")
     assert sent(found) == ["header.stamp", "header.frame_id", "twist.angular.z"]
-    assert stops.driving(found) == [("twist.angular.z", "-0.25")]
-    assert stops.told(found) == "twist.angular.z = -0.25"
+    assert stops.moving_values(found) == [("twist.angular.z", "-0.25")]
+    assert stops.stop_text(found) == "twist.angular.z = -0.25"
 
 
 def test_a_stop_that_states_zero_stands(connection):
     found = connection("{ values: { target: twist.angular.z  value: 0.0 } }")
-    assert stops.driving(found) == []
+    assert stops.moving_values(found) == []

@@ -234,9 +234,9 @@ class ConnectionView:
             found.append(("silence_timeout", python_literal(self.silence_timeout)))
         if self.has_safe_value:
             found.append(("safe_value", f"self.safe_{self.name}"))
-            if values := stops.stated(self.connection):
+            if values := stops.stop_values(self.connection):
                 found.append(("stop", f"({', '.join(map(python_string, values))},)"))
-        elif self.is_command and stops.holds(self.connection):
+        elif self.is_command and stops.keeps_last_command(self.connection):
             found.append(("hold_reason", python_string(stops.hold_reason(self.connection))))
         return found
 
@@ -374,7 +374,7 @@ class ConnectionView:
     @property
     def is_command(self) -> bool:
         """Whether it carries commands, which set something in motion."""
-        return stops.is_command(self.connection)
+        return stops.carries_commands(self.connection)
 
     @property
     def silence_timeout(self) -> float:

@@ -82,7 +82,7 @@ def topic_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]:
     """Returns the reasons of a person why last commands may stand, by topic."""
-    from jausml.language.semantics.connections.stops import is_reason
+    from jausml.language.semantics.connections.hold_reasons import is_reason
 
     known = {topic.name for topic in topics}
     found: dict[str, str] = {}
@@ -249,7 +249,7 @@ def _decided(crossing: Crossing, reasons: Mapping[str, str], *, yes: bool) -> Cr
 
 def _ask_reason(crossing: Crossing) -> str:
     from jausml.language.model.names import name_of
-    from jausml.language.semantics.connections.stops import is_reason
+    from jausml.language.semantics.connections.hold_reasons import is_reason
     from jausml.language.semantics.jaus.commands import is_emergency
 
     message, topic = name_of(crossing.offer.message), crossing.topic.name

@@ -63,7 +63,7 @@ def budgets_of(
         found.append(Budget("queue_full", (*normal, _queue(connection, 1 / topic_rate))))
     found.append(Budget("one_lost_packet", (*normal, _loss(connection, slowest, period))))
     found.append(_source_dead(connection, slowest, period))
-    if keeps_control(connection) or (stops.is_command(connection) and is_to_ros(connection)):
+    if keeps_control(connection) or (stops.carries_commands(connection) and is_to_ros(connection)):
         found.append(_control_lapses(connection))
     return tuple(found)
 
@@ -128,13 +128,13 @@ def _source_dead(connection: bridge.Connection, stream: Stream, period: float) -
     timeout = stops.silence_timeout(connection)
     if is_report(connection):
         return _stale_report(connection, stream, period)
-    if timeout > 0 and (stops.has_stop(connection) or not stops.is_command(connection)):
+    if timeout > 0 and (stops.has_stop(connection) or not stops.carries_commands(connection)):
         steps = [Step("silence time-out", timeout)]
         if not is_to_ros(connection):
             steps.append(_repeated())
         return Budget(case, tuple(steps))
-    if stops.is_command(connection):
-        if stops.holds(connection):
+    if stops.carries_commands(connection):
+        if stops.keeps_last_command(connection):
             return Budget(case, never=_HELD)
         return Budget(case, never="the last message stands: no silence time-out")
     if is_to_ros(connection) and not is_single(connection):
@@ -155,7 +155,7 @@ def _stale_report(connection: bridge.Connection, stream: Stream, period: float) 
 
 def _control_lapses(connection: bridge.Connection) -> Budget:
     """Returns when what was commanded stops after the process that commands has died."""
-    if is_to_ros(connection) and stops.holds(connection):
+    if is_to_ros(connection) and stops.keeps_last_command(connection):
         return Budget("controller_dead", never=_HELD)
     if is_to_ros(connection):
         owner = connection.eContainer()

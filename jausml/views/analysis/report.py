@@ -228,7 +228,7 @@ def _exchange(connection: bridge.Connection) -> str:
         "everyChangeEvent": "every-change event",
         "query": "query",
     }
-    otherwise = "command" if stops.is_command(connection) else "message"
+    otherwise = "command" if stops.carries_commands(connection) else "message"
     return words.get(connection.exchange.name, otherwise)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.errors import GenerationError
 from jausml.generation.literals import python_literal
 from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.connections.stops import stop_assignments, told
+from jausml.language.semantics.connections.stops import stop_assignments, stop_text
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml_generators.bridge.checks.check import Check, equals, holds, store, tidy
 from jausml_generators.bridge.checks.filling import (
@@ -195,9 +195,10 @@ def safe_values(ends: Ends) -> Iterator[Check]:
         return
     expected = ends.message("expected", is_ros=ends.to_ros)
     whole = "" if ends.to_ros else ".encode()"
+    text = stop_text(view.connection)
     yield Check(
         f"{ends.name}_safe_value",
-        f"What is sent when the source is lost is what the model says: {told(view.connection)}.",
+        f"What is sent when the source is lost is what the model says: {text}.",
         (
             store("target", f"bridge.safe_{ends.name}()"),
             f"assert isinstance(target, {view.target_name})",

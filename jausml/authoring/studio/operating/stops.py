@@ -105,7 +105,7 @@ def _receivers(owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[
     """Yields the JAUS ids of those who take the commands of a connection."""
     if connection.map is None or connection.map.message is None:
         return
-    if not stops.is_command(connection):
+    if not stops.carries_commands(connection):
         return
     takers = [owner] if connection.direction.name == "jausToRos" else connection.peers
     yield from (str(taker.address) for taker in takers if taker.address)

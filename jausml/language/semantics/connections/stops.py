@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
-from difflib import SequenceMatcher
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.units import measure
+from jausml.language.semantics.connections.exchanges import MESSAGE, TO_ROS
 from jausml.language.semantics.jaus import commands
 from jausml.language.semantics.names import words
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute, is_real
 from jausml.language.semantics.paths.scopes import (
+    PathScope,
     Placed,
     attribute_at,
     flattened,
@@ -28,46 +28,23 @@ and in it a vehicle at walking pace goes little more than a metre.
 """
 
 
-TOOL_REASON = "it stands until the next one see that something stops the vehicle on its way"
-"""What tools once wrote as a reason, without punctuation: nobody has decided anything."""
-
-_ALIKE = 0.8
-"""From which likeness on, of 1 for the same words, a text is taken for an edited copy of another.
-
-A sentence of another cause that shares its form, such as that of a waypoint which SetTravelSpeed
-stops, has 0.76; one word replaced leaves 0.93.
-"""
-
-
-def is_reason(text: str) -> bool:
-    """Tells whether a text can be the reason of a person why a last command may stand.
-
-    Args:
-        text: The text. What tools have written is none, nor are some of its words, or nearly all;
-            and one word such as `todo` gives no reason.
-    """
-    own, of_tool = re.findall(r"\w+", text.casefold()), TOOL_REASON.split()
-    likeness = SequenceMatcher(None, own, of_tool, autojunk=False).ratio()
-    return len({*own}) > 1 and not {*own} <= {*of_tool} and likeness < _ALIKE
-
-
-def is_command(connection: bridge.Connection) -> bool:
+def carries_commands(connection: bridge.Connection) -> bool:
     """Tells whether a connection carries commands, which set something in motion.
 
     An emergency is none: it passes from anybody, in any state, and stands when its source is lost.
     """
-    return connection.exchange.name == "message" and commands.is_steering(connection.map.message)
+    return connection.exchange.name == MESSAGE and commands.is_steering(connection.map.message)
 
 
-def holds(connection: bridge.Connection) -> bool:
+def keeps_last_command(connection: bridge.Connection) -> bool:
     """Tells whether the last command stands when its source is lost, for a reason.
 
     What sets nothing in motion may stand: its definition says so, nobody has to decide it.
     """
     if connection.onSilence.name == "hold":
         return True
-    has_stop = connection.safeValue or stop_of_map(connection) is not None
-    return not has_stop and not connection.map.message.moves
+    defines_stop = connection.safeValue or stop_of_map(connection) is not None
+    return not defines_stop and not connection.map.message.moves
 
 
 def hold_reason(connection: bridge.Connection) -> str:
@@ -78,22 +55,29 @@ def hold_reason(connection: bridge.Connection) -> str:
 
 def stop_of_map(connection: bridge.Connection) -> bridge.Stop | None:
     """Returns the stop of the map for the direction of a connection."""
-    used = connection.map
-    return used.stopRos if connection.direction.name == "jausToRos" else used.stopJaus
+    return connection.map.stopRos if _goes_to_ros(connection) else connection.map.stopJaus
+
+
+def _goes_to_ros(connection: bridge.Connection) -> bool:
+    return bool(connection.direction.name == TO_ROS)
 
 
 def has_stop(connection: bridge.Connection) -> bool:
     """Tells whether a connection sends something when its source is lost."""
     if connection.safeValue:
         return True
-    return is_command(connection) and not holds(connection) and stop_of_map(connection) is not None
+    return (
+        carries_commands(connection)
+        and not keeps_last_command(connection)
+        and stop_of_map(connection) is not None
+    )
 
 
 def silence_timeout(connection: bridge.Connection) -> float:
     """Returns the seconds of silence that count as a loss of the source; 0 is never."""
     if connection.silenceTimeout is not None:
         return float(connection.silenceTimeout)
-    if not is_command(connection) or not has_stop(connection):
+    if not carries_commands(connection) or not has_stop(connection):
         return 0.0
     stop = stop_of_map(connection)
     return SILENCE_TIMEOUT if stop is None else float(stop.silenceTimeout)
@@ -109,25 +93,27 @@ def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, 
     values: Iterable[bridge.ConstantAssignment] = connection.safeValue
     if not values and stop is not None:
         values = stop.values
-    to_ros = connection.direction.name == "jausToRos"
-    return with_constants(connection.map, values, to_ros=to_ros)
+    return with_constants(connection.map, values, to_ros=_goes_to_ros(connection))
 
 
 def with_constants(
-    used: bridge.AttributeMap, values: Iterable[bridge.ConstantAssignment], *, to_ros: bool
+    attribute_map: bridge.AttributeMap,
+    values: Iterable[bridge.ConstantAssignment],
+    *,
+    to_ros: bool,
 ) -> tuple[bridge.Assignment, ...]:
     """Returns the values of a stop behind what the map fills without a source.
 
     Names of frames, kinds and masks say what a message means, in a stop too. A speed that a map
     holds constant would make its stop drive, so quantities are what the stop says, else zero.
     """
-    said = {parse_path(path) for value in values for path in target_paths(value)}
-    scope = outer_scope(used, to_ros=to_ros)
+    stated_paths = {parse_path(path) for value in values for path in target_paths(value)}
+    scope = outer_scope(attribute_map, to_ros=to_ros)
     constants = (
         assignment
-        for assignment in (used.toRos if to_ros else used.toJaus)
+        for assignment in (attribute_map.toRos if to_ros else attribute_map.toJaus)
         if isinstance(assignment, (bridge.ConstantAssignment, bridge.ClockAssignment))
-        and not said & {parse_path(path) for path in target_paths(assignment)}
+        and not stated_paths & {parse_path(path) for path in target_paths(assignment)}
         and (
             _is_zero(assignment)
             or not any(map(_is_quantity, Placed(assignment, scope).target_attributes))
@@ -145,53 +131,74 @@ def _is_quantity(attribute: Attribute) -> bool:
     return attribute.kind == NUMBER and (not attribute.integral or bool(attribute.units))
 
 
-def stated(connection: bridge.Connection) -> list[str]:
+def stop_values(connection: bridge.Connection) -> list[str]:
     """Returns what the stop of a connection states, each as `thrust = 0`; none: it is zeros."""
     stop = stop_of_map(connection)
     values = connection.safeValue or (stop.values if stop is not None else ())
     return [f"{value.target} = {value.value}" for value in values]
 
 
-def told(connection: bridge.Connection) -> str:
+def stop_text(connection: bridge.Connection) -> str:
     """Returns what the stop of a connection sends, in words."""
-    return ", ".join(stated(connection)) or "zeros"
+    return ", ".join(stop_values(connection)) or "zeros"
 
 
-def driving(connection: bridge.Connection) -> list[tuple[str, str]]:
+def moving_values(connection: bridge.Connection) -> list[tuple[str, str]]:
     """Returns paths and values that the stop of a connection sends though they move a vehicle.
 
     They are rates (m/s, rad/s), accelerations, forces, torques and efforts that are not 0, those
     of brakes excepted; a value that a ROS type gives a member by default counts as well.
     """
-    to_ros = connection.direction.name == "jausToRos"
-    scope, found = outer_scope(connection.map, to_ros=to_ros), dict[str, str]()
-    units = dict[str, str]()
-    for placed in flattened(connection.map.toRos if to_ros else connection.map.toJaus, scope):
-        known = next((one.units for one in placed.source_attributes if one.units), "")
-        for path, target in () if placed.scope.is_nested else placed.targets:
-            if isinstance(target, Attribute):
-                units[path] = target.units or known
-                default = getattr(target.field, "defaultValue", None)
-                found[path] = str(default or "") if to_ros else ""
-    for value in stop_assignments(connection):
-        said = value.value if isinstance(value, bridge.ConstantAssignment) else ""
-        found.update((path, str(said)) for path in target_paths(value))
-    return [
-        (path, value)
-        for path, value in found.items()
-        if is_real(value)
-        and float(value)
-        and isinstance(target := attribute_at(scope.find_target(path)), Attribute)
-        and _moves(target, units.get(path, "") or target.units)
-    ]
+    scope = outer_scope(connection.map, to_ros=_goes_to_ros(connection))
+    values, units = _defaults_and_units(connection.map, scope)
+    for assignment in stop_assignments(connection):
+        # What the clock gives is no number, and takes the place of a default.
+        value = str(assignment.value) if isinstance(assignment, bridge.ConstantAssignment) else ""
+        values.update(dict.fromkeys(target_paths(assignment), value))
+    moving: list[tuple[str, str]] = []
+    for path, value in values.items():
+        if not is_real(value) or not float(value):
+            continue
+        target = attribute_at(scope.find_target(path))
+        if isinstance(target, Attribute) and _moves(target, units.get(path, target.units)):
+            moving.append((path, value))
+    return moving
+
+
+def _defaults_and_units(
+    attribute_map: bridge.AttributeMap, scope: PathScope
+) -> tuple[dict[str, str], dict[str, str]]:
+    """Returns the defaults and the units of the targets that a map fills, by path.
+
+    A target without a unit of its own has that of its source.
+    """
+    defaults: dict[str, str] = {}
+    units: dict[str, str] = {}
+    for placed in flattened(attribute_map.toRos if scope.to_ros else attribute_map.toJaus, scope):
+        # The lists of a stop are empty: nothing fills their elements.
+        if placed.scope.is_nested:
+            continue
+        source_units = next(
+            (source.units for source in placed.source_attributes if source.units), ""
+        )
+        for path, target in placed.targets:
+            if not isinstance(target, Attribute):
+                continue
+            units[path] = target.units or source_units
+            default = getattr(target.field, "defaultValue", None) if scope.to_ros else None
+            defaults[path] = str(default or "")
+    return defaults, units
 
 
 _BRAKING = frozenset({"brake", "braking", "resistive"})
 
 
 def _moves(target: Attribute, units: str) -> bool:
-    named = {word.casefold() for word in words(target.label)}
-    known = measure(units)
-    power = dict(known.unit.dimension).get("s", 0) if known is not None else 0
-    is_motion = power in (-1, -2) or "effort" in named
-    return target.kind == NUMBER and is_motion and not named & _BRAKING
+    label_words = {word.casefold() for word in words(target.label)}
+    known_measure = measure(units)
+    exponent_of_time = (
+        dict(known_measure.unit.dimension).get("s", 0) if known_measure is not None else 0
+    )
+    # 1/s is that of rates; 1/s^2 is that of accelerations, forces and torques.
+    is_motion = exponent_of_time in (-1, -2) or "effort" in label_words
+    return target.kind == NUMBER and is_motion and not label_words & _BRAKING

@@ -299,7 +299,7 @@ def when_lost(connection: bridge.Connection) -> str:
     if used is None or used.message is None:
         return ""
     if not stops.has_stop(connection):
-        if not stops.is_command(connection) or not stops.holds(connection):
+        if not stops.carries_commands(connection) or not stops.keeps_last_command(connection):
             return ""
         return ": ".join(filter(None, ("the last command stands", stops.hold_reason(connection))))
     seconds = stops.silence_timeout(connection)

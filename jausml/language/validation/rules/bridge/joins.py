@@ -258,7 +258,7 @@ def last_words_kept(_: Subject, connection: bridge.Connection) -> Iterator[Findi
     changes = (
         connection.exchange.name == "everyChangeEvent" and connection.direction.name == "jausToRos"
     )
-    is_command = stops.is_command(connection)
+    is_command = stops.carries_commands(connection)
     is_state = (
         changes or (is_report(connection) and holds_state(connection)) or _is_latched(connection)
     )

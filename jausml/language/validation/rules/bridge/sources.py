@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.hold_reasons import is_reason
 from jausml.language.semantics.connections.reports import is_report
-from jausml.language.semantics.connections.stops import is_reason
 from jausml.language.semantics.connections.topics import flow_of
 from jausml.language.semantics.jaus.commands import is_command, is_emergency
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
-from jausml.language.semantics.connections.stops import has_stop, is_command
+from jausml.language.semantics.connections.hold_reasons import is_reason
 from jausml.language.semantics.connections.topics import flow_of, resolve_topic, topic_fault
 from jausml.language.semantics.jaus.commands import is_emergency
 from jausml.language.semantics.paths.scopes import is_sound
@@ -40,7 +40,7 @@ def safe_value_used(_: Subject, connection: bridge.Connection) -> Iterator[Findi
 
     Good: `safeValue` with `silenceTimeout="0.5"`
     """
-    is_watched = stops.is_command(connection) or stops.silence_timeout(connection) > 0
+    is_watched = stops.carries_commands(connection) or stops.silence_timeout(connection) > 0
     if connection.safeValue and not is_watched:
         message = f"'{connection.name}' has a safe value, but no silenceTimeout"
         yield Finding(connection, message, "safeValue")
@@ -65,9 +65,9 @@ def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[F
 
     Good: `onSilence="hold" holdReason="SetTravelSpeed stops the vehicle on its way"`
     """
-    if not stops.is_command(connection):
+    if not stops.carries_commands(connection):
         return
-    if stops.has_stop(connection) or stops.holds(connection):
+    if stops.has_stop(connection) or stops.keeps_last_command(connection):
         return
     used, to_ros = connection.map, connection.direction.name == "jausToRos"
     note = Note(used, f"map '{used.name}'")
@@ -98,7 +98,7 @@ def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Findi
     """
     if connection.onSilence.name != "hold" or is_emergency(connection.map.message):
         return
-    if not stops.is_command(connection):
+    if not stops.carries_commands(connection):
         message = f"'{connection.name}' carries no command, so nothing is held"
         yield Finding(connection, message, "onSilence")
     elif connection.safeValue:
@@ -107,7 +107,7 @@ def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Findi
     elif not (reason := stops.hold_reason(connection).strip()):
         message = f"'{connection.name}' holds, but says no reason"
         yield Finding(connection, message, "onSilence", "say in holdReason why that is safe")
-    elif not stops.is_reason(reason):
+    elif not is_reason(reason):
         message = f"'{connection.name}' holds, but '{reason}' is no reason that a person gave"
         hint = "say in holdReason what you know about the receiver"
         yield Finding(connection, message, "holdReason", hint)
@@ -132,9 +132,9 @@ def stops_stand(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
 
     Good: `stopRos: {}`, or `@allow JML516 until 2030-01-31: it hovers by this thrust`
     """
-    if not stops.is_command(connection) or not stops.has_stop(connection):
+    if not stops.carries_commands(connection) or not stops.has_stop(connection):
         return
-    if values := stops.driving(connection):
+    if values := stops.moving_values(connection):
         text = ", ".join(f"{path} {value}" for path, value in values)
         stop = stops.stop_of_map(connection)
         place = connection if connection.safeValue or stop is None else stop
@@ -165,7 +165,7 @@ def silence_stops(_: Subject, connection: bridge.Connection) -> Iterator[Finding
     """
     if connection.silenceTimeout != 0 or connection.holdReason:
         return
-    if stops.is_command(connection) and stops.has_stop(connection):
+    if stops.carries_commands(connection) and stops.has_stop(connection):
         message = f"the silence of its source does not stop '{connection.name}'"
         hint = "leave silenceTimeout out, or say the reason in holdReason"
         yield Finding(connection, message, "silenceTimeout", hint)
@@ -241,7 +241,7 @@ def _stops_a_topic(subject: Subject, connection: bridge.Connection) -> bool:
         return False
     is_sound = subject.is_intact(connection.map.message, connection.map.type)
     to_ros = connection.direction.name == "jausToRos"
-    return is_sound and to_ros and stops.is_command(connection) and stops.has_stop(connection)
+    return is_sound and to_ros and stops.carries_commands(connection) and stops.has_stop(connection)
 
 
 def _declared_rate(connection: bridge.Connection) -> float:
@@ -270,7 +270,8 @@ def _is_guarded(owner: bridge.Bridge) -> bool:
         if action_connection.direction.name == "jausToRos"
     ]
     return bool(goals) or any(
-        is_command(connection) and has_stop(connection) for connection in connections
+        stops.carries_commands(connection) and stops.has_stop(connection)
+        for connection in connections
     )
 
 
