@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from jausml.cli import main
+from jausml.cli.shared.revisions import check_out
 from jausml.language.model import LIBRARY_URI
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -294,10 +297,19 @@ def repository(tmp_path, monkeypatch):
     (models / "winch.xmi").write_text(WINCH, encoding="utf-8")
     (models / "car.xmi").write_text(CATVEHICLE, encoding="utf-8")
     monkeypatch.chdir(models)
-    identity = ["-c", "user.name=t", "-c", "user.email=t@localhost"]
-    for words in (["init", "-q"], ["add", "-A"], [*identity, "commit", "-q", "-m", "first"]):
-        subprocess.run(["git", *words], cwd=top, check=True)
+    for words in (["init", "-q"], ["add", "-A"], ["commit", "-q", "-m", "first"]):
+        git(*words, cwd=top)
     return models
+
+
+def git(*words, cwd, text=""):
+    """Returns what git says, given a text."""
+    identity = ["-c", "user.name=t", "-c", "user.email=t@localhost"]
+    command = ["git", *identity, *words]
+    done = subprocess.run(
+        command, cwd=cwd, input=text, text=True, stdout=subprocess.PIPE, check=True
+    )
+    return done.stdout.strip()
 
 
 @pytest.mark.parametrize("old", ["HEAD:./winch.xmi", "HEAD:models/winch.xmi"])
@@ -325,13 +337,95 @@ def test_folders_of_models(repository):
         ("--all:models", "No such option"),
         ("HEAD:nowhere", "HEAD has no model at nowhere"),
         ("nowhere.xmi", "nowhere.xmi"),
+        ("HEAD:{models}/winch.xmi", "the path is not one of the repository"),
+        ("HEAD:models/../../robot/models/winch.xmi", "the path is not one of the repository"),
+        ("HEAD:./../../winch.xmi", "the path is not one of the repository"),
     ],
 )
-@pytest.mark.usefixtures("repository")
-def test_what_is_not_there(old, words):
+def test_what_is_not_there(repository, old, words):
+    old = old.format(models=repository)
     done = CliRunner().invoke(main, ["diff", old, "winch.xmi"])
     assert done.exit_code == 2
     assert words in done.output
+
+
+def test_links_of_a_revision_are_no_models(repository):
+    (repository / "link.xmi").symlink_to("winch.xmi")
+    git("add", "-A", cwd=repository)
+    git("commit", "-q", "-m", "link", cwd=repository)
+    done = CliRunner().invoke(main, ["diff", "HEAD:models", "."])
+    assert (done.exit_code, done.output) == (0, "no differences\n")
+
+
+def test_a_tree_that_leads_out_writes_nothing_there(repository, tmp_path):
+    """git itself makes no such tree, but takes one from elsewhere."""
+    models = git("rev-parse", "HEAD:models", cwd=repository)
+    names = "".join(f"040000 tree {models}\t{name}\n" for name in ("..", "models"))
+    tree = git("mktree", cwd=repository, text=names)
+    revision = git("commit-tree", "-m", "hostile", tree, cwd=repository)
+    folder = tmp_path / "out" / "of" / "it"
+    folder.mkdir(parents=True)
+    assert check_out(f"{revision}:models", folder) == folder / "models"
+    written = {path.relative_to(folder.parent.parent) for path in folder.parent.rglob("*.xmi")}
+    assert written == {Path(f"of/it/models/{name}.xmi") for name in ("car", "winch")}
+
+
+class TestAs:
+    """States that stand for those of a file, as git calls the command."""
+
+    @pytest.fixture(autouse=True)
+    def model(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "winch.xmi").write_text(WINCH, encoding="utf-8")
+
+    @pytest.mark.parametrize(
+        ("states", "sign", "kind"),
+        [
+            (("/dev/null", "winch.xmi"), "+", "added"),
+            (("winch.xmi", "/dev/null"), "-", "removed"),
+        ],
+    )
+    def test_a_file_that_does_not_exist(self, tmp_path, states, sign, kind):
+        words = ["diff", "--as", "winch.xmi", "--fail-on", "any", *states]
+        done = CliRunner().invoke(main, words)
+        assert done.output == f"winch.xmi\n{sign} service set examples: {kind}\n1 change\n"
+        assert done.exit_code == 1
+        done = CliRunner().invoke(main, [*words, "--format", "json", "-o", "out.json"])
+        assert (done.exit_code, done.output) == (1, "")
+        (change,) = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["changes"]
+        assert (change["kind"], change["path"]) == (kind, "examples")
+
+    @pytest.mark.parametrize(
+        ("words", "fault"),
+        [
+            (["--as", "winch.xmi", "/dev/null", "/dev/null"], "only one of the states"),
+            (["--as", "winch.xmi", ".", "winch.xmi"], "--as compares files, and . is a folder"),
+            (["--new-as", "winch.xmi", "winch.xmi", "winch.xmi"], "--new-as goes with --as"),
+        ],
+    )
+    def test_what_makes_no_sense(self, tmp_path, words, fault):
+        (tmp_path / "other.xmi").write_text(WINCH, encoding="utf-8")
+        done = CliRunner().invoke(main, ["diff", *words])
+        assert done.exit_code == 2
+        assert fault in done.output
+
+
+@pytest.mark.usefixtures("repository")
+def test_code_is_compared_without_a_second_check_out(tmp_path, monkeypatch):
+    """A git before the real one counts: listing a tree is what checks a revision out."""
+    calls, folder = tmp_path / "calls", tmp_path / "bin"
+    folder.mkdir()
+    (folder / "git").write_text(
+        f'#!/bin/sh\necho "$1" >> {calls}\nexec {shutil.which("git")} "$@"\n'
+    )
+    (folder / "git").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
+    code = tmp_path / "code"
+    code.mkdir()
+    words = ["diff", "--code", str(code), "HEAD:./car.xmi", "car.xmi"]
+    done = CliRunner().invoke(main, words)
+    assert (done.exit_code, done.output) == (0, "no differences\n")
+    assert calls.read_text().split().count("ls-tree") == 1
 
 
 def test_outside_of_a_repository(tmp_path, monkeypatch):

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import replace
-from pathlib import Path, PurePosixPath
+from dataclasses import dataclass, replace
+from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files, git, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files, write_report
 from jausml.cli.shared.models import SUFFIXES, read, reading_options, valid_model
 from jausml.cli.shared.options import format_option
+from jausml.cli.shared.revisions import check_out, is_revision
 
 if TYPE_CHECKING:
     from jausml.authoring.differences.changes import Change
-    from jausml.authoring.differences.matching import Matching
+    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model.diagnostics import Diagnostic, Location
     from jausml.language.model.model import Model
     from jausml.language.model.project import Reading
@@ -56,7 +57,7 @@ _SAME_MEANING = (
     "--new-as",
     "renamed",
     metavar="FILE",
-    help="The same for NEW alone, if it was renamed.",
+    help="The same for NEW alone, if it was renamed; goes with --as.",
 )
 @click.option(
     "--code",
@@ -92,73 +93,137 @@ def command(
     Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment, 3 internal
     error.
     """
-    from jausml.authoring.differences.finding import changes
-    from jausml.authoring.differences.matching import Matching, paired_roots
-    from jausml.language.validation.formats.text import lines_of
-
-    if code is not None and (file is not None or output_format in _PICTURES):
-        raise click.UsageError("--code goes with text and json, without --as")
-    if file is not None and os.devnull in (old, new):
-        click.echo(f"+ {file}: added" if old == os.devnull else f"- {file}: removed")
-        return
+    _check_options(old, new, output_format, file, renamed, code)
     with ExitStack() as stack:
-        before, old_folder = _read(old, file, reading, stack)
-        after, new_folder = _read(new, renamed or file, reading, stack)
-        pairs = paired_roots(before.model, after.model, old_folder, new_folder)
-        found = changes(before.model, after.model, pairs, (*before.lost, *after.lost))
-        for name, result in ((old, before), (new, after)):
-            _warn(name, result)
-        broken = _broken(old, new, code, reading, stack) if code is not None else []
+        before = _state(old, file, reading, stack)
+        after = _state(new, renamed or file, reading, stack)
+        comparison = _comparison(before, after, code)
         if output_format in _PICTURES:
-            roots = [(a, b) for a, b in pairs if a is not None and b is not None]
-            matching = Matching(before.model, after.model, roots)
-            states = ((before.model, old_folder), (after.model, new_folder))
-            text = _drawn(states, view, matching, found, output_format)
+            text = _diagram(comparison, view, output_format)
         elif output_format == "json":
-            told = _as_json(found) | _code_as_json(broken, code)
-            text = json.dumps(told, indent=2, ensure_ascii=False) + "\n"
+            text = json.dumps(_as_json(comparison), indent=2, ensure_ascii=False) + "\n"
         else:
-            shown = [] if file is None else [_title(file, renamed)]
-            end = _summary(found)
-            if not found and _unread(before, after):
-                end = "nothing was compared"
-            elif not found and file is not None:
-                end = _SAME_MEANING
-            if broken:
-                lines = f"{len(broken)} line{'' if len(broken) == 1 else 's'}"
-                end += f"; {lines} of your code to change"
-            lost = [line for diagnostic in broken for line in lines_of(diagnostic)]
-            text = "".join(f"{line}\n" for line in (*shown, *map(_line, found), *lost, end))
+            text = _report_text(comparison, file, renamed)
         write_report(click.unstyle(text) if output is not None else text, output)
-    is_breaking = bool(broken) or any(change.breaks for change in found)
-    if (fail_on == "any" and found) or (fail_on == "breaking" and is_breaking):
+    failures = {"any": bool(comparison.changes), "breaking": comparison.is_breaking}
+    if failures.get(fail_on):
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _broken(old: str, new: str, code: str, reading: Reading, stack: ExitStack) -> list[Diagnostic]:
+@dataclass(frozen=True)
+class _State:
+    """A state of models: what the user calls it, where it is, and what was read.
+
+    Attributes:
+        path: The file or folder, that of a revision in a folder of its own.
+        reading: Where its references may lead.
+    """
+
+    name: str
+    path: Path
+    reading: Reading
+    result: ReadResult
+
+    @property
+    def model(self) -> Model:
+        """Its model."""
+        return self.result.model
+
+    @property
+    def folder(self) -> Path:
+        """The folder that its files are named from."""
+        return self.path if self.path.is_dir() else self.path.parent
+
+
+@dataclass(frozen=True)
+class _Comparison:
+    """What changed from one state to another.
+
+    Attributes:
+        pairs: The root elements of both states, None for one that the other state lacks.
+        broken_lines: The lines of users that break; None if nobody asked.
+    """
+
+    before: _State
+    after: _State
+    pairs: Sequence[tuple[EObject | None, EObject | None]]
+    changes: Sequence[Change]
+    broken_lines: Sequence[Diagnostic] | None
+
+    @property
+    def is_breaking(self) -> bool:
+        """Whether anything breaks peers or code."""
+        return bool(self.broken_lines) or any(change.breaks for change in self.changes)
+
+
+def _check_options(
+    old: str, new: str, output_format: str, file: str | None, renamed: str | None, code: str | None
+) -> None:
+    """Refuses options that make no sense together."""
+    if code is not None and (file is not None or output_format in _PICTURES):
+        raise click.UsageError("--code goes with text and json, without --as")
+    if renamed is not None and file is None:
+        raise click.UsageError("--new-as goes with --as")
+    if old == new == os.devnull:
+        raise click.UsageError("only one of the states can be a file that does not exist")
+    for state_argument in (old, new) if file is not None else ():
+        if Path(state_argument).is_dir():
+            raise click.UsageError(f"--as compares files, and {state_argument} is a folder")
+
+
+def _comparison(before: _State, after: _State, code: str | None) -> _Comparison:
+    """Compares two states, and tells what of them cannot be read."""
+    from jausml.authoring.differences import finding
+    from jausml.authoring.differences.matching import paired_roots
+
+    pairs = paired_roots(before.model, after.model, before.folder, after.folder)
+    lost = (*before.result.lost, *after.result.lost)
+    changes = finding.changes(before.model, after.model, pairs, lost)
+    for state in (before, after):
+        _warn(state.name, state.result)
+    broken_lines = _broken_lines(before, after, Path(code)) if code is not None else None
+    return _Comparison(before, after, pairs, changes, broken_lines)
+
+
+def _broken_lines(before: _State, after: _State, code: Path) -> list[Diagnostic]:
     """Returns the lines of users that the change breaks."""
     from jausml.generation import GenerationError, broken_code, load_targets, select
 
-    states = []
-    for given in (old, new):
-        path, inside = _found(given, reading, stack)
-        states.append(valid_model(str(path), inside, outcome="no code was compared"))
+    old, new = (
+        valid_model(str(state.path), state.reading, outcome="no code was compared")
+        for state in (before, after)
+    )
     try:
-        targets = select(load_targets()).targets
-        found = broken_code(states[0], states[1], targets, Path(code))
+        findings = broken_code(old, new, select(load_targets()).targets, code)
     except GenerationError as error:
         raise EnvironmentFault(f"cannot tell which code breaks: {error}") from error
-    return [finding.diagnostic(Path(code)) for finding in found]
+    return [finding.diagnostic(code) for finding in findings]
 
 
-def _title(file: str, renamed: str | None) -> str:
-    """Returns the line by which a reader of `git diff` knows the file."""
+def _report_text(comparison: _Comparison, file: str | None, renamed: str | None) -> str:
+    """Returns a line for each change, and a summary."""
+    from jausml.language.validation.formats.text import lines_of
+
+    changes = comparison.changes
+    # By this line a reader of `git diff` knows the file.
     title = f"{file} -> {renamed}" if renamed else file
-    return click.style(title, bold=True)
+    header_lines = [click.style(title, bold=True)] if title is not None else []
+    summary = _summary(changes)
+    if not changes and any(map(_is_unread, (comparison.before, comparison.after))):
+        summary = "nothing was compared"
+    elif not changes and file is not None:
+        summary = _SAME_MEANING
+    findings = comparison.broken_lines or ()
+    if findings:
+        count = f"{len(findings)} line{'' if len(findings) == 1 else 's'}"
+        summary += f"; {count} of your code to change"
+    broken_lines = [line for finding in findings for line in lines_of(finding)]
+    lines = (*header_lines, *map(_line, changes), *broken_lines, summary)
+    return "".join(f"{line}\n" for line in lines)
 
 
-def _unread(*states: ReadResult) -> bool:
-    return any(not document.readable for state in states for document in state.model.documents)
+def _is_unread(state: _State) -> bool:
+    return any(not document.readable for document in state.model.documents)
 
 
 def _warn(name: str, result: ReadResult) -> None:
@@ -176,74 +241,71 @@ def _warn(name: str, result: ReadResult) -> None:
     click.echo(f"  {first.location}: {first.rule} {first.message}{more}", err=True)
 
 
-def _read(
-    given: str, file: str | None, reading: Reading, stack: ExitStack
-) -> tuple[ReadResult, Path]:
-    """Reads a state; returns it with the folder that its files are named from."""
+def _state(state_argument: str, file: str | None, reading: Reading, stack: ExitStack) -> _State:
+    """Reads a state.
+
+    `file`: the name that its content is read under; None for that of the state itself.
+    """
+    if file is not None:
+        result = _read_as(Path(file), state_argument, reading)
+        return _State(state_argument, Path(file), reading, result)
+    path = Path(state_argument)
+    if is_revision(state_argument):
+        folder = stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))
+        root = Path(folder).resolve()
+        path, reading = check_out(state_argument, root), replace(reading, project_root=root)
+    return _State(state_argument, path, reading, read([str(path)], reading))
+
+
+def _read_as(path: Path, state_argument: str, reading: Reading) -> ReadResult:
+    """Reads a file under another name; one that does not exist is a model without elements."""
     from jausml.language.model.inputs import read_input
     from jausml.language.model.reading.reader import read_models
     from jausml.language.text.notation import NOTATIONS
 
-    path = Path(given)
-    if file is not None:
-        [state] = find_files([given], SUFFIXES)
-        path = Path(file)
-        contents = {Path(os.path.realpath(path)): read_input(state)}
-        result = read_models(
-            [path],
-            project_root=reading.project_root,
-            allow_outside=reading.allow_outside,
-            projects=reading.projects,
-            notations=NOTATIONS,
-            contents=contents,
-        )
-        return result, path.parent
-    path, reading = _found(given, reading, stack)
-    return read([str(path)], reading), path if path.is_dir() else path.parent
+    [state_file] = find_files([state_argument], SUFFIXES)
+    return read_models(
+        [] if state_argument == os.devnull else [path],
+        project_root=reading.project_root,
+        allow_outside=reading.allow_outside,
+        projects=reading.projects,
+        notations=NOTATIONS,
+        contents={Path(os.path.realpath(path)): read_input(state_file)},
+    )
 
 
-def _found(given: str, reading: Reading, stack: ExitStack) -> tuple[Path, Reading]:
-    """Returns where a state is, that of a revision in a folder of its own."""
-    if not is_revision(given):
-        return Path(given), reading
-    folder = Path(stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))).resolve()
-    return checked_out(given, folder), replace(reading, project_root=folder)
-
-
-def _drawn(
-    models: Sequence[tuple[Model, Path]],
-    view: str,
-    matching: Matching,
-    found: Sequence[Change],
-    output_format: str,
-) -> str:
+def _diagram(comparison: _Comparison, view: str, output_format: str) -> str:
     """Returns a view of both states as a picture or page."""
     from jausml.authoring.differences.drawing import Drawn, compared
+    from jausml.authoring.differences.matching import Matching
     from jausml.views.diagrams.graph import Graph
     from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
     from jausml.views.diagrams.views import UnknownViewError, graph_of
     from jausml.views.diagrams.writers import html, svg
 
-    drawn: list[Drawn] = []
-    faults: list[UnknownViewError] = []
-    for model, folder in models:
+    drawings: list[Drawn] = []
+    unknown_views: list[UnknownViewError] = []
+    for state in (comparison.before, comparison.after):
         try:
-            graph = graph_of(model, view, root=folder)
+            graph = graph_of(state.model, view, root=state.folder)
         except UnknownViewError as error:
-            faults.append(error)
+            unknown_views.append(error)
             graph = Graph(view, "")
-        drawn.append(Drawn(graph, model, Path(os.path.realpath(folder))))
-    if len(faults) == len(models):
-        raise EnvironmentFault(str(faults[-1]))
-    old, new = drawn
-    graph = compared(old, new, matching, found)
-    states = [group.state for group in graph.groups]
-    states += [edge.state for edge in graph.edges]
-    states += [node.state for node in graph.nodes]
-    states += [port.state for node in graph.nodes for port in node.ports]
-    if found and not any(states):
-        click.echo(f"note: nothing changed in {view}; {_summary(found)} elsewhere", err=True)
+        drawings.append(Drawn(graph, state.model, Path(os.path.realpath(state.folder))))
+    if len(unknown_views) == len(drawings):
+        raise EnvironmentFault(str(unknown_views[-1]))
+    old, new = drawings
+    roots = [(a, b) for a, b in comparison.pairs if a is not None and b is not None]
+    matching = Matching(old.model, new.model, roots)
+    graph = compared(old, new, matching, comparison.changes)
+    marks = [group.state for group in graph.groups]
+    marks += [edge.state for edge in graph.edges]
+    marks += [node.state for node in graph.nodes]
+    marks += [port.state for node in graph.nodes for port in node.ports]
+    if comparison.changes and not any(marks):
+        summary = _summary(comparison.changes)
+        click.echo(f"note: nothing changed in {view}; {summary} elsewhere", err=True)
     render = svg.render if output_format == "svg" else html.render
     try:
         return render(graph, Graphviz())
@@ -261,19 +323,21 @@ def _line(change: Change) -> str:
     return f"{line}  {click.style(f'[{mark}]', bold=True)}" if mark else line
 
 
-def _summary(found: Sequence[Change]) -> str:
-    if not found:
+def _summary(changes: Sequence[Change]) -> str:
+    if not changes:
         return "no differences"
-    parts = [f"{len(found)} change{'' if len(found) == 1 else 's'}"]
+    parts = [f"{len(changes)} change{'' if len(changes) == 1 else 's'}"]
     for whom in ("peers", "code"):
-        number = sum(any(mark.value == whom for mark in change.breaks) for change in found)
+        number = sum(any(mark.value == whom for mark in change.breaks) for change in changes)
         if number:
             parts.append(f"{number} break{'s' if number == 1 else ''} {whom}")
     return ", ".join(parts)
 
 
-def _as_json(found: Iterable[Change]) -> dict[str, Any]:
-    return {
+def _as_json(comparison: _Comparison) -> dict[str, Any]:
+    from jausml.language.validation.formats.json import as_json
+
+    report: dict[str, Any] = {
         "changes": [
             {
                 "kind": change.kind.value,
@@ -287,75 +351,15 @@ def _as_json(found: Iterable[Change]) -> dict[str, Any]:
                 "oldPlace": _place(change.old_place),
                 "newPlace": _place(change.new_place),
             }
-            for change in found
+            for change in comparison.changes
         ]
     }
-
-
-def _code_as_json(broken: Iterable[Diagnostic], code: str | None) -> dict[str, Any]:
-    from jausml.language.validation.formats.json import as_json
-
-    return {} if code is None else {"code": [as_json(diagnostic) for diagnostic in broken]}
+    if comparison.broken_lines is not None:
+        report["code"] = [as_json(finding) for finding in comparison.broken_lines]
+    return report
 
 
 def _place(location: Location | None) -> dict[str, Any] | None:
     if location is None:
         return None
     return {"file": location.path, "line": location.line, "column": location.column}
-
-
-_KEPT = (*SUFFIXES, ".project")
-_FILE = "blob"
-
-
-def is_revision(text: str) -> bool:
-    """Tells whether a text says `REVISION:PATH` and names no file that is there."""
-    revision, colon, _ = text.partition(":")
-    return bool(colon and revision) and not Path(text).exists()
-
-
-def checked_out(text: str, folder: Path) -> Path:
-    """Writes the models of `REVISION:PATH` into a folder, and returns where the path is there.
-
-    `text`: the revision and a path: from the present folder if it begins with `./`, else from the
-    top of the repository, as git has it. `folder`: an empty folder.
-    """
-    revision, _, path = text.partition(":")
-    top = Path(_git("rev-parse", "--show-toplevel").decode().rstrip("\n"))
-    wanted = PurePosixPath(path)
-    if path == "." or path.startswith(("./", "../")):
-        wanted = PurePosixPath(Path(path).resolve().relative_to(top.resolve()).as_posix())
-    for name, identifier in _files(top, _commit(revision)):
-        target = folder / name
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(_git("cat-file", _FILE, identifier, cwd=top))
-    found = folder / wanted
-    if not found.exists():
-        raise EnvironmentFault(f"{revision} has no model at {wanted}")
-    return found
-
-
-def _commit(revision: str) -> str:
-    try:
-        named = ("--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}")
-        return _git("rev-parse", *named).decode().strip()
-    except EnvironmentFault as error:
-        raise EnvironmentFault(f"git knows no revision {revision!a}") from error
-
-
-def _files(top: Path, commit: str) -> Iterator[tuple[str, str]]:
-    """Yields names and ids of the model files of a commit."""
-    for entry in (
-        _git("ls-tree", "-r", "-z", commit, cwd=top).decode("utf-8", "replace").split("\0")
-    ):
-        head, tab, name = entry.partition("\t")
-        if tab and head.split()[1] == _FILE and name.endswith(_KEPT):
-            yield name, head.split()[2]
-
-
-def _git(*arguments: str, cwd: Path | None = None) -> bytes:
-    done = git(*arguments, cwd=cwd)
-    if done.returncode:
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        raise EnvironmentFault(f"git: {lines[0] if lines else f'exit {done.returncode}'}")
-    return done.stdout
