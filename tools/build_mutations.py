@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.mutating.operators import OPERATORS
-from jausml.mutating.outcomes import NOTHING, NOTICED_BY
+from jausml.mutating.outcomes import NOTHING, VERDICTS
 from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def _campaign(model: str, limit: int, jobs: int) -> dict[str, Any]:
 
 def page(campaigns: Iterable[Mapping[str, Any]]) -> str:
     """Returns the page of some campaigns."""
-    lines = [HEAD, *markdown_table(("column", "meaning"), NOTICED_BY.items()), ""]
+    lines = [HEAD, *markdown_table(("column", "meaning"), VERDICTS.items()), ""]
     for campaign in campaigns:
         lines += [*_of_model(campaign), ""]
     return "\n".join([*lines, *operators()]) + "\n"
@@ -84,29 +84,29 @@ def page(campaigns: Iterable[Mapping[str, Any]]) -> str:
 
 def _of_model(campaign: Mapping[str, Any]) -> Iterator[str]:
     tried, possible = campaign["tried"], campaign["possible"]
-    survivors = [outcome for outcome in campaign["outcomes"] if outcome["noticed_by"] == NOTHING]
+    survivors = [outcome for outcome in campaign["outcomes"] if outcome["verdict"] == NOTHING]
     yield f"## {campaign['model']}"
     yield ""
     yield f"{tried} of {possible} possible mutations were tried; {len(survivors)} survive."
     yield ""
     rows = (
-        (name, *(str(row.get(column, "")) for column in NOTICED_BY))
+        (name, *(str(row.get(column, "")) for column in VERDICTS))
         for name, row in campaign["matrix"].items()
     )
-    yield from markdown_table(("operator", *NOTICED_BY), rows)
+    yield from markdown_table(("operator", *VERDICTS), rows)
     for remark in campaign["remarks"]:
         yield from ("", f"Note: {remark}.")
     if survivors:
         yield from ("", "These survive:", "")
     # What differs only in where it stands is one thing that nothing notices.
     found = Counter(_kind(survivor) for survivor in survivors)
-    for (operator, words, file), count in found.items():
+    for (operator, change, file), count in found.items():
         times = f", {count} times" if count > 1 else ""
-        yield f"- {operator}: `{words}`, in `{file}`{times}"
+        yield f"- {operator}: `{change}`, in `{file}`{times}"
 
 
 def _kind(survivor: Mapping[str, Any]) -> tuple[str, str, str]:
-    return survivor["operator"], survivor["words"], survivor["files"][0]
+    return survivor["operator"], survivor["change"], survivor["files"][0]
 
 
 if __name__ == "__main__":

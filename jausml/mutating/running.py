@@ -26,6 +26,7 @@ from jausml.live.workers.pool import Work
 from jausml.mutating.broken_workspace import BrokenWorkspace
 from jausml.mutating.changes import Change, Site, Together
 from jausml.mutating.operators import OPERATORS, Operator
+from jausml.mutating.oracles import ModelCheckOracle, ProofOracle
 from jausml.mutating.outcomes import (
     CHECK,
     EQUAL,
@@ -37,8 +38,6 @@ from jausml.mutating.outcomes import (
     VALIDATE,
     WARNING,
     Outcome,
-    Products,
-    Proofs,
 )
 
 _SEED = 27
@@ -121,7 +120,7 @@ class Settings:
 
 @dataclass(frozen=True)
 class Tried:
-    """What became of a mutation (`remarks`: what of the tests could not take part)."""
+    """What became of a mutation (`remarks`: which tests, proofs and checks could not take part)."""
 
     outcome: Outcome | None
     remarks: tuple[str, ...] = ()
@@ -160,7 +159,8 @@ class _Breaker:
         if self._prepared is None:
             self._prepared = self._made()
         original, workspace, possible = self._prepared
-        return Tried(original.outcome(possible[number], workspace), self._remarks)
+        outcome = original.outcome(possible[number], workspace)
+        return Tried(outcome, (*self._remarks, *original.remarks))
 
     def _made(self) -> tuple[_Original, BrokenWorkspace, Sequence[Mutation]]:
         cache = LibraryCache()
@@ -203,8 +203,8 @@ class _Original:
         targets = select(load_targets()).targets
         self._targets = [target for target in targets if not target.is_shared]
         report = self._report(document.text)
-        self._proofs = Proofs(report)
-        self._products = Products(report.model)
+        self._proof_oracle = ProofOracle(report)
+        self._model_check_oracle = ModelCheckOracle(report.model)
         self._known = {_key(diagnostic) for diagnostic in report.diagnostics}
         if report.has_errors:
             raise CampaignError(f"the model as one XMI document: {report.diagnostics[0].message}")
@@ -213,6 +213,11 @@ class _Original:
             self.shared = self._rendered(report.model, [t for t in targets if t.is_shared])
         except GenerationError as error:
             raise CampaignError(f"nothing can be generated: {error}") from error
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What of the model could not be proved or checked until now."""
+        return (*self._proof_oracle.remarks, *self._model_check_oracle.remarks)
 
     def outcome(self, mutation: Mutation, workspace: BrokenWorkspace) -> Outcome:
         """Returns what becomes of a mutation."""
@@ -238,12 +243,13 @@ class _Original:
         failed = workspace.failing(files, changed) if changed else ""
         if failed:
             return _outcome(mutation, TESTS, failed, changed)
-        proved = self._proofs.noticed(report, mutation.change.element) if changed else ""
-        if proved:
-            return _outcome(mutation, PROVE, proved, changed)
-        violated = self._products.noticed(report.model) if changed else ""
-        if violated:
-            return _outcome(mutation, CHECK, violated, changed)
+        element = mutation.change.element
+        finding = self._proof_oracle.new_finding(report, element) if changed else ""
+        if finding:
+            return _outcome(mutation, PROVE, finding, changed)
+        violation = self._model_check_oracle.new_violation(report.model) if changed else ""
+        if violation:
+            return _outcome(mutation, CHECK, violation, changed)
         refused = workspace.refusing(files, changed) if changed else ""
         if refused:
             return _outcome(mutation, RUN, refused, changed)
@@ -264,9 +270,9 @@ class _Original:
         return {artifact.path: artifact.text for artifact in render(model, targets)}
 
 
-def _outcome(mutation: Mutation, noticed_by: str, by: str, files: Sequence[str] = ()) -> Outcome:
+def _outcome(mutation: Mutation, verdict: str, detail: str, files: Sequence[str] = ()) -> Outcome:
     name = mutation.operator.name
-    return Outcome(name, mutation.place, mutation.words, noticed_by, by, tuple(files))
+    return Outcome(name, mutation.place, mutation.words, verdict, detail, tuple(files))
 
 
 def _key(finding: Diagnostic) -> tuple[str, str, str]:

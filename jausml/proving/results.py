@@ -284,8 +284,11 @@ PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
 
 def with_proofs(report: Report, trips: Sequence[RoundTrip], results: Sequence[MapResult]) -> Report:
     """Returns the report of a model with what falls short in proofs of it."""
-    pairs = zip(trips, results, strict=True)
-    found = [finding for trip, one in pairs for finding in _findings(report.model, trip, one)]
+    found = [
+        finding.diagnostic(report.model, trip)
+        for trip, result in zip(trips, results, strict=True)
+        for finding in findings(trip, result)
+    ]
     diagnostics = sorted((*report.diagnostics, *found), key=lambda diagnostic: diagnostic.sort_key)
     return replace(report, diagnostics=tuple(diagnostics), rules=PROOF_RULES)
 
@@ -301,14 +304,28 @@ def by_map(report: Report) -> dict[str, list[str]]:
     return found
 
 
-def _findings(model: Model, trip: RoundTrip, result: MapResult) -> Iterator[Diagnostic]:
+@dataclass(frozen=True)
+class ProofFinding:
+    """What falls short in the proof of a number (`side`, `path`: as in its `FieldResult`)."""
+
+    rule: str
+    side: str
+    path: str
+    message: str
+
+    def diagnostic(self, model: Model, trip: RoundTrip) -> Diagnostic:
+        """Returns the finding at the assignment by which the number comes back, or at the map."""
+        back = trip.to_jaus if self.side == JAUS else trip.to_ros
+        location = model.location(assignment_of(trip, self.side, self.path) or back)
+        return Diagnostic(self.rule, Severity.ERROR, location, self.message, element=trip.name)
+
+
+def findings(trip: RoundTrip, result: MapResult) -> Iterator[ProofFinding]:
+    """Yields what falls short in the proof of a map."""
     for field_result in result.fields:
-        back = trip.to_jaus if field_result.side == JAUS else trip.to_ros
-        place = assignment_of(trip, field_result.side, field_result.path) or back
+        side, path = field_result.side, field_result.path
         for rule, text in _faults(field_result):
-            name = f"{trip.name}: {field_result.side} {field_result.path}"
-            location = model.location(place)
-            yield Diagnostic(rule, Severity.ERROR, location, f"{name} {text}", element=trip.name)
+            yield ProofFinding(rule, side, path, f"{trip.name}: {side} {path} {text}")
 
 
 def _faults(result: FieldResult) -> Iterator[tuple[str, str]]:

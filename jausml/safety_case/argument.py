@@ -159,10 +159,10 @@ def _mutations(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
         if concern.has(str(outcome["place"]))
         and (is_of_maps or not _ASSIGNMENT.search(str(outcome["place"])))
     ]
-    alive = [outcome for outcome in tried if outcome["noticed_by"] == "nothing"]
+    alive = [outcome for outcome in tried if outcome["verdict"] == "nothing"]
     if alive:
         told = (
-            f"{outcome['words']} ({outcome.get('by') or 'for no known reason'})"
+            f"{outcome['change']} ({outcome.get('detail') or 'for no known reason'})"
             for outcome in alive
         )
         yield False, f"nothing notices: {'; '.join(told)}"

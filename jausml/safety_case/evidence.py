@@ -27,7 +27,7 @@ MUTATIONS, FAULT_RUNS, TEST_RUN = "mutations", "fault runs", "test run"
 _KINDS = {
     PROOF: ("maps", {"name", "fields", "found"}),
     MODEL_CHECK: ("products", {"name", "complete", "found"}),
-    MUTATIONS: ("outcomes", {"place", "words", "noticed_by"}),
+    MUTATIONS: ("outcomes", {"place", "change", "verdict"}),
 }
 """Kinds of evidence in JSON: what lists their subjects, and what is told of each."""
 

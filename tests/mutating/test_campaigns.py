@@ -11,7 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 from jausml.cli import main
-from jausml.mutating.outcomes import Campaign, Outcome, render
+from jausml.mutating.outcomes import Campaign, Outcome
+from jausml.mutating.report import render
 
 GUARDS = ("jausml/mutating", "jausml/cli/models/prove.py")
 ROOT = Path(__file__).resolve().parents[2]
@@ -24,11 +25,11 @@ def run(*arguments):
 
 
 def outcomes(*arguments):
-    """Returns what became of mutations by operator and words."""
+    """Returns what became of mutations by operator and change."""
     done = run(*arguments, "--format", "json")
     assert done.exit_code in (0, 1), done.output
     found = json.loads(done.stdout)
-    return {(outcome["operator"], outcome["words"]): outcome for outcome in found["outcomes"]}
+    return {(outcome["operator"], outcome["change"]): outcome for outcome in found["outcomes"]}
 
 
 @pytest.fixture
@@ -46,12 +47,12 @@ def test_what_notices_a_mutation_is_told(model, tmp_path):
     names = [argument for name in ("offset", "stop", "order") for argument in ("--only", name)]
     found = outcomes(model, *names, "--jobs", 1, "-o", tmp_path / "page")
     offset = found["offset", "conversions: nothing -> linear"]
-    assert (offset["noticed_by"], "test_drive" in offset["by"]) == ("tests", True)
+    assert (offset["verdict"], "test_drive" in offset["detail"]) == ("tests", True)
     stop = found["stop", "safeValue: PropulsiveLinearEffortX -> nothing"]
-    assert (stop["noticed_by"], stop["by"][:7]) == ("validate", "JML451 ")
+    assert (stop["verdict"], stop["detail"][:7]) == ("validate", "JML451 ")
     # The order of a sign and a factor makes no difference: nothing can notice it.
     order = found["order", "conversions: negate, scale -> scale, negate"]
-    assert (order["noticed_by"], order["by"]) == ("nothing", "")
+    assert (order["verdict"], order["detail"]) == ("nothing", "")
     assert "bridge/bridge/bridge_base.py" in order["files"]
     assert "order: drive/bridge/drive/toJaus[1]" in (tmp_path / "page" / "index.html").read_text()
 
@@ -62,8 +63,8 @@ def test_what_notices_a_mutation_is_told(model, tmp_path):
 def test_another_depth_of_a_topic_is_noticed(model):
     needs.ask("rclpy")
     found = outcomes(model, "--only", "figure of QoS")
-    [depth, *_] = [outcome for (_, words), outcome in found.items() if words == "depth: 5 -> 10"]
-    assert "test_publishers" in depth["by"]
+    [depth, *_] = [outcome for (_, change), outcome in found.items() if change == "depth: 5 -> 10"]
+    assert "test_publishers" in depth["detail"]
 
 
 def test_survivors_are_named():
@@ -93,7 +94,7 @@ def test_a_campaign_is_the_same_again_with_more_processes():
     assert len(first) == 6
     # Other numbers in the same bytes are noticed.
     ranges = [outcome for (operator, _), outcome in first.items() if operator == "figure"]
-    assert {outcome["noticed_by"] for outcome in ranges} == {"tests"}
+    assert {outcome["verdict"] for outcome in ranges} == {"tests"}
 
 
 @pytest.mark.slow
@@ -119,8 +120,8 @@ def test_a_command_of_the_user_notices(model, tmp_path):
     asked = (model, "--only", "authority", "--only", "control", "--jobs", 1)
     found = outcomes(*asked, "--run", f"{sys.executable} {check}")
     authority = found["authority", "authority: 100 -> 50"]
-    assert (authority["noticed_by"], authority["by"]) == ("run", "AssertionError")
-    assert found["control", "control: True -> False"]["noticed_by"] == "check"
+    assert (authority["verdict"], authority["detail"]) == ("run", "AssertionError")
+    assert found["control", "control: True -> False"]["verdict"] == "check"
 
 
 @pytest.mark.parametrize(

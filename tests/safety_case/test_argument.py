@@ -280,9 +280,9 @@ def test_fault_runs_are_held_against_the_time_of_the_model():
 
 
 def test_a_mutation_that_nothing_notices_speaks_against_a_goal():
-    def outcome(noticed_by, place="safeValue[0]"):
+    def outcome(verdict, place="safeValue[0]"):
         place = f"catvehicle/bridge/cruise_speed/{place}"
-        return {"outcomes": [{"place": place, "words": "0 to 1", "noticed_by": noticed_by}]}
+        return {"outcomes": [{"place": place, "change": "0 to 1", "verdict": verdict}]}
 
     goal = "operator/bridge.cruise_speed"
     assert says(goal, "mutations", outcome("nothing"))[0] == [

@@ -27,8 +27,8 @@ def test_the_examples_are_there():
 def test_survivors_of_a_kind_stand_once():
     survivor = {
         "operator": "QoS",
-        "words": "depth: 1 -> 2",
-        "noticed_by": "nothing",
+        "change": "depth: 1 -> 2",
+        "verdict": "nothing",
         "files": ["a/a.py"],
     }
     campaign = {

@@ -209,7 +209,8 @@ def mutate(
     import json
 
     from jausml.language.model.model import digests
-    from jausml.mutating.outcomes import Campaign, page, render
+    from jausml.mutating.outcomes import Campaign
+    from jausml.mutating.report import page, render
     from jausml.mutating.running import Settings, mutations, sample
     from jausml.proving.running import processors
 
