@@ -14,7 +14,7 @@ from jausml.authoring.editing.commands import NEW, Add, Child
 from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.mapping.assigning import Candidates, candidates
 from jausml.authoring.proposals.mapping.assignments import innermost, statement
-from jausml.authoring.proposals.mapping.filling import FEATURES, found
+from jausml.authoring.proposals.mapping.filling import assignments_feature, propose_assignments
 from jausml.authoring.proposals.mapping.members import Member, member
 from jausml.authoring.proposals.mapping.opens import (
     completed,
@@ -136,19 +136,17 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
 
     for way in wish.ways:
         take(_said(scope, made, wish, doubts, to_ros=way))
-    filled = found(scope, made, wish.ways)
-    take(filled.assignments)
-    found_of = [
-        way for way in wish.ways if any(child.feature == FEATURES[way] for child in children)
-    ]
+    proposals = propose_assignments(scope, made, wish.ways)
+    take(proposals.assignments)
+    found_of = [way for way in wish.ways if _directed(children, to_ros=way)]
     begun = found_of or list(wish.ways)
     for way in begun:
         take(completed(scope, made, to_ros=way, ignores=way in found_of))
-    doubts += _alike(filled.doubtful, begun)
+    doubts += _alike(proposals.doubtful, begun)
     doubts += _of_values(made, found_of)
     by_zeros = stops_by_zeros(made, found_of)
     for way in by_zeros if wish.zeros_stop else ():
-        take([zeros([child for child in children if child.feature == FEATURES[way]], to_ros=way)])
+        take([zeros(_directed(children, to_ros=way), to_ros=way)])
     left = (*opens(made, children, begun), *map(blocking, wish.taken), *_as_opens(made, doubts))
     by_tables = [child for child in children if any(map(table_of, child.children))]
     plain = [child for child in children if child not in by_tables]
@@ -163,15 +161,21 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         ),
         tuple(additions(f"{NEW}0", tables, by_tables, (), 1)),
         {
-            way: tuple(statement(child) for child in children if child.feature == FEATURES[way])
+            way: tuple(map(statement, own))
             for way in begun
-            if any(child.feature == FEATURES[way] for child in children)
+            if (own := _directed(children, to_ros=way))
         },
         left,
         tuple(doubts),
         tuple(f"{rule.id} {finding.message}" for rule, finding in findings(metamodels, made)),
         tuple(by_zeros),
     )
+
+
+def _directed(children: Iterable[Child], *, to_ros: bool) -> list[Child]:
+    """Returns the assignments of a direction."""
+    feature = assignments_feature(to_ros=to_ros)
+    return [child for child in children if child.feature == feature]
 
 
 def _as_opens(used: bridge.AttributeMap, doubts: Collection[Doubt]) -> Iterator[OpenPoint]:

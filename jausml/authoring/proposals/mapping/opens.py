@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from jausml.authoring.editing.commands import Child
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.mapping.assignments import UNKNOWN, innermost
-from jausml.authoring.proposals.mapping.filling import FEATURES, filled_paths, is_filled
+from jausml.authoring.proposals.mapping.filling import assignments_feature, filled_paths, is_filled
 from jausml.authoring.proposals.mapping.members import Member, leaves
 from jausml.authoring.proposals.mapping.trial import judge
 from jausml.authoring.proposals.named_elements import FRAME_IDS
@@ -41,7 +41,8 @@ def opens(
 ) -> Iterator[OpenPoint]:
     """Yields what is left to the author of a new map."""
     for to_ros in ways:
-        own = [assignment for assignment in assignments if assignment.feature == FEATURES[to_ros]]
+        feature = assignments_feature(to_ros=to_ros)
+        own = [assignment for assignment in assignments if assignment.feature == feature]
         ends = [name_of(used.message), ros_name(used.type)]
         source, target = ends if to_ros else reversed(ends)
         yield from _unfilled(used, own, source, target, to_ros=to_ros)
@@ -161,7 +162,7 @@ def completed(
     scope: Scope, used: bridge.AttributeMap, *, to_ros: bool, ignores: bool
 ) -> list[Child]:
     """Returns what completes a direction of a map."""
-    feature = FEATURES[to_ros]
+    feature = assignments_feature(to_ros=to_ros)
     made = list(_header(used)) if to_ros else []
     named = {parse_path(child.values["target"][0]) for child in made}
     ignored = [
@@ -213,17 +214,18 @@ def _widest(steps: Sequence[str], taken: Sequence[tuple[str, ...]]) -> str:
 
 def _header(used: bridge.AttributeMap) -> Iterator[Child]:
     """Yields the time and the frames of a ROS message, as far as nothing fills them."""
+    feature = assignments_feature(to_ros=True)
     filled = filled_paths(used, to_ros=True)
     members = leaves(used, is_jaus=False)
     known = {member.path for member in members if not is_filled(member.path, filled)}
     if _STAMP in known:
-        yield Child(FEATURES[True], "bridge.ClockAssignment", {"target": (_STAMP,)})
+        yield Child(feature, "bridge.ClockAssignment", {"target": (_STAMP,)})
     frames = {member.attribute.frame for member in members}
     names = [name for frame, name in _FRAMES.items() if frame in frames]
     for path, name in zip((_FRAME_ID, _CHILD_FRAME_ID), names, strict=False):
         if path in known:
             values = {"target": (path,), "value": (name,)}
-            yield Child(FEATURES[True], "bridge.ConstantAssignment", values)
+            yield Child(feature, "bridge.ConstantAssignment", values)
 
 
 def stops_by_zeros(used: bridge.AttributeMap, ways: Collection[bool]) -> list[bool]:
