@@ -399,7 +399,7 @@ class TestAs:
         ("words", "fault"),
         [
             (["--as", "winch.xmi", "/dev/null", "/dev/null"], "only one of the states"),
-            (["--as", "winch.xmi", ".", "winch.xmi"], "--as compares files, and . is a folder"),
+            (["--as", "winch.xmi", ".", "winch.xmi"], "--as compares states of a file, no folders"),
             (["--new-as", "winch.xmi", "winch.xmi", "winch.xmi"], "--new-as goes with --as"),
         ],
     )

@@ -166,9 +166,8 @@ def _check_options(
         raise click.UsageError("--new-as goes with --as")
     if old == new == os.devnull:
         raise click.UsageError("only one of the states can be a file that does not exist")
-    for state_argument in (old, new) if file is not None else ():
-        if Path(state_argument).is_dir():
-            raise click.UsageError(f"--as compares files, and {state_argument} is a folder")
+    if file is not None and any(Path(state_argument).is_dir() for state_argument in (old, new)):
+        raise click.UsageError("--as compares states of a file, no folders")
 
 
 def _comparison(before: _State, after: _State, code: str | None) -> _Comparison:
