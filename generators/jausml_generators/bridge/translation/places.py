@@ -17,6 +17,7 @@ from jausml.language.semantics.paths.ros_paths import (
     named_constants,
 )
 from jausml.language.semantics.paths.scopes import parse_path
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -241,7 +242,13 @@ def ros_field(message_type: ros.MessageType, path: str, start: RosStart | None =
         path: Field names joined by dots; `name[i]` is an element of an array, `.` the start.
         start: Where the path starts; the message `source` when it is not given.
     """
-    begin = start or RosStart("source", message_type)
+    return _end((message_type, path, start or RosStart("source", message_type)))
+
+
+@remembered
+def _end(asked: tuple[ros.MessageType, str, RosStart]) -> RosField:
+    """Follows a path that many ask for: checks of a map go the same ones for each of its chains."""
+    message_type, path, begin = asked
     current, field, is_array = begin.type, begin.field, False
     holder, place = message_type, Place(begin.root)
     owner, elements = begin.owner, list[tuple[Longer, ros.Field]]()
