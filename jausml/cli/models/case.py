@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from jausml.language.validation.rule import Report
     from jausml.safety_case.argument import SafetyCase
     from jausml.safety_case.comparing import Former
+    from jausml.safety_case.evidence import Evidence
 
 _FORMATS = ("html", "json")
 _PLAIN, _DOCUMENT = "case.json", "case.html"
@@ -66,13 +67,15 @@ def command(
     former = _former(folder) if check or (output and (folder / _PLAIN).exists()) else None
     links = [os.path.relpath(path, folder).replace(os.sep, "/") for path in files]
     report = _readable(model, reading)
-    case, unread = _case(report, folder, links or (former.evidence if former else ()))
+    named = links or (former.evidence if former else ())
+    evidence, unread = _evidence(report, folder, named)
+    if unread and not check:
+        file, reason = next(iter(unread.items()))
+        raise EnvironmentFault(f"{click.format_filename(os.path.normpath(folder / file))} {reason}")
+    case = _case(report, evidence)
     if check and former:
         lost = findings(former, case, unread)
         report = replace(report, diagnostics=tuple(sorted([*_errors(report), *lost])))
-    elif unread:
-        file, reason = next(iter(unread.items()))
-        raise EnvironmentFault(f"{click.format_filename(os.path.normpath(folder / file))} {reason}")
     elif output is not None:
         _write(case, folder)
     else:
@@ -103,12 +106,12 @@ def _errors(report: Report) -> list[Diagnostic]:
     ]
 
 
-def _case(report: Report, folder: Path, links: Iterable[str]) -> tuple[SafetyCase, dict[str, str]]:
-    """Returns the case with files, named from a folder on, and why some of them cannot be read."""
-    from jausml.generation.errors import GenerationError
+def _evidence(
+    report: Report, folder: Path, links: Iterable[str]
+) -> tuple[list[Evidence], dict[str, str]]:
+    """Returns what files say, named from a folder on, and why some of them cannot be read."""
     from jausml.language.model.model import digests
-    from jausml.safety_case.argument import safety_case
-    from jausml.safety_case.evidence import EvidenceError, generated_tests, read_evidence
+    from jausml.safety_case.evidence import EvidenceError, read_evidence
 
     known, evidence, unread = digests(report.model).values(), [], {}
     for number, link in enumerate(dict.fromkeys(links), start=1):
@@ -118,13 +121,22 @@ def _case(report: Report, folder: Path, links: Iterable[str]) -> tuple[SafetyCas
             evidence.append(read_evidence(file, link, number, known))
         except EvidenceError as error:
             unread[link] = str(error)
+    return evidence, unread
+
+
+def _case(report: Report, evidence: Sequence[Evidence]) -> SafetyCase:
+    """Returns the case of a model, with evidence and its generated tests."""
+    from jausml.generation.errors import GenerationError
+    from jausml.safety_case.argument import safety_case
+    from jausml.safety_case.evidence import EvidenceError, generated_tests
+
     try:
         with step("rendering tests"):
             tests = [] if report.has_errors else generated_tests(report.model)
     except GenerationError:
         tests = []
     try:
-        return safety_case(report, evidence, tests), unread
+        return safety_case(report, evidence, tests)
     except EvidenceError as error:
         raise EnvironmentFault(str(error)) from error
 
