@@ -9,10 +9,10 @@ import hashlib
 import json
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+import warm
 from for_each import for_each
 
 GUARDS = ("metamodels", "models")
@@ -46,7 +46,7 @@ def test_every_example_was_saved_again() -> None:
 def generate(models: Path, place: Path, out: Path) -> dict[str, bytes]:
     """Generates a model of a models folder; returns the files by relative path."""
     model = models / place
-    verb = [sys.executable, "-m", "jausml", "generate"]
+    verb = [*warm.command(), "generate"]
     command = [*verb, str(model), "-o", str(out), "--project-root", str(models)]
     result = subprocess.run(command, capture_output=True, text=True, timeout=100)
     assert result.returncode == 0, result.stderr

@@ -325,6 +325,7 @@ def test_the_generated_tests_pass(outcomes, name):
     sweep(
         ((name, damage_name) for name, damages in MODELS.items() for damage_name in damages),
         every=lambda pair: pair[1] in GUARDING,
+        rest=3,
     ),
 )
 def test_damage_is_found(outcomes, name, damage):

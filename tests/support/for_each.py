@@ -25,6 +25,7 @@ def for_each(
     ids: Callable[[Any], str] = str,
     shards: int = 1,
     slow: bool = False,
+    rest: int = 1,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Makes a function of some values a test of all of them.
 
@@ -35,6 +36,7 @@ def for_each(
         ids: How a value is called when it fails.
         shards: Into how many tests they are divided, for that many workers.
         slow: Whether the first of these tests guards alone, and the others are slow.
+        rest: Each so-manieth of those others is taken, as `sweep` has it.
     """
     own_names = (names,) if isinstance(names, str) else names
     known = None if callable(values) else list(values)
@@ -60,7 +62,7 @@ def for_each(
         run.pytestmark = list(getattr(test, "pytestmark", ()))  # type: ignore[attr-defined]
         if shards == 1:
             return run
-        numbers = sweep(range(shards), every=shards if slow else 1)
+        numbers = sweep(range(shards), every=shards if slow else 1, rest=rest)
         return pytest.mark.parametrize("shard", numbers)(run)
 
     return of_all

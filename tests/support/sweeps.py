@@ -1,7 +1,11 @@
-"""Sweeps of which a part guards in `make test`, and all of the rest is left to `make test-all`."""
+"""Sweeps of which a part guards in `make test`, and the rest is left to `make test-all`.
+
+Of a long one `make test-all` takes a part of the rest too; `make test-random` takes all.
+"""
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -10,21 +14,35 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
 
-def sweep(values: Iterable[Any], *, every: int | Callable[[Any], bool]) -> list[Any]:
+WHOLE = "JAUSML_EXAMPLES" in os.environ
+
+
+def sweep(
+    values: Iterable[Any], *, every: int | Callable[[Any], bool], rest: int = 1, whole: bool = WHOLE
+) -> list[Any]:
     """Returns values for `parametrize`, of which some guard and the others are slow.
 
     Args:
         values: Values of one parameter, tuples of those of several, or what `pytest.param` made.
         every: Each so-manieth guards, beginning with the first; or what tells whether one does.
+        rest: Each so-manieth of the others is taken, beginning with the first.
+        whole: Whether all of them are taken.
     """
     cases = list(values)
     guards = [every(case) if callable(every) else at % every == 0 for at, case in enumerate(cases)]
     assert any(guards), "nothing guards"
-    pairs = zip(cases, guards, strict=True)
-    return [case if is_guard else _slow(case) for case, is_guard in pairs]
+    found, others = [], 0
+    for case, is_guard in zip(cases, guards, strict=True):
+        if is_guard:
+            found.append(case)
+            continue
+        if whole or others % rest == 0:
+            found.append(_slow(case))
+        others += 1
+    return found
 
 
-def _slow(each: Any) -> Any:
-    if hasattr(each, "marks"):
-        return each._replace(marks=[*each.marks, pytest.mark.slow])
-    return pytest.param(*(each if isinstance(each, tuple) else (each,)), marks=pytest.mark.slow)
+def _slow(case: Any) -> Any:
+    if hasattr(case, "marks"):
+        return case._replace(marks=[*case.marks, pytest.mark.slow])
+    return pytest.param(*(case if isinstance(case, tuple) else (case,)), marks=pytest.mark.slow)

@@ -138,18 +138,21 @@ def test_three(): pytest.skip("nobody has run it")
 
 @pytest.mark.parametrize(
     ("lines", "told"),
-    [
-        (["2 | no colour here | printed", "1 | nobody | later"], []),
-        (
-            ["1 | no colour here | printed", "9 | nobody | later"],
-            ["2 skipped, at most 1 may be: no colour here"],
-        ),
-        (["# none", "", "2 | no colour here | printed"], ["1 skipped: nobody has run it"]),
-        (
-            ["2 | no colour | a", "0 | no colour here: red | b", "1 | nobody | c"],
-            ["1 skipped, at most 0 may be: no colour here: red"],
-        ),
-    ],
+    sweep(
+        [
+            (["2 | no colour here | printed", "1 | nobody | later"], []),
+            (
+                ["1 | no colour here | printed", "9 | nobody | later"],
+                ["2 skipped, at most 1 may be: no colour here"],
+            ),
+            (["# none", "", "2 | no colour here | printed"], ["1 skipped: nobody has run it"]),
+            (
+                ["2 | no colour | a", "0 | no colour here: red | b", "1 | nobody | c"],
+                ["1 skipped, at most 0 may be: no colour here: red"],
+            ),
+        ],
+        every=3,
+    ),
 )
 @pytest.mark.parametrize(
     "workers",

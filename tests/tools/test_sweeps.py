@@ -31,6 +31,11 @@ def test_each_so_manieth_guards_from_the_first_on():
     assert sweep("abc", every=1) == ["a", "b", "c"]
 
 
+def test_of_a_long_one_a_part_of_the_rest_is_taken_unless_all_is_asked_for():
+    assert slow(sweep("abcdef", every=3, rest=2, whole=False)) == [None, ("b",), None, ("e",)]
+    assert sweep("abcdef", every=3, rest=2, whole=True) == sweep("abcdef", every=3)
+
+
 def test_what_guards_can_be_told():
     assert slow(sweep([(1, "a"), (2, "b")], every=lambda pair: pair[1] == "b")) == [(1, "a"), None]
 

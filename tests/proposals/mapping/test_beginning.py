@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 
 import pytest
+from sweeps import sweep
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import Scope, message_of, type_of
@@ -36,19 +37,21 @@ def ears(tmp_path_factory):
     return Bridge(tmp_path_factory.mktemp("ears"))
 
 
-def ready_maps():
-    """The ready maps of topics."""
-    return [
+@pytest.fixture(scope="module", params=sweep([4, 1], every=2), ids=["some", "all"])
+def ready_maps(request):
+    """The ready maps of topics, or each so-manieth of them."""
+    found = [
         attribute_map
         for attribute_map in library().instances(bridge.AttributeMap)
         if isinstance(attribute_map.type.eContainer(), ros.InterfacePackage)
     ]
+    return found[:: request.param]
 
 
 @pytest.fixture(scope="module")
-def begun(ears):
+def begun(ears, ready_maps):
     """A new map for the ends of each ready map."""
-    ends = dict.fromkeys((ready_map.message, ready_map.type) for ready_map in ready_maps())
+    ends = dict.fromkeys((ready_map.message, ready_map.type) for ready_map in ready_maps)
     return {pair: begin_map(ears.scope, ears.owner, Wish("fresh", *pair)) for pair in ends}
 
 
@@ -74,10 +77,10 @@ def test_it_tells_of_each_member_of_the_target_or_fills_it(begun):
 
 
 @pytest.fixture(scope="module")
-def compared(begun):
+def compared(begun, ready_maps):
     """Assignments of authors, each with what the new map of the same ends has in its place."""
     found = []
-    for used in ready_maps():
+    for used in ready_maps:
         made = {
             (child.feature, child.values["target"][0]): child
             for child in begun[used.message, used.type].add.children
