@@ -5,6 +5,7 @@ Half of what it takes to read an example is the library. Programs that tests sta
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,9 +16,11 @@ from jausml.language import project
 from jausml.language.model import read_models
 from jausml.language.model.library import library_root
 from jausml.language.model.reading.library_cache import LibraryCache
+from jausml.language.project import read_project
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
+    from typing import Any
 
     from jausml.language.model.reading.reader import ReadResult
 
@@ -32,6 +35,8 @@ IN_THREADS = ("studio/server", "studio/browser", "editor")
 _CACHE = pytest.StashKey[LibraryCache]()
 _FILES = pytest.StashKey["dict[tuple[Path, str], ReadResult]"]()
 """Files of the library that were looked at by themselves."""
+_MODELS = pytest.StashKey["dict[tuple[str, ...], ReadResult]"]()
+"""What was read of the library alone, such as all ready maps."""
 
 
 @pytest.hookimpl(wrapper=True)
@@ -45,6 +50,8 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
         if not _is_in(item.path, IN_THREADS):
             patch.setattr(project, "LibraryCache", lambda: cache)
             patch.setattr(Reader, "library", _shared(item.config.stash.setdefault(_FILES, {})))
+            known = item.config.stash.setdefault(_MODELS, {})
+            patch.setattr(project, "read_project", _read_once(known))
         return (yield)
 
 
@@ -58,6 +65,23 @@ def _shared(known: dict[tuple[Path, str], ReadResult], read: _Read = Reader.libr
         return known[key]
 
     return library
+
+
+def _read_once(
+    known: dict[tuple[str, ...], ReadResult], read: Callable[..., ReadResult] = read_project
+) -> Callable[..., ReadResult]:
+    """Returns what reads models of the library alone, unless they are known, and others anew."""
+
+    def read_project(paths: Iterable[str], *arguments: Any, **options: Any) -> ReadResult:
+        names = tuple(map(os.fspath, paths))
+        in_library = all(Path(name).is_relative_to(library_root()) for name in names)
+        if not in_library or any(arguments):
+            return read(names, *arguments, **options)
+        if names not in known:
+            known[names] = read(names, *arguments, **options)
+        return known[names]
+
+    return read_project
 
 
 def _is_in(path: Path, folders: tuple[str, ...]) -> bool:
