@@ -163,6 +163,7 @@ def test_without_a_compiler(jausml, model, tmp_path, monkeypatch):
     assert (result.exit_code, result.stderr) == (2, wanted)
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_folder_that_cannot_be_written(jausml, model, tmp_path):
     (tmp_path / "file").write_text("", encoding="utf-8")

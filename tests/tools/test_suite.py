@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
+from sweeps import sweep
 
 TOOLS = Path(__file__).resolve().parents[2] / "tools"
 
@@ -172,7 +173,7 @@ def test_a_page_whose_build_fails_fails_the_suite(stale, monkeypatch):
     assert "page of the studio: built, its sources are newer\na type is wrong\n" in output
 
 
-@pytest.mark.parametrize("lacking", ["packages", "node"])
+@pytest.mark.parametrize("lacking", sweep(["packages", "node"], every=2))
 def test_a_page_that_cannot_be_built_is_told_and_no_fault(stale, monkeypatch, tmp_path, lacking):
     if lacking == "packages":
         monkeypatch.setenv("NO_PACKAGES", "1")
