@@ -122,6 +122,7 @@ def _prepare() -> None:
     from jausml.language.model.reading.library_cache import LibraryCache
     from jausml.language.model.reading.reader import read_models
     from jausml.language.validation.engine import check_project
+    from jausml.live.messages import load_catalogue
 
     cache = LibraryCache()
     assert read_models.__kwdefaults__ is not None
@@ -129,6 +130,7 @@ def _prepare() -> None:
     project.LibraryCache = lambda: cache  # type: ignore[assignment, misc]
     model = Path(__file__).parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
     render(check_project([model]).model, select(load_targets()).targets)
+    load_catalogue()
     for wing in _WINGS:
         folder = Path(jausml.__path__[0], *wing.split("."))
         for module in pkgutil.walk_packages([str(folder)], f"jausml.{wing}."):

@@ -22,6 +22,7 @@ SUFFIXES = (XMI, TEXT)
 _SCHEMA_LOCATION = re.compile(rb' xsi:schemaLocation="[^"<]*"')
 
 
+@cache
 def library_root() -> Path:
     """Returns the folder of the shipped library."""
     return Path(str(files("jausml.models"))) / "library"
@@ -66,10 +67,10 @@ def shipped_as(path: Path) -> Path | None:
 
     Eclipse needs copies in its workspace; they may say there where the metamodels are.
     """
-    library = Path(os.path.realpath(library_root()))
+    library = library_root()
     if path.parent.parent.name != library.name:
         return None
-    shipped = library / path.parent.name / path.name
+    shipped = Path(os.path.realpath(library)) / path.parent.name / path.name
     try:
         copied = _SCHEMA_LOCATION.sub(b"", read_input(path), count=1)
         return shipped if read_input(shipped) == copied else None
