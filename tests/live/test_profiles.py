@@ -45,7 +45,7 @@ def jausml(*arguments):
     )
 
 
-@pytest.mark.parametrize("profile", sweep(ADDRESSES, every=4, rest=2))
+@pytest.mark.parametrize("profile", sweep(ADDRESSES, every=4))
 def test_it_has_full_marks(profile, tmp_path):
     assert jausml("init", tmp_path, "--from", profile, "--name", "robot").returncode == 0
     model = tmp_path / "models" / "robot.ros2jaus"
