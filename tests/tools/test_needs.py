@@ -136,27 +136,23 @@ def test_three(): pytest.skip("nobody has run it")
 """
 
 
-@pytest.mark.parametrize(
-    ("lines", "told"),
-    sweep(
-        [
-            (["2 | no colour here | printed", "1 | nobody | later"], []),
-            (
-                ["1 | no colour here | printed", "9 | nobody | later"],
-                ["2 skipped, at most 1 may be: no colour here"],
-            ),
-            (["# none", "", "2 | no colour here | printed"], ["1 skipped: nobody has run it"]),
-            (
-                ["2 | no colour | a", "0 | no colour here: red | b", "1 | nobody | c"],
-                ["1 skipped, at most 0 may be: no colour here: red"],
-            ),
-        ],
-        every=3,
+EXPECTED = [
+    (["2 | no colour here | printed", "1 | nobody | later"], []),
+    (
+        ["1 | no colour here | printed", "9 | nobody | later"],
+        ["2 skipped, at most 1 may be: no colour here"],
     ),
-)
+    (["# none", "", "2 | no colour here | printed"], ["1 skipped: nobody has run it"]),
+    (
+        ["2 | no colour | a", "0 | no colour here: red | b", "1 | nobody | c"],
+        ["1 skipped, at most 0 may be: no colour here: red"],
+    ),
+]
+
+
 @pytest.mark.parametrize(
-    "workers",
-    [pytest.param((), id="one"), pytest.param(("-n", "2"), id="two", marks=pytest.mark.slow)],
+    ("lines", "told", "workers"),
+    sweep([*((*case, ()) for case in EXPECTED), (*EXPECTED[1], ("-n", "2"))], every=3),
 )
 def test_skips_that_are_not_expected_fail_a_run(run, tmp_path, lines, told, workers):
     (tmp_path / "expected.txt").write_text("\n".join(lines), encoding="utf-8")
