@@ -8,6 +8,7 @@ import subprocess
 import sys
 
 import needs
+import warm
 
 from jausml.live.systems.playback import indexed
 
@@ -29,7 +30,7 @@ class Recorder:
 
     def __enter__(self):
         needs.ask("capture")
-        line = [sys.executable, "-m", "jausml", *self._words]
+        line = [*warm.command(), *self._words]
         with self._log.open("wb") as stream:
             self._process = subprocess.Popen(line, stderr=stream, env=self._environment)
         wait_for(lambda: "recording" in self._log.read_text(), "recorder", PATIENCE)

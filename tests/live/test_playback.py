@@ -8,6 +8,7 @@ import sys
 
 import needs
 import pytest
+import warm
 from ports import free_domain, free_port
 
 needs.ask("rclpy")
@@ -50,7 +51,7 @@ def recorded(tmp_path_factory):
         ros = RosPeer()
         words = ("record", str(MODEL), "--output", str(path), "--port", port)
         with log.open("wb") as stream:
-            recorder = subprocess.Popen([sys.executable, "-m", "jausml", *words], stderr=stream)
+            recorder = subprocess.Popen([*warm.command(), *words], stderr=stream)
         started = []
         try:
             wait_for(lambda: "record" in log.read_text(), "recorder", PATIENCE)

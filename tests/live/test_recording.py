@@ -11,6 +11,7 @@ from pathlib import Path
 
 import needs
 import pytest
+import warm
 from ports import free_domain, free_port
 
 needs.ask("rclpy")
@@ -64,7 +65,7 @@ class Speaker:
 
 
 def jausml(*arguments, log, folder=None):
-    line = [sys.executable, "-m", "jausml", *arguments]
+    line = [*warm.command(), *arguments]
     with log.open("wb") as stream:
         return subprocess.Popen(line, stderr=stream, cwd=folder)
 

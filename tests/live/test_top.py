@@ -9,6 +9,7 @@ from pathlib import Path
 
 import needs
 import pytest
+import warm
 from ports import free_domain, free_port
 
 needs.ask("rclpy")
@@ -59,10 +60,10 @@ class System:
         words = (*map(str, arguments), "--port", str(self.port))
         return self.start("-m", "jausml", "top", "--json", "--interval", "0.2", *words)
 
-    def once(self, *arguments, program=("-m", "jausml")):
+    def once(self, *arguments, program=()):
         """Runs `jausml top --once` and returns how it ended."""
         words = ("top", "--once", *map(str, arguments), "--port", str(self.port))
-        line = [sys.executable, *program, *words]
+        line = [*(program or warm.command()), *words]
         return subprocess.run(line, capture_output=True, text=True, timeout=60)
 
     def network(self):
@@ -173,7 +174,7 @@ def test_one_table_for_ci(system):
 
 @pytest.mark.slow
 def test_with_rclpy_hidden_jaus_alone_is_shown(system):
-    result = system.once(program=("-c", HIDDEN))
+    result = system.once(program=(sys.executable, "-c", HIDDEN))
     assert result.returncode == 0, result.stdout + result.stderr
     assert "no ROS here" in result.stdout
     assert "odometry" not in result.stdout
@@ -260,7 +261,7 @@ def test_what_a_bridge_measures_is_shown_beside_what_is_measured_outside(system)
     def rows(duration):
         """What the verb says of the connection, when diagnostics came while it looked."""
         words = ("latency", str(MODEL), "--duration", str(next(duration)), "--timeout", "0.5")
-        line = [sys.executable, "-m", "jausml", *words, "--port", str(system.port)]
+        line = [*warm.command(), *words, "--port", str(system.port)]
         result = subprocess.run(line, capture_output=True, text=True, timeout=100)
         bridges = result.stdout.partition("bridge ")[2]
         return [

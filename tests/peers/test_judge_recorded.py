@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import signal
 import subprocess
-import sys
 from datetime import datetime
 
 import needs
 import pytest
+import warm
 
 from jausml.live.traffic.captures import read_frames
 from jausml.live.traffic.frames import UdpReader
@@ -26,7 +26,7 @@ def recorded(free_port, tmp_path, wait_until):
     """Records what is done, and returns the datagrams and their times."""
     needs.ask("capture")
     path, log = tmp_path / "run.mcap", tmp_path / "record.log"
-    line = [sys.executable, "-m", "jausml", "record", "--output", path, "--port", str(free_port)]
+    line = [*warm.command(), "record", "--output", path, "--port", str(free_port)]
 
     def record(act):
         with log.open("wb") as stream:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import signal
 import struct
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
+import warm
 from click.testing import CliRunner
 from mcap.writer import Writer
 from ports import free_port
@@ -63,7 +63,7 @@ class Replay:
     def __init__(self, folder, *arguments):
         self.log = folder / "replay.log"
         with self.log.open("wb") as log:
-            line = [sys.executable, "-m", "jausml", "replay", *arguments]
+            line = [*warm.command(), "replay", *arguments]
             self.process = subprocess.Popen(line, stderr=log)
 
     def end(self):

@@ -5,12 +5,12 @@ from __future__ import annotations
 import signal
 import socket
 import subprocess
-import sys
 import time
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 import pytest
+import warm
 from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, take, until
 from studio_client import LONGEST, RefusedError, begun, serving
 from websockets.exceptions import ConnectionClosed, InvalidStatus
@@ -458,7 +458,7 @@ def test_a_request_for_control_waits_for_a_person(
 @pytest.mark.needs("capture")
 def test_a_recording_has_what_was_commanded(holding: Page, port: int, tmp_path: Path) -> None:
     path, log = tmp_path / "run.mcap", tmp_path / "run.log"
-    line = [sys.executable, "-m", "jausml", "record", "--output", str(path), "--port", str(port)]
+    line = [*warm.command(), "record", "--output", str(path), "--port", str(port)]
     with log.open("w") as stream:
         process = subprocess.Popen(line, stderr=stream)
     try:
