@@ -55,7 +55,6 @@ def begun(ears, ready_maps):
     return {pair: begin_map(ears.scope, ears.owner, Wish("fresh", *pair)) for pair in ends}
 
 
-@pytest.mark.slow
 def test_between_the_ends_of_each_ready_map_it_is_without_error_or_says_what_is_missing(begun):
     for (message, kind), made in begun.items():
         rules = {finding.split()[0] for finding in made.findings}
@@ -65,7 +64,6 @@ def test_between_the_ends_of_each_ready_map_it_is_without_error_or_says_what_is_
             assert any(member in one.text for one in made.opens) or "JML460" in finding, made.opens
 
 
-@pytest.mark.slow
 def test_it_tells_of_each_member_of_the_target_or_fills_it(begun):
     for made in begun.values():
         for child in made.add.children:
