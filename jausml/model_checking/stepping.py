@@ -10,7 +10,6 @@ from typing import Literal
 from jausml.generation.errors import NoSystemError
 from jausml.generation.literals import clean, python_string
 from jausml.generation.python.layout import layout
-from jausml.generation.target import source_of, system_of
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import Model
 from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT, core_steps
@@ -18,8 +17,7 @@ from jausml.model_checking.search import TIME
 from jausml.model_checking.service_machine import Behaving, MachineProduct
 from jausml.model_checking.systems import Subject, machine_subjects, service_subjects
 from jausml.model_checking.virtual_test import CLIENTS, core_message
-from jausml_generators.common.components import plain_components
-from jausml_generators.jaus_component.views import ComponentView
+from jausml_generators.jaus_component.views import ComponentView, component_views
 from jausml_generators.python.names import snake_case
 
 Kind = Literal["message", "event", "core", "time"]
@@ -229,12 +227,12 @@ def stepped_test(model: Model, subject: SteppedMachine, path: Sequence[Chosen]) 
 
 def _view(model: Model, product: MachineProduct) -> ComponentView:
     try:
-        system = system_of(model)
+        views = model.made(component_views)
     except NoSystemError as error:
         raise SteppingError(_NO_COMPONENT) from error
-    for plain_component in plain_components(system):
-        if plain_component.name == product.component:
-            return ComponentView(plain_component, system, source_of(model))
+    for view in views:
+        if view.component.name == product.component:
+            return view
     raise SteppingError(_NO_COMPONENT)
 
 

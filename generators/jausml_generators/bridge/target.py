@@ -11,7 +11,6 @@ from jausml.generation.target import (
     Task,
     TextFile,
     TextTask,
-    source_of,
     system_of,
     templates_beside,
 )
@@ -32,9 +31,8 @@ if TYPE_CHECKING:
 
 def tasks(model: Model) -> list[Task]:
     """Returns the files of every bridge."""
-    system, source = system_of(model), source_of(model)
+    system, messages = system_of(model), model.made(SystemMessages)
     bridges = model.made(bridge_views)
-    messages = SystemMessages(system, source)
     tests = [TestModule(bridge) for bridge in bridges]
     with_core = [bridge for bridge in bridges if bridge.has_core]
     packages = [

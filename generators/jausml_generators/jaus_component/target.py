@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.generation.target import FileTask, Target, Task, source_of, system_of, templates_beside
-from jausml_generators.common.components import plain_components
-from jausml_generators.jaus_component.views import ComponentView
+from jausml.generation.target import FileTask, Target, Task, system_of, templates_beside
+from jausml_generators.jaus_component.views import component_views
 from jausml_generators.messages.target import SystemMessages
 from jausml_generators.python.package import (
     FACE,
@@ -21,9 +20,8 @@ if TYPE_CHECKING:
 
 def tasks(model: Model) -> list[Task]:
     """Returns the files of every component."""
-    system, source = system_of(model), source_of(model)
-    views = [ComponentView(component, system, source) for component in plain_components(system)]
-    messages = SystemMessages(system, source)
+    system, messages = system_of(model), model.made(SystemMessages)
+    views = model.made(component_views)
     packages = [
         view.package_view(
             system, view.documentation, dependencies=(FACE, *messages.needed_by(view))

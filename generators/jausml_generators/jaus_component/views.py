@@ -14,6 +14,7 @@ from jausml.generation.literals import (
     sentence,
 )
 from jausml.generation.python import Imports, Origin, offered
+from jausml.generation.target import source_of, system_of
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME, is_core_message
 from jausml.language.semantics.jaus.services import provided_services
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.system import System
+    from jausml.language.model.model import Model
     from jausml_generators.jaus_component.machine_views import EventView, MachineView
     from jausml_generators.python.codec.messages import MessageView
 
@@ -396,3 +398,12 @@ class ComponentView(ProgramView):
         )
         methods = (*(method.contract for method in self.methods), *hooks)
         return SkeletonContract(self.class_name, self.base_name, methods)
+
+
+def component_views(model: Model) -> tuple[ComponentView, ...]:
+    """Returns the components of the system that is generated; `model.made` shares them."""
+    system, source = system_of(model), source_of(model)
+    return tuple(
+        ComponentView(component, system, source)
+        for component in components.plain_components(system)
+    )

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING
 from jausml.generation.literals import clean
 from jausml.generation.python import Origin, statements
 from jausml.generation.target import FileTask, Target, Task, source_of, system_of
-from jausml_generators.bridge.views import BridgeView
-from jausml_generators.common.components import own_bridges, plain_components
-from jausml_generators.jaus_component.views import ComponentView
+from jausml_generators.bridge.views import BridgeView, bridge_views
+from jausml_generators.jaus_component.views import ComponentView, component_views
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.codec.messages import MessagesModule
 from jausml_generators.python.names import Scope, package_name, snake_case
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from jausml.language.metamodel.classes import jaus
-    from jausml.language.metamodel.classes.system import System
     from jausml.language.model.model import Model
     from jausml_generators.python.codec.messages import MessageView
 
@@ -65,17 +63,14 @@ class SystemMessages:
     A message that several services define in the same way is one class.
     """
 
-    def __init__(self, system: System, source: str) -> None:
-        self.system = system
-        self.source = source
+    def __init__(self, model: Model) -> None:
+        self.system = system = system_of(model)
+        self.source = source_of(model)
         self.name = package_name(f"{system.name}_messages")
         self.element_id = f"messages:{system.name}"
         self.users: tuple[BridgeView | ComponentView, ...] = (
-            *(
-                ComponentView(plain_component, system, source)
-                for plain_component in plain_components(system)
-            ),
-            *(BridgeView(bridge, system, source) for bridge in own_bridges(system)),
+            *model.made(component_views),
+            *model.made(bridge_views),
         )
         self._views = build_message_map(
             element for user in self.users for element in user.message_map
@@ -143,12 +138,11 @@ def _homes(
 
 def tasks(model: Model) -> list[Task]:
     """Returns the files of the package `<system>_messages`; none without messages."""
-    system = system_of(model)
-    messages = SystemMessages(system, source_of(model))
+    messages = model.made(SystemMessages)
     if not messages.modules:
         return []
     package = package_view(
-        system,
+        messages.system,
         messages.name,
         element_id=messages.element_id,
         source=messages.source,

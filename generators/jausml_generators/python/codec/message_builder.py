@@ -10,6 +10,7 @@ from jausml.generation import literals as docs
 from jausml.generation.errors import GenerationError
 from jausml.generation.python.modules import STANDARD
 from jausml.language import wire
+from jausml.language.semantics.subject import remembered
 from jausml_generators.python import names
 from jausml_generators.python.codec import scalars
 from jausml_generators.python.codec.classes import (
@@ -40,12 +41,13 @@ Element = scalars.Fixed | scalars.Blob | PartValue | VariantValue
 Value = Element | ListValue | ArrayValue
 
 
-def build_message(element: jaus.MessageDef, class_name: str | None = None) -> MessageView:
-    """Returns the view of a message.
+@remembered
+def build_message(element: jaus.MessageDef) -> MessageView:
+    """Returns the view of a message, whose class is named after it."""
+    return _view(element)
 
-    Args:
-        class_name: Name of the class; made from the message's name when it is not given.
-    """
+
+def _view(element: jaus.MessageDef, class_name: str = "") -> MessageView:
     try:
         layout = wire.resolve(element)
     except wire.LayoutError as error:
@@ -75,7 +77,7 @@ def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageD
         view = build_message(element)
         if view not in classes:
             name = scope.claim(view.class_name)
-            classes[view] = view if name == view.class_name else build_message(element, name)
+            classes[view] = view if name == view.class_name else _view(element, name)
         found[element] = classes[view]
     return found
 

@@ -17,6 +17,7 @@ from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import code, lineage, query_name
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.scopes import parse_path, target_paths
+from jausml.language.semantics.subject import remembered
 
 REQUEST = "request"
 RESPONSE = "response"
@@ -227,7 +228,7 @@ def sent_reports(owner: bridge.Bridge) -> set[int]:
     """Returns the codes of the reports that a bridge answers with."""
     commands = map(command_answer, owner.bridgeConnections)
     return {
-        *map(code, _carried(owner)),
+        *_carried_codes(owner),
         *(code(command.report) for command in commands if command is not None),
     }
 
@@ -237,7 +238,12 @@ def told_command(connection: bridge.Connection) -> Answer | None:
     answer, owner = command_answer(connection), connection.eContainer()
     if answer is None or owner is None:
         return None
-    return None if code(answer.report) in set(map(code, _carried(owner))) else answer
+    return None if code(answer.report) in _carried_codes(owner) else answer
+
+
+@remembered
+def _carried_codes(owner: bridge.Bridge) -> frozenset[int]:
+    return frozenset(map(code, _carried(owner)))
 
 
 def _carried(owner: bridge.Bridge) -> Iterator[jaus.MessageDef]:

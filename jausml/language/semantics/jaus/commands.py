@@ -6,7 +6,8 @@ the query for it, as its report is laid out in the same way.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -16,13 +17,16 @@ from jausml.language.semantics.jaus.inherited_machines import states_of
 from jausml.language.semantics.jaus.services import (
     attributes,
     code,
+    inputs_by_name,
     lineage,
+    outputs_by_name,
     provided_services,
     query_name,
     same_code,
     searched_services,
     signature,
 )
+from jausml.language.semantics.subject import remembered
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes import bridge
@@ -205,7 +209,7 @@ def answer_by(service: jaus.Service, report: jaus.MessageDef | None) -> Answer |
     """Returns the answer that a report of a service is; None when nobody can ask for it."""
     if report is None:
         return None
-    query = named(query_name(report), (m for ancestor in lineage(service) for m in ancestor.inputs))
+    query = _of_lineage(service, inputs_by_name, query_name(report))
     return None if query is None else Answer(query, report)
 
 
@@ -215,9 +219,19 @@ def answer_alike(service: jaus.Service, message: jaus.MessageDef) -> Answer | No
     The report is laid out as the message is, so that nothing has to be translated.
     """
     wanted = f"Report{(message.name or '').removeprefix('Set')}"
-    report = named(wanted, (m for ancestor in lineage(service) for m in ancestor.outputs))
+    report = _of_lineage(service, outputs_by_name, wanted)
     is_alike = report is not None and signature(report) == signature(message)
     return answer_by(service, report) if is_alike else None
+
+
+def _of_lineage(
+    service: jaus.Service,
+    by_name: Callable[[jaus.Service], Mapping[str, jaus.MessageDef]],
+    name: str,
+) -> jaus.MessageDef | None:
+    """Returns the first message of a name of a service, or of those that it inherits."""
+    found = (by_name(ancestor).get(name) for ancestor in lineage(service))
+    return next((message for message in found if message is not None), None)
 
 
 def named(name: str, messages: Iterable[jaus.MessageDef]) -> jaus.MessageDef | None:
@@ -262,26 +276,27 @@ def told_by_command(message: jaus.MessageDef, services: Iterable[jaus.Service]) 
 
 def command_answer(connection: bridge.Connection) -> Answer | None:
     """Returns how a connection tells the command that it carries to ROS; None when it cannot."""
-    owner, message = connection.eContainer(), connection.map.message
-    if owner is None or not _carries(connection, message):
-        return None
+    owner, taken = connection.eContainer(), _taken(connection)
     # Of several for one command, for several peers, none knows which came last.
-    if (
-        sum(_carries(bridge_connection, message) for bridge_connection in owner.bridgeConnections)
-        > 1
-    ):
+    if owner is None or taken is None or _times_taken(owner)[code(taken)] > 1:
         return None
-    return told_by_command(message, owner.provides)
+    return told_by_command(taken, owner.provides)
 
 
-def _carries(connection: bridge.Connection, message: jaus.MessageDef) -> bool:
-    """Tells whether a connection takes a message from JAUS as it comes.
+@remembered
+def _times_taken(owner: bridge.Bridge) -> Counter[int]:
+    """Returns by code how many connections of a bridge take a message from JAUS.
 
     On the wire it is its code alone: several services have a SetTravelSpeed.
     """
+    found = map(_taken, owner.bridgeConnections)
+    return Counter(code(message) for message in found if message is not None)
+
+
+def _taken(connection: bridge.Connection) -> jaus.MessageDef | None:
+    """Returns the message that a connection takes from JAUS as it comes."""
     is_taken = connection.direction.name == "jausToRos" and connection.exchange.name == "message"
-    taken = connection.map.message if connection.map is not None else None
-    return is_taken and taken is not None and code(taken) == code(message)
+    return connection.map.message if is_taken and connection.map is not None else None
 
 
 _REJECTING = "Reject"
@@ -313,7 +328,7 @@ def told_after(message: jaus.MessageDef, service: jaus.Service) -> Answer | None
     The commands of Management set the state of a component, SetX what QueryX asks for.
     """
     topic = "Status" if service.urn == _MANAGEMENT else str(message.name).removeprefix("Set")
-    report = named(f"Report{topic}", (m for ancestor in lineage(service) for m in ancestor.outputs))
+    report = _of_lineage(service, outputs_by_name, f"Report{topic}")
     return answer_by(service, report)
 
 
