@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import python_literal, python_string
@@ -25,6 +25,7 @@ from jausml_generators.bridge.ends import (
     topic_call,
 )
 from jausml_generators.common.ros import RosType, ros_type
+from jausml_generators.python.codec.message_builder import build_unnamed
 from jausml_generators.python.statements import call, condition, tuple_of
 
 if TYPE_CHECKING:
@@ -95,6 +96,14 @@ class ConnectionView:
     def exchange(self) -> str:
         """Literal of Exchange."""
         return str(self.connection.exchange.name)
+
+    def unnamed(self) -> ConnectionView:
+        """Returns the view with the form of its message for the message."""
+        form = build_unnamed(self.message)
+        own = self.message_element
+        return replace(
+            self, view_of=lambda element: form if element is own else self.view_of(element)
+        )
 
     @property
     def message_element(self) -> jaus.MessageDef:

@@ -8,7 +8,9 @@ from __future__ import annotations
 import functools
 import hashlib
 import re
+from collections import ChainMap
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import printable
@@ -19,7 +21,7 @@ from jausml_generators.cpp.printing import printed
 from jausml_generators.cpp.ros_codec import RosCodec
 from jausml_generators.cpp.types import CORE, Struct, UnprintableError, cpp_name, laid_out, support
 from jausml_generators.cpp.values import Used
-from jausml_generators.python.codec.messages import MessageView
+from jausml_generators.python.codec.messages import FORM_CLASS, MessageView
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping
@@ -98,7 +100,10 @@ class Core:
             message_type: self.light.name_of(message_type) for message_type in self.light.types
         }
         self._ros = RosCodec(self.light.types, self._names)
-        self._unprintable: dict[MessageView, str] = {}
+        self._by_type = {ros_type(kind): struct for kind, struct in self._ros.structs.items()}
+        self._ros_classes: dict[str, Struct] = {}
+        self._met = 0
+        self._unprintable: dict[str, str] = {}
         self._types: dict[ros.MessageType, None] = {}
         self._used = Used({}, {})
         self._known: dict[tuple[object, ...], str] = {}
@@ -144,7 +149,7 @@ class Core:
         source, target = self._structs(ends)
         joins = {join_name: self._struct(what) for join_name, what in ends.joins.items()}
         # Asked anew for each translation: messages and tables are added as they are met.
-        self._used.classes = self._classes()
+        self._used.classes = self._classes(ends.message)
         self._used.tables = {e.name: e.items for e in self.uses.constants.values()}
         return printed(steps, source, target, joins, self._used)
 
@@ -161,24 +166,32 @@ class Core:
 
     def _message(self, message: MessageView) -> Struct:
         # An attempt that failed is remembered, since many maps may carry the message.
-        if message not in self._unprintable and message.class_name not in self._jaus.structs:
+        name = message.class_name
+        if name not in self._unprintable and name not in self._jaus.structs:
             try:
                 self._jaus.add(message)
             except UnprintableError as error:
-                self._unprintable[message] = str(error)
-        if message in self._unprintable:
-            raise UnprintableError(self._unprintable[message])
-        return self._jaus.structs[message.class_name]
+                self._unprintable[name] = str(error)
+        if name in self._unprintable:
+            raise UnprintableError(self._unprintable[name])
+        return self._jaus.structs[name]
 
-    def _classes(self) -> dict[str, Struct]:
-        """The structs by the names that steps have for classes."""
-        by_type = {
-            ros_type(message_type): struct for message_type, struct in self._ros.structs.items()
-        }
-        named = self.ros_classes.names.items()
+    def _classes(self, message: MessageView) -> Mapping[str, Struct]:
+        """Returns the structs by the names that steps have for classes."""
+        # Types are named as they are met; what was met before is known.
+        for kind, name in islice(self.ros_classes.names.items(), self._met, None):
+            if kind in self._by_type:
+                self._ros_classes[name] = self._by_type[kind]
+        self._met = len(self.ros_classes.names)
+        return ChainMap(self._unnamed(message), self._jaus.structs, self._ros_classes)
+
+    def _unnamed(self, message: MessageView) -> dict[str, Struct]:
+        """Returns the structs of a message as steps call them that its form shares."""
+        own = message.class_name
+        paths = [own, *(getattr(item, "path", "") for item in message.nested)]
+        structs = self._jaus.structs
         return {
-            **{name: by_type[kind] for kind, name in named if kind in by_type},
-            **self._jaus.structs,
+            path.replace(own, FORM_CLASS, 1): structs[path] for path in paths if path in structs
         }
 
     @staticmethod

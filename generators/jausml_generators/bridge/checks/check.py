@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from jausml.language.attributes.expressions import source_names
 from jausml.language.semantics.assignments.steps import Step, step_of
 from jausml.language.semantics.conversions import NoValueError
 from jausml.language.semantics.paths.attributes import NUMBER
+from jausml_generators.python.codec.messages import FORM_CLASS
 from jausml_generators.python.statements import call
 
 if TYPE_CHECKING:
@@ -53,14 +54,18 @@ class Check:
         """The statements as single lines."""
         return tuple(line for text in self.lines for line in text.split("\n"))
 
-    def of(self, connection: str, frames: Iterable[str]) -> Check:
-        """Returns the check with the name of a connection for NAME, and with its frames."""
-        name = self.name.replace(NAME, connection)
-        lines = tuple(line.replace(NAME, connection) for line in self.lines)
-        for number, frame in enumerate(frames):
-            stand_in, literal = frame_stand_in(number), python_string(frame)
-            lines = tuple(line.replace(stand_in, literal) for line in lines)
-        return replace(self, name=name, lines=lines)
+    def of(self, connection: str, class_name: str, frames: Iterable[str]) -> Check:
+        """Returns the check with the names of a connection, its message and its frames."""
+        stand_ins = {NAME: connection, FORM_CLASS: class_name}
+        stand_ins |= {frame_stand_in(n): python_string(frame) for n, frame in enumerate(frames)}
+
+        def named(text: str) -> str:
+            for stand_in, own in stand_ins.items():
+                text = text.replace(stand_in, own)
+            return text
+
+        texts = map(named, (self.name, self.documentation))
+        return Check(*texts, tuple(map(named, self.lines)), self.decorators, self.parameters)
 
 
 def tidy(statements: Iterable[str]) -> tuple[str, ...]:

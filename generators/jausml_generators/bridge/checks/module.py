@@ -140,9 +140,11 @@ class TestModule:
             frames = frames_of(view.connection.map)
             if view.alike not in known:
                 stand_ins = {path: Code(frame_stand_in(n)) for n, path in enumerate(frames)}
-                known[view.alike] = self._shared(replace(self._ends(view, NAME), frames=stand_ins))
+                shared = self._ends(view.unnamed(), NAME)
+                known[view.alike] = self._shared(replace(shared, frames=stand_ins))
             sample, checks = known[view.alike]
-            yield from (check.of(view.name, frames.values()) for check in checks)
+            names = view.name, view.message_name, frames.values()
+            yield from (check.of(*names) for check in checks)
             if sample is not None:
                 sampled.append((ends, sample))
             yield from safe_values(ends)

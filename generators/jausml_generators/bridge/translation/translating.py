@@ -1,7 +1,7 @@
 """The translations of a bridge: the methods of its connections, and all that they use.
 
-Connections of one map, or of maps that differ in names of frames, share theirs: it is made once
-without a name and frames, and given those of each.
+Connections of one map, or of maps that differ in names of frames and of messages, share theirs: it
+is made once without these names, and given those of each.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ from jausml_generators.bridge.translation.surroundings import Surroundings
 from jausml_generators.bridge.translation.translation import frame_assignments, frames_of
 from jausml_generators.common.ros import RosClasses
 from jausml_generators.cpp.core import Core, Ends
+from jausml_generators.python.codec.message_builder import build_unnamed
+from jausml_generators.python.codec.messages import FORM_CLASS
 from jausml_generators.python.names import Scope, names_in, snake_case
+from jausml_generators.python.statements import may_set_limits
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.ecore import EClass, EObject
     from jausml_generators.bridge.light_module import LightModule
+    from jausml_generators.bridge.translation.steps import Step
     from jausml_generators.bridge.translation.translation import Frames
     from jausml_generators.cpp.core import Compiled
     from jausml_generators.python.codec.messages import MessageView
@@ -72,22 +76,53 @@ class _Made(NamedTuple):
     compiled: Compiled | None
 
 
+class _Shared(NamedTuple):
+    """A translation without a name, and its functions by message."""
+
+    text: str
+    steps: tuple[Step, ...]
+    around: _Unnamed
+    compiled: dict[jaus.MessageDef, Compiled | None]
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """A translation that a connection asks for.
+
+    Attributes:
+        steps: Returns its steps, from the name of the connection, the class of the JAUS message and
+            the surroundings.
+        printed: Returns the lines of its steps.
+        compiled: Returns its function in the compiled core, of its steps.
+    """
+
+    name: str
+    message: MessageView
+    used: bridge.AttributeMap
+    steps: Callable[[str, MessageView, Surroundings], tuple[Step, ...]]
+    printed: Callable[[tuple[Step, ...]], tuple[str, ...]]
+    compiled: Callable[[tuple[Step, ...]], Compiled | None]
+
+    def alone(self, uses: Surroundings) -> _Made:
+        """Returns it as it is when nobody shares it."""
+        steps = self.steps(self.name, self.message, uses)
+        return _Made(self.printed(steps), self.compiled(steps))
+
+
 class SharedTranslations:
-    """The translations of one bridge by what makes them the same but for the name."""
+    """The translations of one bridge by what makes them the same but for names."""
 
     def __init__(self, uses: Surroundings) -> None:
         self._uses = uses
         self._once: set[object] = set()
-        self._shared: dict[object, tuple[_Made, _Unnamed]] = {}
+        self._shared: dict[object, _Shared] = {}
 
-    def made(
-        self, key: object, name: str, frames: Frames, make: Callable[[str, Surroundings], _Made]
-    ) -> _Made:
+    def made(self, key: object, asked: _Asked) -> _Made:
         """Returns a translation."""
         if key not in self._once:
-            # Most maps have one connection; all that is not named after it is claimed here.
+            # Many maps have one connection; all that is not named after it is claimed here.
             self._once.add(key)
-            return make(name, self._uses)
+            return asked.alone(self._uses)
         if key not in self._shared:
             # The very collections of the bridge, no copies: what is made here counts for all of it.
             known = {
@@ -95,32 +130,38 @@ class SharedTranslations:
                 for attribute in fields(self._uses)
             }
             around = _Unnamed(**known)
-            self._shared[key] = make(_NAME, around), around
-        shared, around = self._shared[key]
+            steps = asked.steps(_NAME, build_unnamed(asked.message), around)
+            self._shared[key] = _Shared("\n".join(asked.printed(steps)), steps, around, {})
+        shared, element = self._shared[key], asked.used.message
+        if element not in shared.compiled:
+            shared.compiled[element] = asked.compiled(shared.steps)
         # Each connection has attributes of its own, in the order of the marks.
-        claimed = [claim(self._uses, name, frames) for claim in around.claims]
+        frames = frames_of(asked.used)
+        claimed = [claim(self._uses, asked.name, frames) for claim in shared.around.claims]
 
         def named(text: str) -> str:
             for number, claimed_name in enumerate(claimed):
                 text = text.replace(_mark(number), claimed_name)
-            return text.replace(_NAME, name)
+            return text.replace(_NAME, asked.name).replace(FORM_CLASS, asked.message.class_name)
 
-        lines = tuple(named("\n".join(shared.lines)).split("\n"))
-        return _Made(lines, None if shared.compiled is None else shared.compiled.renamed(named))
+        compiled = shared.compiled[element]
+        lines = tuple(named(shared.text).split("\n"))
+        return _Made(lines, None if compiled is None else compiled.renamed(named))
 
 
 def _mark(number: int) -> str:
     return f"\2{number}\3"
 
 
-_SAYS_NOTHING = frozenset({"name", "documentation"})
-"""Features of a map that are in no translation."""
+_SAYS_NOTHING = frozenset({"name", "documentation", "message"})
+"""Features of a map that are in no translation; of the message its form is."""
 
 
 class AlikeMaps:
-    """The maps of a bridge by what they say, the names of their frames left out."""
+    """The maps of a bridge by what they say, the names of their frames and messages left out."""
 
-    def __init__(self) -> None:
+    def __init__(self, view_of: Callable[[jaus.MessageDef], MessageView]) -> None:
+        self._view_of = view_of
         self._features: dict[EClass, list[tuple[str, bool]]] = {}
         self._first: dict[bridge.AttributeMap, bridge.AttributeMap] = {}
         self._by_content: dict[Hashable, bridge.AttributeMap] = {}
@@ -129,15 +170,22 @@ class AlikeMaps:
     def first(self, attribute_map: bridge.AttributeMap) -> bridge.AttributeMap:
         """Returns the first that was asked for of the maps that say the same.
 
-        They may differ in their own names, and in those of frames, which are parameters.
+        They may differ in their own names, in those of frames, which are parameters, and in the
+        names and codes of their messages, if these are of one service and laid out alike.
         """
         if attribute_map not in self._first:
             self._frames.update(frame_assignments(attribute_map))
             # The tests of vectors name the map.
             name = attribute_map.name if attribute_map.vectors else None
             own = self._values(attribute_map, _SAYS_NOTHING)
-            self._first[attribute_map] = self._by_content.setdefault((name, own), attribute_map)
+            key = (name, own, self._form(attribute_map.message))
+            self._first[attribute_map] = self._by_content.setdefault(key, attribute_map)
         return self._first[attribute_map]
+
+    def _form(self, message: jaus.MessageDef) -> Hashable:
+        # What is made of limits only a message of a standard says, by its name.
+        named = message if may_set_limits(message) else None
+        return message.eContainer(), named, self._view_of(message).form
 
     def _values(self, element: EObject, without: frozenset[str] = frozenset()) -> Hashable:
         kind = element.eClass
@@ -263,7 +311,7 @@ def translate(
         for connection in connections
     ]
     core = Core(light, ros_classes, uses)
-    around = _Around(uses, SharedTranslations(uses), AlikeMaps(), core)
+    around = _Around(uses, SharedTranslations(uses), AlikeMaps(view_of), core)
     translated = tuple(_translated(*entry, around) for entry in named)
     calling = [
         (service_connection, attributes.claim(snake_case(service_connection.name)), ros_classes)
@@ -316,33 +364,41 @@ def _translated(
     is_to_ros = connection.direction.name == "jausToRos"
     joins = _joins(connection, uses)
 
-    def make(name: str, surroundings: Surroundings) -> _Made:
-        parameters = [join.name for join in joins]
-        function = f"{snake_case(used.name)}_to_{'ros' if is_to_ros else 'jaus'}"
-        if is_to_ros:
-            reports = {
-                str(join.name): (translated_join.name, uses.view_of(join.message))
-                for translated_join in joins
-                if isinstance(join := translated_join.join, bridge.ReportJoin)
-            }
-            steps = to_ros(connection, message, name, ros_name, reports, surroundings).steps
-            ends = Ends(message, used.type, dict(reports.values()), to_ros=True)
-            return _Made(printed(steps, parameters), around.core.add(function, steps, ends))
-        types = {
-            str(join.name): (translated_join.name, join.type)
-            for translated_join in joins
-            if isinstance(join := translated_join.join, bridge.Join)
-        }
-        steps = to_jaus(connection, message, name, types, surroundings).steps
-        ends = Ends(message, used.type, dict(types.values()), to_ros=False)
-        return _Made(printed(steps, parameters), around.core.add(function, steps, ends))
+    parameters = [join.name for join in joins]
+    function = f"{snake_case(used.name)}_to_{'ros' if is_to_ros else 'jaus'}"
+    reports = {
+        str(join.name): (translated_join.name, uses.view_of(join.message))
+        for translated_join in joins
+        if isinstance(join := translated_join.join, bridge.ReportJoin)
+    }
+    types = {
+        str(join.name): (translated_join.name, join.type)
+        for translated_join in joins
+        if isinstance(join := translated_join.join, bridge.Join)
+    }
+    ends = Ends(message, used.type, {**dict(reports.values()), **dict(types.values())}, is_to_ros)
 
+    def steps(name: str, message: MessageView, around: Surroundings) -> tuple[Step, ...]:
+        if is_to_ros:
+            body = to_ros(connection, message, name, ros_name, reports, around)
+        else:
+            body = to_jaus(connection, message, name, types, around)
+        return tuple(body.steps)
+
+    asked = _Asked(
+        name,
+        message,
+        used,
+        steps,
+        lambda steps: printed(steps, parameters),
+        lambda steps: around.core.add(function, steps, ends),
+    )
     alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
     if any(attribute_map is not used for attribute_map in used_maps(used, to_ros=is_to_ros)):
         # Each connection has its own methods for the messages inside its message.
-        made = make(name, uses)
+        made = asked.alone(uses)
     else:
-        made = around.shared.made(alike, name, frames_of(used), make)
+        made = around.shared.made(alike, asked)
     safe_lines: tuple[str, ...] = ()
     # Lists and calls, which are in no model as connections, end in ways of their own.
     if connection.eContainer() is not None and has_stop(connection):

@@ -29,7 +29,7 @@ from jausml_generators.python.codec.members import (
     Single,
     VariantValue,
 )
-from jausml_generators.python.codec.messages import MessageScope, MessageView
+from jausml_generators.python.codec.messages import FORM_CLASS, MessageScope, MessageView
 from jausml_generators.python.package import runtime_names
 
 if TYPE_CHECKING:
@@ -53,6 +53,11 @@ def _view(element: jaus.MessageDef, class_name: str = "") -> MessageView:
     except wire.LayoutError as error:
         raise GenerationError(str(error)) from None
     return MessageBuilder(layout, class_name or names.class_name(layout.name)).build()
+
+
+def build_unnamed(view: MessageView) -> MessageView:
+    """Returns the view of all messages of the form of one, with FORM_CLASS for their class."""
+    return MessageBuilder(view.unnamed, FORM_CLASS).build()
 
 
 def build_messages(elements: Iterable[jaus.MessageDef]) -> tuple[MessageView, ...]:

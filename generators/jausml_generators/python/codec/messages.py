@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 import textwrap
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from jausml.generation import literals as docs
@@ -29,13 +29,16 @@ from jausml_generators.python.codec.members import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Hashable, Iterable, Iterator, Sequence
 
     from jausml.language import wire
     from jausml_generators.python.codec.classes import NestedClass
 
 __all__ = ["BitFieldClass", "ContainerClass", "Member", "MessageView", "MessagesModule"]
 
+
+FORM_CLASS = "\4"
+"""Stands for the name of the class of a message in what messages share that are laid out alike."""
 
 # Behind eight blanks in a line of its own.
 _LONGEST_NAME = LINE_WIDTH - 8
@@ -62,6 +65,18 @@ class MessageView:
     def class_name(self) -> str:
         """Name of the class."""
         return self.body.name
+
+    @property
+    def form(self) -> Hashable:
+        """What it shares with messages that differ in their own names and codes alone."""
+        inner = (item.name for item in self.nested)
+        named = self.code if any(name.startswith(self.class_name) for name in inner) else None
+        return named, self.unnamed
+
+    @property
+    def unnamed(self) -> wire.Message:
+        """The layout without what is the message's own."""
+        return replace(self.layout, name="", code=0, documentation="")
 
     @property
     def base(self) -> str:
