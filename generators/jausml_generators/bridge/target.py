@@ -62,7 +62,7 @@ def tasks(model: Model) -> list[Task]:
             bridges,
             base="base.py.j2",
             skeleton="skeleton.py.j2",
-            words=lambda view: view.connection_names,
+            words=lambda view: view.words,
         ),
         FileTask("core.cpp.j2", with_core, _source),
         TextTask(
@@ -79,7 +79,7 @@ def tasks(model: Model) -> list[Task]:
             tests,
             lambda view: f"{view.package}/test/test_{view.package}_translations.py",
             imports=lambda view: view.imports,
-            words=lambda view: view.bridge.connection_names,
+            words=lambda view: view.bridge.words,
         ),
     ]
 

@@ -163,9 +163,10 @@ class BridgeView(ProgramView):
         return (*self.connections, *halves)
 
     @functools.cached_property
-    def connection_names(self) -> frozenset[str]:
-        """The names of the connections in Python."""
-        return frozenset(view.name for view in self.connections)
+    def words(self) -> frozenset[str]:
+        """The names of the connections in Python and of the classes of messages."""
+        names = (view.name for view in self.connections)
+        return frozenset((*names, *(view.class_name for view in self.messages)))
 
     @functools.cached_property
     def message_map(self) -> dict[jaus.MessageDef, MessageView]:

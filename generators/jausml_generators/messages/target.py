@@ -157,6 +157,7 @@ def tasks(model: Model) -> list[Task]:
             messages.modules,
             messages.path,
             imports=lambda module: module.imports,
+            words=lambda module: frozenset(view.class_name for view in module.messages),
         ),
     ]
 

@@ -178,18 +178,17 @@ def _natural(text: str) -> str:
 
 
 _START = re.compile(r"\n\n(?=(?: {4})?(?:@|def |class |async ))")
-_HEAD = re.compile(r"(?:def |class |\.)(\w+)")
+_HEAD = re.compile(r"(?:def |class |\.)(\w+)|\b([A-Z]\w*)")
 _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
-_STAND_IN = "\u01c2"
-"""A letter that no rendered word has; as many of them as the word has letters stand in for it."""
-_STOOD_IN = re.compile(f"{_STAND_IN}+")
+_STAND_INS = "\u01c2", "\u01c3"
+"""Letters that no rendered word has; as many of one as a word has letters stand in for it."""
 _LONGER = frozenset(string.ascii_letters + string.digits)
 """Beside these they do not: in a longer word, whose parts underscores join."""
-_STRING = re.compile(r'(?<=")[A-Za-z0-9_]+(?=")')
-_HIDDEN = "\u01c0"
-"""A letter that stands in for each of a string, of which nothing but its length counts."""
-_HIDDEN_STRING = re.compile(f"{_HIDDEN}+")
+_HIDDEN, _NO_CODE = "\u01c0", "0x0000"
+_OWN = re.compile(r'"\w+"|\b0x[0-9A-F]{4}\b', re.ASCII)
+"""Strings and codes, of which nothing but their length counts."""
+_HIDDEN_OWN = re.compile(rf"{_HIDDEN}+|\b{_NO_CODE}\b")
 
 
 @dataclass(frozen=True)
@@ -199,16 +198,14 @@ class _Piece:
     text: str
     names: Names
 
-    def under(self, word: str, strings: str) -> _Piece:
-        """Returns the piece with a word and the strings for what stands in for them."""
-        # The stand-in has the length of the word, so that the layout is the same.
-        stand_in = _STAND_IN * len(word)
-        letters = StringIO(strings)
-        text = _HIDDEN_STRING.sub(lambda found: letters.read(len(found[0])), self.text)
+    def under(self, words: Mapping[str, str], own: str) -> _Piece:
+        """Returns the piece with words, strings and codes for what stands in for them."""
+        letters = StringIO(own)
+        text = _HIDDEN_OWN.sub(lambda found: letters.read(len(found[0])), self.text)
         names = self.names
         groups = (names.running, names.annotating, names.defined)
-        found = ({name.replace(stand_in, word) for name in group} for group in groups)
-        return _Piece(text.replace(stand_in, word), Names(*found))
+        found = ({_with_words(name, words) for name in group} for group in groups)
+        return _Piece(_with_words(text, words), Names(*found))
 
 
 class Modules:
@@ -245,17 +242,25 @@ class Modules:
             return laid_out.replace(MARKER, f"{MARKER}\n{layout(lines)}" if lines else MARKER, 1)
 
     def _piece(self, text: str, words: Collection[str]) -> _Piece:
-        word, alike = _without_word(text, words if _HIDDEN not in text else ())
-        if not word:
-            return self._worked_on(text, words)
-        strings = "".join(_STRING.findall(alike))
-        alike = _STRING.sub(lambda found: _HIDDEN * len(found[0]), alike)
+        known, alike = _without_words(text, words if _HIDDEN not in text else ())
+        own: list[str] = []
+
+        def hidden(found: re.Match[str]) -> str:
+            quote = '"' if found[0].startswith('"') else ""
+            own.append(found[0].strip(quote))
+            return f"{quote}{_HIDDEN * len(own[-1])}{quote}" if quote else _NO_CODE
+
+        if known:
+            alike = _OWN.sub(hidden, alike)
         if alike not in self._pieces:
             try:
                 self._pieces[alike] = self._worked_on(alike, words)
             except CANNOT_PARSE:
+                if not known:
+                    raise
                 return self._worked_on(text)
-        return self._pieces[alike].under(word, strings)
+        piece = self._pieces[alike]
+        return piece.under(known, "".join(own)) if known else piece
 
     def _worked_on(self, text: str, words: Collection[str] = ()) -> _Piece:
         is_member = text.startswith(" ")
@@ -269,13 +274,10 @@ class Modules:
 
     def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
         """Lays out a statement, once however often it stands in the modules."""
-        word, alike = _without_word("\n".join(lines), words)
+        known, alike = _without_words("\n".join(lines), words)
         if alike not in self._statements:
             self._statements[alike] = lay_out_statement(alike.split("\n"))
-        laid_out = self._statements[alike]
-        return (
-            [line.replace(_STAND_IN * len(word), word) for line in laid_out] if word else laid_out
-        )
+        return [_with_words(line, known) for line in self._statements[alike]]
 
 
 def _joined(pieces: Sequence[_Piece]) -> Names:
@@ -286,13 +288,27 @@ def _joined(pieces: Sequence[_Piece]) -> Names:
     )
 
 
-def _without_word(text: str, words: Collection[str]) -> tuple[str, str]:
-    """Returns a word that a text is about, and the text without it; no word when there is none."""
-    word = _word_in(text, words) if words and _STAND_IN not in text else ""
-    # A word such as "f" before a string would change what the string is.
-    if not word or _PREFIX.fullmatch(word):
-        return "", text
-    stand_in = _STAND_IN * len(word)
+def _with_words(text: str, words: Mapping[str, str]) -> str:
+    for stand_in, word in words.items():
+        text = text.replace(stand_in, word)
+    return text
+
+
+def _without_words(text: str, words: Collection[str]) -> tuple[dict[str, str], str]:
+    """Returns words that a text is about by what stands in for them, and the text without them."""
+    known: dict[str, str] = {}
+    for letter in _STAND_INS:
+        word = _word_in(text, words) if words and letter not in text else ""
+        # A word such as "f" before a string would change what the string is.
+        if not word or _PREFIX.fullmatch(word):
+            break
+        # The stand-in has the length of the word, so that the layout is the same.
+        known[letter * len(word)] = word
+        text = _without_word(text, word, letter * len(word))
+    return known, text
+
+
+def _without_word(text: str, word: str, stand_in: str) -> str:
     alike = text.replace(word, stand_in)
 
     def kept(found: re.Match[str]) -> str:
@@ -300,14 +316,14 @@ def _without_word(text: str, words: Collection[str]) -> tuple[str, str]:
         beside = alike[max(start - 1, 0) : start] + alike[end : end + 1]
         return found[0] if _LONGER.isdisjoint(beside) else found[0].replace(stand_in, word)
 
-    return word, _STOOD_IN.sub(kept, alike)
+    return re.sub(f"{stand_in[0]}+", kept, alike)
 
 
 def _word_in(text: str, words: Collection[str]) -> str:
-    """Returns the first of some words in the name of a function, method or attribute."""
+    """Returns the first of some words in the name of a class, function, method or attribute."""
     seen = set()
     for found in _HEAD.finditer(text):
-        name = found[1]
+        name = found[1] or found[2]
         if name in seen:
             continue
         seen.add(name)
