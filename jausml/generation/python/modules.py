@@ -181,31 +181,33 @@ _START = re.compile(r"\n\n(?=(?: {4})?(?:@|def |class |async ))")
 _HEAD = re.compile(r"(?:def |class |\.)(\w+)|\b([A-Z]\w*)")
 _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
-_STAND_INS = "\u01c2", "\u01c3"
+_STAND_INS = frozenset("\u01c2\u01c3")
 """Letters that no rendered word has; as many of one as a word has letters stand in for it."""
 _LONGER = frozenset(string.ascii_letters + string.digits)
 """Beside these they do not: in a longer word, whose parts underscores join."""
 _HIDDEN, _NO_CODE = "\u01c0", "0x0000"
-_OWN = re.compile(r'"\w+"|\b0x[0-9A-F]{4}\b', re.ASCII)
+_OWN = re.compile(r'("\w+"|\b0x[0-9A-F]{4}\b)', re.ASCII)
 """Strings and codes, of which nothing but their length counts."""
-_HIDDEN_OWN = re.compile(rf"{_HIDDEN}+|\b{_NO_CODE}\b")
+_HIDDEN_OWN = re.compile(rf"({_HIDDEN}+|\b{_NO_CODE}\b)")
 
 
 @dataclass(frozen=True)
 class _Piece:
-    """A piece of a module."""
+    """A piece of a module: what is its own, and after each of it a hidden string or code."""
 
-    text: str
+    parts: Sequence[str]
     names: Names
 
-    def under(self, words: Mapping[str, str], own: str) -> _Piece:
+    def under(self, words: Mapping[str, str], hidden: str) -> _Piece:
         """Returns the piece with words, strings and codes for what stands in for them."""
-        letters = StringIO(own)
-        text = _HIDDEN_OWN.sub(lambda found: letters.read(len(found[0])), self.text)
+        parts, letters = list(self.parts), StringIO(hidden)
+        # The layout may have joined strings.
+        parts[1::2] = [letters.read(len(stand_in)) for stand_in in self.parts[1::2]]
+        text = "".join(parts)
         names = self.names
         groups = (names.running, names.annotating, names.defined)
         found = ({_with_words(name, words) for name in group} for group in groups)
-        return _Piece(_with_words(text, words), Names(*found))
+        return _Piece([_with_words(text, words)], Names(*found))
 
 
 class Modules:
@@ -235,7 +237,7 @@ class Modules:
             except CANNOT_PARSE:
                 # What looks like a function may stand in a string.
                 pieces = [self._worked_on(text)]
-            laid_out = "\n\n".join(piece.text for piece in pieces)
+            laid_out = "\n\n".join("".join(piece.parts) for piece in pieces)
             if imports is None:
                 return laid_out
             lines = import_lines(_joined(pieces), imports)
@@ -243,24 +245,24 @@ class Modules:
 
     def _piece(self, text: str, words: Collection[str]) -> _Piece:
         known, alike = _without_words(text, words if _HIDDEN not in text else ())
-        own: list[str] = []
-
-        def hidden(found: re.Match[str]) -> str:
-            quote = '"' if found[0].startswith('"') else ""
-            own.append(found[0].strip(quote))
-            return f"{quote}{_HIDDEN * len(own[-1])}{quote}" if quote else _NO_CODE
-
+        hidden = ""
         if known:
-            alike = _OWN.sub(hidden, alike)
+            parts = _OWN.split(alike)
+            hidden = "".join(own.strip('"') for own in parts[1::2])
+            parts[1::2] = map(_hidden, parts[1::2])
+            alike = "".join(parts)
         if alike not in self._pieces:
             try:
-                self._pieces[alike] = self._worked_on(alike, words)
+                piece = self._worked_on(alike, words)
             except CANNOT_PARSE:
                 if not known:
                     raise
                 return self._worked_on(text)
+            if hidden:
+                piece = replace(piece, parts=_HIDDEN_OWN.split(*piece.parts))
+            self._pieces[alike] = piece
         piece = self._pieces[alike]
-        return piece.under(known, "".join(own)) if known else piece
+        return piece.under(known, hidden) if known else piece
 
     def _worked_on(self, text: str, words: Collection[str] = ()) -> _Piece:
         is_member = text.startswith(" ")
@@ -270,7 +272,7 @@ class Modules:
         # The formatter is trusted for layout alone: what it made must still be Python.
         if laid_out != whole:
             ast.parse(laid_out)
-        return _Piece(laid_out.partition("\n")[2] if is_member else laid_out, names_in(module))
+        return _Piece([laid_out.partition("\n")[2] if is_member else laid_out], names_in(module))
 
     def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
         """Lays out a statement, once however often it stands in the modules."""
@@ -288,6 +290,10 @@ def _joined(pieces: Sequence[_Piece]) -> Names:
     )
 
 
+def _hidden(own: str) -> str:
+    return f'"{_HIDDEN * (len(own) - 2)}"' if own.startswith('"') else _NO_CODE
+
+
 def _with_words(text: str, words: Mapping[str, str]) -> str:
     for stand_in, word in words.items():
         text = text.replace(stand_in, word)
@@ -297,14 +303,13 @@ def _with_words(text: str, words: Mapping[str, str]) -> str:
 def _without_words(text: str, words: Collection[str]) -> tuple[dict[str, str], str]:
     """Returns words that a text is about by what stands in for them, and the text without them."""
     known: dict[str, str] = {}
-    for letter in _STAND_INS:
-        word = _word_in(text, words) if words and letter not in text else ""
-        # A word such as "f" before a string would change what the string is.
-        if not word or _PREFIX.fullmatch(word):
-            break
+    if not words or not _STAND_INS.isdisjoint(text):
+        return known, text
+    for letter, word in zip(sorted(_STAND_INS), _words_in(text, words), strict=False):
         # The stand-in has the length of the word, so that the layout is the same.
         known[letter * len(word)] = word
-        text = _without_word(text, word, letter * len(word))
+    for stand_in, word in known.items():
+        text = _without_word(text, word, stand_in)
     return known, text
 
 
@@ -319,18 +324,27 @@ def _without_word(text: str, word: str, stand_in: str) -> str:
     return re.sub(f"{stand_in[0]}+", kept, alike)
 
 
-def _word_in(text: str, words: Collection[str]) -> str:
-    """Returns the first of some words in the name of a class, function, method or attribute."""
-    seen = set()
+def _words_in(text: str, words: Collection[str]) -> Iterator[str]:
+    """Yields the words in the names of classes, functions, methods and attributes."""
+    seen, known = set[str](), set[str]()
     for found in _HEAD.finditer(text):
         name = found[1] or found[2]
         if name in seen:
             continue
         seen.add(name)
-        parts = name.split("_")
-        for start in range(len(parts)):
-            for end in range(len(parts), start, -1):
-                word = "_".join(parts[start:end])
-                if word in words:
-                    return word
+        word = _word_in(name, words)
+        # A word such as "f" before a string would change what the string is.
+        if word and word not in known and not _PREFIX.fullmatch(word):
+            known.add(word)
+            yield word
+
+
+def _word_in(name: str, words: Collection[str]) -> str:
+    """Returns the first of some words in a name whose parts underscores join."""
+    parts = name.split("_")
+    for start in range(len(parts)):
+        for end in range(len(parts), start, -1):
+            word = "_".join(parts[start:end])
+            if word in words:
+                return word
     return ""
