@@ -32,6 +32,79 @@ _CONNECTION = """<bridgeConnections name="c{n}" map="map_{map}" exchange="period
 """
 
 
+_SERVICE = """import `jaus.core-1.1`
+
+service_set grown {{
+  service Grown {{
+    urn: "urn:x-grown:s"
+    version: "1.0"
+    inherits: Management
+{messages}
+  }}
+}}
+
+component peer {{ address: 10.1.1 provides: Grown external: true }}
+{maps}
+bridge front {{
+  address: 10.1.2
+  uses: Grown
+{connections}
+}}
+"""
+_FIELDS = (
+    "record Body {{ fixed_field count {{ type: uint32 }} fixed_field level {{ type: float64 }} }}"
+)
+_UP_MESSAGE = f"    outputs: new message_def ReportLevel{{n}} {{{{ code: 0x{{report:X}}{_FIELDS}"
+_DOWN_MESSAGE = f"""    inputs: new message_def SetLevel{{n}} {{{{
+      code: 0x{{command:X}}
+      moves: true{_FIELDS}"""
+_UP_MAP = """
+up{n} {{
+  JAUS ReportLevel{n}
+  ROS geometry_msgs/PointStamped
+  JAUS->ROS (
+    clock -> header.stamp
+    "link" -> header.frame_id
+    count -> point.x
+    level -> point.y
+    ignore point.z
+  )
+}}
+"""
+_DOWN_MAP = """
+down{n} {{
+  JAUS SetLevel{n}
+  ROS geometry_msgs/PointStamped
+  ROS->JAUS ( point.x -> count  point.y -> level )
+  stopJaus: {{}}
+}}
+"""
+_UP = "  connection up{n} {{ map: up{n} peers: peer exchange: message topic up{n} {{}} }}"
+_DOWN = "  connection down{n} {{ map: down{n} peers: peer topic down{n} {{}} }}"
+_FIRST_REPORT, _FIRST_COMMAND = 0x6000, 0x1000
+
+
+def both_ways(count: int) -> str:
+    """Returns a model of a bridge whose connections have messages and maps of their own.
+
+    Args:
+        count: Number of connections in each direction.
+    """
+
+    def lines(*patterns: str) -> str:
+        return "\n".join(
+            pattern.format(n=n, report=_FIRST_REPORT + n, command=_FIRST_COMMAND + n)
+            for pattern in patterns
+            for n in range(count)
+        )
+
+    return _SERVICE.format(
+        messages=lines(_UP_MESSAGE, _DOWN_MESSAGE),
+        maps=lines(_UP_MAP, _DOWN_MAP),
+        connections=lines(_UP, _DOWN),
+    )
+
+
 def connections(count: int, *, own_maps: bool, own_frames: bool = False) -> str:
     """Returns a model of a bridge with connections.
 
@@ -63,16 +136,22 @@ def processor_seconds(text: str, *verb: str, python: str = sys.executable) -> fl
         python: That of the environment whose jausml is measured.
     """
     with tempfile.TemporaryDirectory() as folder:
-        model = Path(folder) / "grown.xmi"
+        suffix = "xmi" if text.startswith("<") else "ros2jaus"
+        model = Path(folder) / f"grown.{suffix}"
         model.write_text(text, encoding="utf-8")
-        homes = {"XDG_CACHE_HOME": f"{folder}/cache", "XDG_STATE_HOME": f"{folder}/state"}
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        subprocess.run(
-            [python, "-m", "jausml", *verb, str(model)],
-            check=True,
-            capture_output=True,
-            cwd=folder,
-            env=os.environ | homes,
-        )
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return seconds_in(Path(folder), *verb, str(model), python=python)
+
+
+def seconds_in(folder: Path, *line: str, python: str = sys.executable) -> float:
+    """Returns the processor time of a command of jausml in a folder, with all that it starts."""
+    homes = {"XDG_CACHE_HOME": f"{folder}/cache", "XDG_STATE_HOME": f"{folder}/state"}
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    subprocess.run(
+        [python, "-m", "jausml", *line],
+        check=True,
+        capture_output=True,
+        cwd=folder,
+        env=os.environ | homes,
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime

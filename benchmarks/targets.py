@@ -131,6 +131,9 @@ TARGETS = (
         " x",
         _toolchain("vehicle", "ratio"),
     ),
+    Target("`init` and `new bridge` of 13 topics", 0.5, " x", _toolchain("new bridge", "ratio")),
+    Target("`build` of what is built", 0.5, " x", _toolchain("build", "ratio")),
+    Target("`run` for a second", 0.5, " x", _toolchain("run", "ratio")),
     Target("exponent of growth from 50 to 1,500 connections", 1.05, "", _growth),
     Target(
         "from an edit in the studio to its verdict, the example", 60, " ms", _verdict("the example")

@@ -98,7 +98,7 @@ class Draft:
         """Returns an element, be it one of the library, and a model that has it."""
         file, _ = refs.split(ref)
         if is_library(file):
-            model = self._reader.library(file).model
+            model = self._reader.library(file)
         elif file in self.files:
             model = self.read(file).model
         else:

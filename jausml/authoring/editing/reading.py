@@ -23,7 +23,7 @@ from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import LIBRARY, file_of
 from jausml.language.model.xmi.parsing import parse as parse_xmi
 from jausml.language.model.xmi.writer import replace_file
-from jausml.language.project import Index, Models
+from jausml.language.project import Index, Models, library
 from jausml.language.text.notation import NOTATIONS, SUFFIX, decode
 
 if TYPE_CHECKING:
@@ -69,7 +69,6 @@ class Reader:
     def __init__(self, root: Path) -> None:
         self._root = root
         self._models = Models(root, NOTATIONS)
-        self._library: dict[str, ReadResult] = {}
         self._known_faults: dict[str, tuple[str, tuple[Diagnostic, ...]]] = {}
 
     def read(self, file: str, files: Mapping[str, Stored]) -> ReadResult:
@@ -80,20 +79,17 @@ class Reader:
         """Returns the model of the files that a file does not refer to."""
         return Index(self._root, _contents(files), self._models).beside(file)
 
-    def library(self, file: str) -> ReadResult:
-        """Returns the model of a file of the library.
+    def library(self, file: str) -> Model:
+        """Returns a model that has a file of the library: that of all of it, read once.
 
         `file`: the file as refs name it, such as `library:/jaus/mobility.xmi`.
         """
-        found = self._library.get(file)
-        if found is None:
-            path = library_root() / file.removeprefix(LIBRARY)
-            real = os.path.realpath(path)
-            is_inside = real.startswith(os.path.realpath(library_root()) + os.sep)
-            if not is_inside or not os.path.isfile(real):  # noqa: PTH113 -- a name may be too long
-                raise EditError(f"the library has no file {file.removeprefix(LIBRARY)}")
-            found = self._library[file] = read_models([path], notations=NOTATIONS)
-        return found
+        path = library_root() / file.removeprefix(LIBRARY)
+        real = os.path.realpath(path)
+        is_inside = real.startswith(os.path.realpath(library_root()) + os.sep)
+        if not is_inside or not os.path.isfile(real):  # noqa: PTH113 -- a name may be too long
+            raise EditError(f"the library has no file {file.removeprefix(LIBRARY)}")
+        return library()
 
     def documents(self, file: str, files: Mapping[str, Stored]) -> list[str]:
         """Returns the files of the project that the model of a file has elements of."""
