@@ -51,13 +51,16 @@ bridge front {{
 {connections}
 }}
 """
-_FIELDS = (
-    "record Body {{ fixed_field count {{ type: uint32 }} fixed_field level {{ type: float64 }} }}"
-)
-_UP_MESSAGE = f"    outputs: new message_def ReportLevel{{n}} {{{{ code: 0x{{report:X}}{_FIELDS}"
+_FIELDS = """    record Body {{
+      fixed_field count {{ type: uint32 }}
+      fixed_field level {{ type: float64 }}
+    }} }}"""
+_UP_MESSAGE = f"""    outputs: new message_def ReportLevel{{n}} {{{{
+      code: 0x{{report:X}}
+{_FIELDS}"""
 _DOWN_MESSAGE = f"""    inputs: new message_def SetLevel{{n}} {{{{
-      code: 0x{{command:X}}
-      moves: true{_FIELDS}"""
+      code: 0x{{command:X}} moves: true
+{_FIELDS}"""
 _UP_MAP = """
 up{n} {{
   JAUS ReportLevel{n}

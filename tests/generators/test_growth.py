@@ -34,11 +34,16 @@ def rendering(model):
 
 def calls(text, folder, work=rendering):
     """Returns how many calls some work with a model takes, by default its rendering."""
-    model = folder / "grown.xmi"
+    return counts(text, folder, work).total()
+
+
+def counts(text, folder, work=rendering):
+    """Returns how often some work with a model calls each function."""
+    model = folder / ("grown.xmi" if text.startswith("<") else "grown.ros2jaus")
     model.write_text(text, encoding="utf-8")
     report = check_project([model])
     assert not report.has_errors, report.diagnostics[:3]
-    return counted(lambda: work(report.model)).total()
+    return counted(lambda: work(report.model))
 
 
 @pytest.mark.parametrize(
@@ -50,6 +55,24 @@ def test_generation_is_linear_in_connections(growth, tmp_path, own_maps, own_fra
         for n in (1, 31, 91)
     )
     assert most - few < 3.3 * (more - few)
+
+
+def test_generation_is_linear_in_messages(growth, tmp_path):
+    few, more, most = (calls(growth.both_ways(n), tmp_path) for n in (1, 16, 46))
+    assert most - few < 3.3 * (more - few)
+
+
+def test_what_is_laid_out_alike_is_made_once(growth, tmp_path):
+    """Views of messages are built once each; translations and tests once for their form."""
+    few, many = (counts(growth.both_ways(n), tmp_path) for n in (5, 25))
+    assert added(few, many, "MessageBuilder.build") == 2 * 20
+    for function in ("to_ros", "to_jaus", "sample_of", "forms"):
+        assert added(few, many, function) == 0
+
+
+def added(few, many, function):
+    """Returns how often a function is called more."""
+    return sum((many - few)[name] for name in many if name.endswith(f" {function}"))
 
 
 def test_the_list_of_processes_translates_nothing(growth, tmp_path):

@@ -124,6 +124,36 @@ def connections(n):
     )
 
 
+def commands(n):
+    """A bridge that takes commands, each by a map of its own, and answers what it has obeyed."""
+    body = record(octet("V"))
+    messages = each(
+        n,
+        lambda i: (
+            f'<inputs xmi:id="m{i}" name="SetA{i}" code="0x{0x1000 + i:X}" isCommand="true"'
+            f' moves="true">{body}</inputs><inputs name="QueryA{i}" code="0x{0x3000 + i:X}"/>'
+            f'<outputs name="ReportA{i}" code="0x{0x6000 + i:X}">{body}</outputs>'
+        ),
+    )
+    maps = each(
+        n,
+        lambda i: (
+            f'<maps xmi:id="map{i}" name="map{i}" message="m{i}" type="n">{assigned("v", "V")}'
+            "<stopRos/></maps>"
+        ),
+    )
+    ways = each(
+        n,
+        lambda i: (
+            f'<bridgeConnections name="k{i}" map="map{i}" exchange="message">'
+            f'<topics name="t{i}"/></bridgeConnections>'
+        ),
+    )
+    user = '<components name="u" address="1.1.3" uses="s" external="true"/>'
+    own = f'<bridges name="b" address="1.1.2" provides="s">{maps}{ways}</bridges>'
+    return user + own + ros(number("v")) + service(messages)
+
+
 def service_connections(n):
     uses = each(n, lambda i: f'<connections name="k{i}" provider="c" message="m{i}" rate="1.0"/>')
     user = f'<components name="d" address="1.1.2" uses="s">{uses}</components>'

@@ -40,6 +40,7 @@ TARGETS = ("bridge", "jaus_component", "messages", "ros_interfaces")
 LIVING = (
     grown.messages,
     grown.connections,
+    grown.commands,
     grown.service_connections,
     grown.assignments,
     grown.both_directions,
@@ -63,7 +64,7 @@ ALL = (
     grown.lines,
     grown.one_line,
 )
-GUARDING = (grown.states, grown.components, grown.lines)
+GUARDING = (grown.commands, grown.states, grown.components, grown.lines)
 VIEW = {grown.states: "machine:M", grown.transitions: "machine:M", grown.messages: "service:S"}
 MAPS = (grown.assignments, grown.ros_fields, grown.ros_structures, grown.table)
 
