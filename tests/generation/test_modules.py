@@ -20,7 +20,7 @@ def test_{0}_of_some(bridge: Odometry) -> None:
     source = ReportPose(1.0e5, x=0x1E5, text=f"{{bridge.{0}}} and {0}")
     target = bridge.translate_{0}(source, "{0}", bridge.{0}_frame_id, longer="than a line may be")
     assert f"a{0}b" "c" "d{0}_2" == {{"link_{0}": 'a"b"c', "in": ("x",)}}["link_{0}"], "of" "{0}x"
-    assert target.{0}.x == source.e5.f.x{1}
+    assert target.{0}.x == source.e5.f.x{1} + 0x4403 + 0x0000, "0x4403"
 '''
 METHOD = '''
     def translate_{0}(self, source: ReportPose) -> Odometry | None:
@@ -65,6 +65,7 @@ def test_words_change_nothing(names):
 
     assert Modules().finished(text, IMPORTS, names) == expected
     assert Modules().finished(text, IMPORTS, names[:2]) == expected
+    assert Modules().finished(text, IMPORTS, [*names, "ReportPose", "Odometry"]) == expected
     ast.parse(expected)
 
 
@@ -95,6 +96,18 @@ def test_pieces_that_differ_in_strings_are_parsed_once(parses):
     made = "".join(text.format(name, 150 - number) for number, name in enumerate(names))
 
     assert Modules().finished(made, None, names) == made
+    assert len(parses) < 5
+
+
+def test_pieces_that_differ_in_a_class_and_its_code_are_parsed_once(parses):
+    text = (
+        'def test_{0}(source: {1}) -> None:\n    """{1} ({2})."""\n    assert {1}.CODE == {2}\n\n\n'
+    )
+    numbers = range(10, 90)
+    made = "".join(text.format(f"c{n}", f"Report{n}", f"0x60{n}") for n in numbers)
+    words = [f"{name}{n}" for n in numbers for name in ("c", "Report")]
+
+    assert Modules().finished(made, None, words) == made
     assert len(parses) < 5
 
 

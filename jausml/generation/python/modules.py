@@ -259,7 +259,7 @@ class Modules:
                     raise
                 return self._worked_on(text)
             if hidden:
-                piece = replace(piece, parts=_HIDDEN_OWN.split(*piece.parts))
+                piece = replace(piece, parts=_HIDDEN_OWN.split("".join(piece.parts)))
             self._pieces[alike] = piece
         piece = self._pieces[alike]
         return piece.under(known, hidden) if known else piece

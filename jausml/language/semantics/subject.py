@@ -118,6 +118,8 @@ class Subject:
 
     def is_read(self, element: EObject, needs: Iterable[str] | None = None) -> bool:
         """Tells whether features of an element itself were read, all of them by default."""
+        if not self._unread:
+            return True
         unread = self._unread.get(element, frozenset())
         if needs is None or unread is None:
             return element not in self._unread

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -64,8 +64,12 @@ class Check:
                 text = text.replace(stand_in, own)
             return text
 
-        texts = map(named, (self.name, self.documentation))
-        return Check(*texts, tuple(map(named, self.lines)), self.decorators, self.parameters)
+        return replace(
+            self,
+            name=named(self.name),
+            documentation=named(self.documentation),
+            lines=tuple(map(named, self.lines)),
+        )
 
 
 def tidy(statements: Iterable[str]) -> tuple[str, ...]:
