@@ -7,6 +7,7 @@ is made once without these names, and given those of each.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from jausml.language.metamodel.classes import bridge, ecore
@@ -87,14 +88,7 @@ class _Shared(NamedTuple):
 
 @dataclass(frozen=True)
 class _Asked:
-    """A translation that a connection asks for.
-
-    Attributes:
-        steps: Returns its steps, from the name of the connection, the class of the JAUS message and
-            the surroundings.
-        printed: Returns the lines of its steps.
-        compiled: Returns its function in the compiled core, of its steps.
-    """
+    """A translation that a connection asks for, and how its steps, lines and function are made."""
 
     name: str
     message: MessageView
@@ -145,8 +139,8 @@ class SharedTranslations:
             return text.replace(_NAME, asked.name).replace(FORM_CLASS, asked.message.class_name)
 
         compiled = shared.compiled[element]
-        lines = tuple(named(shared.text).split("\n"))
-        return _Made(lines, None if compiled is None else compiled.renamed(named))
+        lines = named(shared.text).split("\n")
+        return _Made(tuple(lines), None if compiled is None else compiled.renamed(named))
 
 
 def _mark(number: int) -> str:
@@ -385,14 +379,8 @@ def _translated(
             body = to_jaus(connection, message, name, types, around)
         return tuple(body.steps)
 
-    asked = _Asked(
-        name,
-        message,
-        used,
-        steps,
-        lambda steps: printed(steps, parameters),
-        lambda steps: around.core.add(function, steps, ends),
-    )
+    compiled = partial(around.core.add, function, ends=ends)
+    asked = _Asked(name, message, used, steps, partial(printed, parameters=parameters), compiled)
     alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
     if any(attribute_map is not used for attribute_map in used_maps(used, to_ros=is_to_ros)):
         # Each connection has its own methods for the messages inside its message.
