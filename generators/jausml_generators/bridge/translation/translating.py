@@ -108,15 +108,10 @@ class SharedTranslations:
 
     def __init__(self, uses: Surroundings) -> None:
         self._uses = uses
-        self._once: set[object] = set()
         self._shared: dict[object, _Shared] = {}
 
     def made(self, key: object, asked: _Asked) -> _Made:
         """Returns a translation."""
-        if key not in self._once:
-            # Many maps have one connection; all that is not named after it is claimed here.
-            self._once.add(key)
-            return asked.alone(self._uses)
         if key not in self._shared:
             # The very collections of the bridge, no copies: what is made here counts for all of it.
             known = {
