@@ -87,7 +87,7 @@ class BridgeView(ProgramView):
     @functools.cached_property
     def translations(self) -> Translations:
         """The translations of the connections."""
-        taken = {*self.imported, self.class_name, self.base_name}
+        taken = {*self.imported, *runtime_names(), self.class_name, self.base_name}
         return translate(self.bridge, self._carried, self.message_of, taken, self.light)
 
     @property
@@ -211,8 +211,8 @@ class BridgeView(ProgramView):
 
     @property
     def imported(self) -> Collection[str]:
-        """Names that its modules may import, besides ROS types."""
-        return {*runtime_names(), *(view.class_name for view in self.messages)}
+        """Names of messages: of the runtime, its skeleton and its tests import no class."""
+        return {view.class_name for view in self.messages}
 
     @property
     def settings(self) -> tuple[tuple[str, str], ...]:
