@@ -145,4 +145,8 @@ if TYPE_CHECKING:
 """
     found = needed({"a.py": code})
     assert {"component.process", "virtual.world", "virtual.graph"} <= set(found)
-    assert needed({"a.py": "import os"}) == {}
+
+
+def test_files_of_older_runs_and_damaged_ones_ask_for_nothing() -> None:
+    damaged = {"a.py": f"from {FACE} import (", "b.py": f"from {FACE}.gone import Name"}
+    assert needed({**damaged, "c.py": "import os"}) == {}

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import ast
 import functools
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import jausml
+from jausml.generation.artifact import CANNOT_PARSE
 from jausml.generation.python import layout
 from jausml_generators.python.package import FACE
 
@@ -96,7 +98,7 @@ def needed(code: Mapping[str, str]) -> dict[str, str]:
     found: dict[str, str] = {}
     read: set[str] = set()
     for path, text in sorted(code.items()):
-        asked = list(_imports(_statements(ast.parse(text)), "")) if FACE in text else []
+        asked = _asked(text) if FACE in text else []
         while asked:
             name = _origin(*asked.pop())
             parts = name.split(".")
@@ -127,6 +129,14 @@ def copied(module: Module, kept: Mapping[str, str]) -> str:
         first, last = node.lineno - 1, node.end_lineno or node.lineno
         lines[first:last] = [text, *[""] * (last - first - 1)]
     return "".join(lines)
+
+
+def _asked(text: str) -> list[tuple[str, str]]:
+    """Returns what code imports of the runtime, whatever older runs or somebody's hand left."""
+    with suppress(*CANNOT_PARSE):
+        found = _imports(_statements(ast.parse(text)), "")
+        return [(module, name) for module, name in found if module in runtime_modules()]
+    return []
 
 
 def _origin(module: str, name: str) -> str:
