@@ -73,7 +73,9 @@ def generate(model: Path, workspace: Path, *packages: Path) -> None:
     for package in packages:
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(package, workspace / package.name, ignore=ignored)
-    command = [sys.executable, "-m", "jausml", "generate", str(model), "-o", str(workspace)]
+    # The whole runtime: drives in virtual time need it, and all workspaces share one.
+    line = ["generate", str(model), "--all", "-o", str(workspace)]
+    command = [sys.executable, "-m", "jausml", *line]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise ExperimentError(f"{model.name} cannot be generated: {done.stdout}{done.stderr}")

@@ -54,8 +54,13 @@ FILTERS: Mapping[str, Callable[..., str]] = {
 """What templates may put text through."""
 
 
-def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
+def render(
+    model: ModelT, targets: Sequence[Target[ModelT]], beside: Mapping[str, str] | None = None
+) -> list[Artifact]:
     """Renders all files of some targets to memory; nothing is written.
+
+    Args:
+        beside: Python by path that other runs made for the same workspace.
 
     Raises:
         InternalError: A template, a view or a produced text is wrong; the text names the template
@@ -63,12 +68,25 @@ def render(model: ModelT, targets: Sequence[Target[ModelT]]) -> list[Artifact]:
     """
     size, modules = _Size(), Modules()
     with without_collector(), remembering():
-        renderers = [_Renderer(target, model, size, modules) for target in targets]
-        size.check_files(sum(len(task.task.views) for one in renderers for task in one.tasks))
-        for renderer in renderers:
-            renderer.generate(model, outfolder="")
-    artifacts = [artifact for one in renderers for task in one.tasks for artifact in task.artifacts]
+        artifacts = _rendered(model, [(one, one.tasks(model)) for one in targets], size, modules)
+        code = {made.path: made.text for made in artifacts if made.path.endswith(".py")}
+        code = {**(beside or {}), **code}
+        following = [(one, one.for_code(code)) for one in targets if one.for_code is not None]
+        artifacts += _rendered(model, following, size, modules)
     return sorted(artifacts, key=lambda artifact: (artifact.path, artifact.target))
+
+
+def _rendered(
+    model: ModelT,
+    wanted: Sequence[tuple[Target[ModelT], Sequence[Task]]],
+    size: _Size,
+    modules: Modules,
+) -> list[Artifact]:
+    renderers = [_Renderer(target, tasks, size, modules) for target, tasks in wanted]
+    size.check_files(sum(len(task.task.views) for one in renderers for task in one.tasks))
+    for renderer in renderers:
+        renderer.generate(model, outfolder="")
+    return [artifact for one in renderers for task in one.tasks for artifact in task.artifacts]
 
 
 class _Size:
@@ -76,10 +94,12 @@ class _Size:
 
     def __init__(self) -> None:
         self._characters = 0
+        self._files = 0
 
     def check_files(self, number: int) -> None:
-        if number > MAX_FILES:
-            message = f"the workspace would have {number} files, more than {MAX_FILES}"
+        self._files += number
+        if self._files > MAX_FILES:
+            message = f"the workspace would have {self._files} files, more than {MAX_FILES}"
             raise TooLargeError(f"{message}: make several systems of the model")
 
     def add(self, artifact: Artifact) -> None:
@@ -112,13 +132,13 @@ def _compiled() -> _Compiled:
 
 
 class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
-    """Runs the tasks of one target over one model."""
+    """Runs tasks of one target over one model."""
 
     def __init__(
-        self, target: Target[ModelT], model: ModelT, size: _Size, modules: Modules
+        self, target: Target[ModelT], tasks: Sequence[Task], size: _Size, modules: Modules
     ) -> None:
         self.templates_path = [str(folder.resolve()) for folder in target.template_folders]
-        self.tasks = [_FilesInMemory(task, target, size, modules) for task in target.tasks(model)]
+        self.tasks = [_FilesInMemory(task, target, size, modules) for task in tasks]
         super().__init__(global_context={"target": target.name, "version": __version__})
 
     def create_environment(self, **kwargs: object) -> jinja2.Environment:

@@ -123,6 +123,7 @@ class Target(Generic[ModelT]):
         is_on_request: Whether it runs only when it is named: what it makes is no part of the
             workspace.
         is_shared: Whether its files are the same for every model; those of a workspace share them.
+        for_code: Returns further tasks for Python in the workspace, by path, of other targets.
         processes: Returns what `jausml run` starts, as the manifest records it; None for a target
             that knows no processes.
     """
@@ -134,13 +135,16 @@ class Target(Generic[ModelT]):
     is_on_request: bool = False
     is_renewed: bool = False
     is_shared: bool = False
+    for_code: Callable[[Mapping[str, str]], Sequence[Task]] | None = None
     needs_system: bool = True
     whole_library: WholeLibrary[ModelT] | None = None
     processes: Callable[[ModelT], Sequence[Mapping[str, Any]]] | None = None
 
     def for_whole_library(self) -> Target[ModelT]:
         """Returns the target as `--all` asks for it, or itself when it has no such option."""
-        return replace(self, tasks=self.whole_library.tasks) if self.whole_library else self
+        if self.whole_library is None:
+            return self
+        return replace(self, tasks=self.whole_library.tasks, for_code=None)
 
 
 def load_targets() -> dict[str, Target[Any]]:

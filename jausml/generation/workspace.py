@@ -14,7 +14,7 @@ from jausml.generation.contract.finding import CODE_RULES, STALE, Finding, Fix, 
 from jausml.generation.contract.interface import Interface, former_names
 from jausml.generation.drift import drift
 from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
-from jausml.generation.manifest import Manifest, read_manifest
+from jausml.generation.manifest import Manifest, inspect, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
 from jausml.generation.target import Target, name_of, source_of, system_of
@@ -103,7 +103,7 @@ def generate(
         again = [target for target in renewed if target.name in there]
         _check_again(model, again)
         targets = [*targets, *again]
-    artifacts = render(model, targets)
+    artifacts = render(model, targets, _beside(out, name_of(model), targets, kept))
     with locked(out) if write else nullcontext():
         return _generate(
             model, targets, artifacts, out, kept, adopt, force=force, write=write, fix=fix
@@ -112,7 +112,8 @@ def generate(
 
 def broken_code(old: Model, new: Model, targets: Sequence[Target[Any]], out: Path) -> list[Finding]:
     """Returns what a change of a model breaks in users' files; writes nothing."""
-    before, after = render(old, targets), render(new, targets)
+    beside = _beside(out, name_of(new), targets, None)
+    before, after = render(old, targets, beside), render(new, targets, beside)
     manifest = read_manifest(out)
     paths = [{artifact.path for artifact in state} for state in (before, after)]
     come, gone = frozenset(paths[1] - paths[0]), frozenset(paths[0] - paths[1])
@@ -163,9 +164,7 @@ def _generate(
 ) -> Result:
     name = name_of(model)
     manifest = _manifest(out, name, source_of(model), adopt)
-    written = {entry.target for entry in manifest.files.values()}
-    others = frozenset() if kept is None else written - frozenset(kept)
-    covered = {target.name for target in targets} | others
+    covered = _covered(manifest, targets, kept)
     launching = [target.processes for target in targets if target.processes is not None]
     processes = [dict(process) for list_processes in launching for process in list_processes(model)]
     former: dict[str, str] = {}
@@ -192,6 +191,31 @@ def _generate(
         fixed += done
         findings = compare()
     return Result(plan, tuple(findings), is_written, tuple(fixed))
+
+
+def _covered(
+    manifest: Manifest, targets: Sequence[Target[Any]], kept: Collection[str] | None
+) -> set[str]:
+    """Returns the names of the targets all of whose files of a model a run decides."""
+    written = {entry.target for entry in manifest.files.values()}
+    others = frozenset() if kept is None else written - frozenset(kept)
+    return {target.name for target in targets} | others
+
+
+def _beside(
+    out: Path, name: str, targets: Sequence[Target[Any]], kept: Collection[str] | None
+) -> dict[str, str]:
+    """Returns the generated Python that stays beside what a run makes of a model, by path."""
+    manifest = read_manifest(out)
+    covered = _covered(manifest, targets, kept)
+    shared = {target.name for target in targets if target.is_shared}
+    found = {}
+    for path, entry in manifest.files.items():
+        stays = entry.target not in covered or {*entry.models} - {name}
+        if path.endswith(".py") and stays and entry.target not in shared:
+            state = inspect(out, path)
+            found[path] = state.text or ""
+    return found
 
 
 def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:

@@ -167,7 +167,8 @@ _HEAD = '''"""A path through {machine} of {component}, in virtual time.
 
 Conditions of the machine say what was said when the path was stepped.
 
-Run it beside the generated workspace: PYTHONPATH=$(echo ws/* | tr ' ' :) python -m pytest FILE
+Run it beside what `jausml generate --all` makes:
+PYTHONPATH=$(echo ws/* | tr ' ' :) python -m pytest FILE
 """
 
 from jausml_runtime import JausAddress, JausComponent, ServiceIdentity

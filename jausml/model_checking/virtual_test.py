@@ -30,7 +30,8 @@ _HEAD = '''"""A counter-example of `jausml model-check` to {name}, in virtual ti
 
 It fails as long as what it found can happen: {message}.
 
-Run it beside the generated workspace: PYTHONPATH=$(echo ws/* | tr ' ' :) python -m pytest FILE
+Run it beside what `jausml generate --all` makes:
+PYTHONPATH=$(echo ws/* | tr ' ' :) python -m pytest FILE
 """
 
 from jausml_runtime import ComponentSettings, Guard, JausAddress, JausComponent, ServiceIdentity

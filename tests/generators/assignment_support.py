@@ -96,11 +96,12 @@ def artifacts_of(text: str, folder: Path, name: str) -> dict[str, Any]:
         f"{refusal.location.line}: {refusal.message}" for refusal in refusals
     )
     made = {
-        artifact.path: artifact for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME])
+        artifact.path: artifact
+        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()])
     }
     again = {
         artifact.path: artifact.text
-        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME])
+        for artifact in render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()])
     }
     assert {path: artifact.text for path, artifact in made.items()} == again
     return made

@@ -234,7 +234,7 @@ def test_contract_names_each_translation(loop_files):
 def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
     result = read_models([model])
     artifacts = render(result.model, [TARGET])
-    write([*artifacts, *render(result.model, [MESSAGES, RUNTIME])], tmp_path)
+    write([*artifacts, *render(result.model, [MESSAGES, RUNTIME.for_whole_library()])], tmp_path)
     package = artifacts[0].path.split("/")[0]
     config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
     folder = tmp_path / package
@@ -258,7 +258,7 @@ def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
 
 def test_output_passes_the_type_checker(tmp_path):
     result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
     settings = tmp_path / "mypy.ini"
     settings.write_text(
         "[mypy]\nstrict = True\npython_version = 3.10\nfollow_imports = silent\n"
@@ -284,7 +284,7 @@ def test_a_light_class_that_differs_from_that_of_ros_is_told(tmp_path):
     """By the check that stands in the generated tests for each connection."""
     needs.ask("rclpy")
     result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
     program = """
 from jausml_runtime import differing_forms
 from loop_bridge import ros_types
@@ -317,7 +317,7 @@ assert found[:2] == ["light.linear.x: 1.0, rclpy: 0.0", "light.angular.x: 0.0, r
 def test_skeleton_overrides_and_help(tmp_path):
     needs.ask("rclpy")
     result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
     program = """
 from loop_bridge.loop_bridge import LoopBridge
 from loop_bridge.main import main
@@ -350,7 +350,7 @@ main(["--help"])
 def test_translations_keep_to_their_policies_before_the_bridge_is_open(tmp_path):
     needs.ask("rclpy")
     result = read_models([CASE])
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
     program = """
 from geometry_msgs.msg import Twist
 from jausml_runtime import OutOfRangeError
@@ -389,7 +389,7 @@ def test_what_a_peer_sends_is_no_wrong_number_in_ros(tmp_path):
     needs.ask("rclpy")
     result = read_models([Path(__file__).with_name("narrow_bridge.xmi")])
     assert result.diagnostics == []
-    write(render(result.model, [TARGET, MESSAGES, RUNTIME]), tmp_path)
+    write(render(result.model, [TARGET, MESSAGES, RUNTIME.for_whole_library()]), tmp_path)
     program = """
 import math
 import pytest

@@ -28,6 +28,7 @@ from jausml.language.model import Severity, read_models
 from jausml.language.semantics.names import DEVICES, LONGEST, is_identifier, snake_case
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
+from jausml.language.validation.rules.bridge.deployment import PARAMETERS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.codec_cpp.target import TARGET as CODEC_CPP
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
@@ -87,25 +88,61 @@ MESSAGE = """
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
     xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
-    xmlns:jaus="http://www.jausml.org/jaus/1.0" name="names">
-  <services name="Names" urn="urn:names:Names">{messages}</services>
-</jaus:ServiceSet>
+    xmlns:jaus="http://www.jausml.org/jaus/1.0" name="names">{services}</jaus:ServiceSet>
+"""
+SERVICE = """
+  <services name="{name}" urn="urn:names:{name}">{messages}</services>
+"""
+STATEFUL = """
+  <services name="{name}" urn="urn:names:{name}">{messages}
+    <outputs name="{name}_told" code="{code:#06x}"/>
+    <events name="{name}"/>
+    <machines name="{name}">
+      <states name="{name}" initial="true">
+        <entry name="{action}"/>
+        <transitions event="{name}" guard="{guard}" target="{name}s">
+          <actions name="{action}" sends="//@services.{number}/@outputs.0"/>
+        </transitions>
+      </states>
+      <states name="{name}s">
+        <exit name="{action}s"/>
+        <transitions message="//@services.{number}/@inputs.0" guard="{guard}( msg )"
+            target="{name}s.{name}">
+          <actions name="{action}"/>
+        </transitions>
+        <states name="{name}" initial="true"/>
+      </states>
+    </machines>
+  </services>
 """
 
 
-def model(path: Path, names: Sequence[str], message: str = "Report{number}") -> Path:
-    """Writes a service with a message for each name, which has it wherever a name may stand."""
-    messages = (
-        MESSAGE.format(
-            message=message.format(number=number, name=name),
-            number=number,
-            code=0xD100 + number,
-            name=name,
-        )
-        for number, name in enumerate(names)
-    )
-    path.write_text(MODEL.format(messages="".join(messages)))
+def message(number: int, name: str, message_name: str) -> str:
+    """Returns a message that has the name wherever a name may stand in it."""
+    return MESSAGE.format(message=message_name, number=number, code=0xD100 + number, name=name)
+
+
+def model(path: Path, names: Sequence[str]) -> Path:
+    """Writes a service with a message for each name."""
+    messages = (message(number, name, f"Report{number}") for number, name in enumerate(names))
+    service = SERVICE.format(name="Names", messages="".join(messages))
+    path.write_text(MODEL.format(services=service))
     return path
+
+
+def services(path: Path, names: Sequence[str]) -> None:
+    """Writes a service of each name, which takes and sends messages, and whose states have it.
+
+    An action has no name of a guard, so services have the name in turns for one and the other.
+    """
+    found = []
+    for number, name in enumerate(names):
+        sent = message(number, name, name)
+        taken = sent.replace("<outputs", "<inputs").replace("</outputs", "</inputs")
+        action, guard = (name, f"g{number}") if number % 2 else (f"a{number}", name)
+        kinds = {"name": name, "number": number, "action": action, "guard": guard}
+        found.append(STATEFUL.format(**kinds, code=0xE100 + number, messages=taken))
+    path.write_text(MODEL.format(services="".join(found)))
 
 
 def names_used(folder: Path) -> list[str]:
@@ -149,14 +186,42 @@ TYPE = """
       <fields xsi:type="ros:PrimitiveField" name="more" type="uint8" arrayKind="unboundedSequence"/>
       <constants name="{constant}" type="uint8" value="1"/>
     </messages>
+    <services name="{type}">
+      <request name="{type}_Request">
+        <fields xsi:type="ros:PrimitiveField" name="{field}" type="float64"/>
+        <constants name="{constant}" type="uint8" value="1"/>
+      </request>
+      <response name="{type}_Response">
+        <fields xsi:type="ros:PrimitiveField" name="{field}" type="bool"/>
+      </response>
+    </services>
+    <actions name="{type}">
+      <goal name="{type}_Goal">
+        <fields xsi:type="ros:MessageField" name="{field}" arrayKind="unboundedSequence">
+          <messageType href="http://www.jausml.org/library/ros/geometry_msgs.xmi#PoseStamped"/>
+        </fields>
+        <constants name="{constant}" type="uint8" value="1"/>
+      </goal>
+      <result name="{type}_Result">
+        <fields xsi:type="ros:PrimitiveField" name="{field}" type="string"/>
+      </result>
+      <feedback name="{type}_Feedback">
+        <fields xsi:type="ros:PrimitiveField" name="{field}" type="uint32"/>
+      </feedback>
+    </actions>
 """
 SYSTEM = """
 import "names.xmi"
 import "own_msgs.xmi"
-component `{unit}` {{ address: 1.1.1  provides: Names }}
-bridge `{front}` {{ address: 1.1.2  uses: Names
+import mappings.local_waypoint_driver
+component `{unit}` {{ address: 1.1.1  provides: {services} }}
+bridge `{front}` {{ address: 1.1.2  uses: {services}
 {connections}
 }}
+bridge `{caller}` {{ address: 1.1.3  provides: {services}
+{calls}
+}}
+component `{driver}` {{ address: 1.1.4  provides: LocalWaypointListDriver }}
 node `{node}` {{
 {members}
 }}
@@ -166,8 +231,28 @@ CONNECTION = """
     connection `{name}` {{ map: `{name}`  direction: rosToJaus  exchange: message
         peers: `{unit}`  control: false  topic `{name}` {{}} }}
 """
+CALLS = (
+    """
+    ros_service_connection `{name}` {{ service: `{name}`  type: own_msgs/{type}
+        direction: jausToRos  request: `{name}_asked`  successMember: `{field}` }}
+""",
+    """
+    ros_service_connection `{name}` {{ service: `{name}`  type: own_msgs/{type}
+        request: `{name}_asked`  peers: `{unit}`  successMember: `{field}` }}
+""",
+    """
+    ros_action_connection `{name}` {{ action: `{name}`  type: own_msgs/{type}
+        direction: rosToJaus  driver: LocalWaypointListDriver  element: local_waypoint
+        goalMember: `{field}`  progressMember: `{field}`  reasonMember: `{field}`
+        peers: `{driver}`  speed: 1 }}
+""",
+)
 MAP = """
-`{name}` {{ JAUS `{name}`  ROS own_msgs/{type}
+`{name}_asked` {{ JAUS `{name}`.`{name}`  ROS own_msgs/{type}.request
+    JAUS->ROS ( First{number}.Scaled -> `{field}` {{ whenAbsent: leave }} )
+    ROS->JAUS ( `{field}` -> First{number}.Scaled )
+}}
+`{name}` {{ JAUS `{name}`.`{name}`  ROS own_msgs/{type}
     quantity `{name}` {{ value: 2 }}
     table `{name}` ( a <-> 0  b <-> 1 )
     join `{other}` {{ type: own_msgs/{type} }}
@@ -179,6 +264,7 @@ MAP = """
 MEMBER = """
     parameter `{name}` {{ type: double  value: 1 }}
     {kind} `{name}` {{ topic: node/`{name}`  type: std_msgs/Float64 }}
+    {service_kind} `{name}_too` {{ service: node/`{name}`  type: own_msgs/{type} }}
 """
 PYTHON = [MESSAGES, COMPONENT, BRIDGE, NODE, RUNTIME]
 OTHERS = [CODEC_CPP, WIRESHARK]
@@ -188,17 +274,17 @@ for path in sorted(pathlib.Path().glob("*/*/*.py")):
     if path.parts[0] == path.parts[1] and path.parts[0] not in ("jausml_runtime", "{node}"):
         importlib.import_module(f"{{path.parts[0]}}.{{path.stem}}")
 from jausml_runtime import Bridge
-(base,) = Bridge.__subclasses__()
-(bridge,) = base.__subclasses__()
-bridge()
+for base in Bridge.__subclasses__():
+    (bridge,) = base.__subclasses__()
+    bridge()
 """
+PLAIN = ("Plain", "SimpleOne", "other_one", "AnyOther", "LastOne")
 FORMS = (str, str.upper, str.lower, str.capitalize, class_name, snake_case, "{}_".format)
 
 
 def system(folder: Path, names: Sequence[str]) -> Path:
     """Writes a system of a component, a bridge and a node, in which all has these names."""
-    path = model(folder / "names.xmi", names, message="{name}")
-    path.write_text(path.read_text().replace("<outputs", "<inputs").replace("</out", "</in"))
+    services(folder / "names.xmi", names)
     types, parts = [], []
     for number, name in enumerate(names):
         field = snake_case(name)
@@ -208,13 +294,18 @@ def system(folder: Path, names: Sequence[str]) -> Path:
         kind = ("publisher", "subscription")[number % 2]
         other = names[number - 1]
         part = {**kinds, "name": name, "other": other, "number": number, "kind": kind}
-        parts.append({**part, "unit": names[0]})
+        part["service_kind"] = ("service_server", "service_client")[number % 2]
+        parts.append({**part, "unit": names[0], "driver": names[4]})
     (folder / "own_msgs.xmi").write_text(ROS.format(types="".join(types)))
     path = folder / "system.ros2jaus"
     text = SYSTEM.format(
         unit=names[0],
         front=names[1],
         node=names[2],
+        caller=names[3],
+        driver=names[4],
+        services=", ".join(f"`{name}`" for name in names),
+        calls="".join(CALLS[number % 3].format(**part) for number, part in enumerate(parts)),
         connections="".join(CONNECTION.format(**part_fields) for part_fields in parts),
         members="".join(MEMBER.format(**part_fields) for part_fields in parts),
         maps="".join(MAP.format(**part_fields) for part_fields in parts),
@@ -245,7 +336,7 @@ def generated(folder: Path, names: Sequence[str], targets: Sequence[Target[Any]]
 def words() -> list[str]:
     """Returns the words that generated files use, of Python and its library, and of C++ and Lua."""
     with TemporaryDirectory() as folder:
-        workspace = generated(Path(folder), ("Plain", "SimpleOne", "other_one"), OTHERS)
+        workspace = generated(Path(folder), PLAIN, OTHERS)
         found = {*dir(builtins), *kwlist, *softkwlist, *sys.stdlib_module_names}
         for path in workspace.rglob("*.*"):
             if path.suffix in {".py", ".hpp", ".cpp", ".lua", ".msg"}:
@@ -253,9 +344,14 @@ def words() -> list[str]:
     return sorted(word for word in found if word.isascii() and len(word) < LONGEST)
 
 
+OF_MODEL = frozenset({"first", "scaled", "text", "real", "last", "other", "more"})
+"""Names that stand beside the drawn ones in the model of this test."""
+
+
 def is_legal(name: str) -> bool:
-    """Whether a name may stand everywhere: it is no device, and becomes a type of ROS."""
-    return is_identifier(name) and class_name(name).lower() not in DEVICES
+    """Whether a name may stand everywhere: of types and topics of ROS, and of parameters."""
+    is_ros = is_identifier(name) and "__" not in name and class_name(name).lower() not in DEVICES
+    return is_ros and name not in PARAMETERS and snake_case(name) not in OF_MODEL
 
 
 @st.composite
@@ -283,6 +379,15 @@ def test_any_names_may_stand_anywhere(drawn: list[str]) -> None:
         generated(Path(folder), list(by_class.values()))
 
 
+def run_tests(workspace: Path, node: str) -> None:
+    """Runs the tests in a workspace, but for those of the node, whose types nobody has built."""
+    tests = [path for path in workspace.glob("*/test/test_*.py") if node not in path.parts]
+    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", *map(str, tests)]
+    path = {"PYTHONPATH": python_path(workspace)}
+    done = subprocess.run(command, env=path, cwd=workspace, capture_output=True, text=True)
+    assert not done.returncode, done.stdout
+
+
 @pytest.mark.slow
 @settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
 @given(drawn=names(40))
@@ -295,6 +400,7 @@ def test_any_names_may_stand_in_every_target(drawn: list[str]) -> None:
         for source in (*workspace.rglob("*_jaus.hpp"), *workspace.rglob("core.cpp")):
             line = [str(compiler()), "-std=c++17", "-fsyntax-only", "-x", "c++", str(source)]
             subprocess.run(line, check=True)
+        run_tests(workspace, package_name(drawn[2]))
         lua = lua54.LuaRuntime(unpack_returned_tuples=True).globals().load
         for dissector in workspace.rglob("*.lua"):
             assert not isinstance(lua(dissector.read_text("utf-8")), tuple)

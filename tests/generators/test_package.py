@@ -163,8 +163,8 @@ def test_installation_of_the_runtime_has_its_subpackages(workspace, tmp_path):
         for name in files
         if "site-packages/jausml_runtime/" in name and name.endswith(".py")
     }
-    runtime = ROOT / "jausml" / "runtime"
-    assert installed == {path.relative_to(runtime).as_posix() for path in runtime.rglob("*.py")}
+    copied = workspace / "jausml_runtime" / "jausml_runtime"
+    assert installed == {path.relative_to(copied).as_posix() for path in copied.rglob("*.py")}
     assert "services/events.py" in installed
 
 

@@ -33,7 +33,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> str:
         text = decided(profile, model.read_text(encoding="utf-8"))
         # Hosts of the virtual network have no addresses.
         model.write_text(text.replace('allowedHosts: "127.0.0.1" ', ""), encoding="utf-8")
-        jausml("generate", model, "-o", folder / "src")
+        jausml("generate", model, "--all", "-o", folder / "src")
         found.append(python_path(folder / "src"))
     return os.pathsep.join(found)
 

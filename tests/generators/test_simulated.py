@@ -23,7 +23,7 @@ SUPPORT = HERE.parent / "support"
 
 
 def generated(model: Path, folder: Path) -> Path:
-    line = [*warm.command(), "generate", str(model), "-o", str(folder)]
+    line = [*warm.command(), "generate", str(model), "--all", "-o", str(folder)]
     done = subprocess.run(line, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     return folder

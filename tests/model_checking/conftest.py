@@ -26,7 +26,7 @@ def path_of(tmp_path_factory):
     def found(model):
         if model not in workspaces:
             workspaces[model] = tmp_path_factory.mktemp(model.stem)
-            line = ["generate", str(model), "-o", str(workspaces[model]), "-q"]
+            line = ["generate", str(model), "--all", "-o", str(workspaces[model]), "-q"]
             result = CliRunner().invoke(main, line)
             assert result.exit_code == 0, result.output
         return python_path(workspaces[model])

@@ -167,7 +167,7 @@ def test_each_counter_example_has_a_diagram(examples):
 
 def results_of(model, examples, folder):
     """Returns how many of the written tests pass and fail beside what is generated of a model."""
-    result = CliRunner().invoke(main, ["generate", str(model), "-o", str(folder), "-q"])
+    result = CliRunner().invoke(main, ["generate", str(model), "--all", "-o", str(folder), "-q"])
     assert result.exit_code == 0, result.output
     line = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(examples)]
     done = subprocess.run(

@@ -43,7 +43,7 @@ from jausml_generators.python.package import FACE, EntryPoint, ProgramView, laid
 from jausml_generators.python.statements import long_string
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterable, Iterator
 
     from jausml.language.metamodel.classes import bridge, jaus, ros
     from jausml.language.metamodel.classes.bridge import Bridge, Connection
@@ -87,8 +87,7 @@ class BridgeView(ProgramView):
     @functools.cached_property
     def translations(self) -> Translations:
         """The translations of the connections."""
-        classes = {view.class_name for view in self.messages}
-        taken = {*classes, *runtime_names(), self.class_name, self.base_name}
+        taken = {*self.imported, *runtime_names(), self.class_name, self.base_name}
         return translate(self.bridge, self._carried, self.message_of, taken, self.light)
 
     @property
@@ -210,6 +209,11 @@ class BridgeView(ProgramView):
     def message_of(self, element: jaus.MessageDef) -> MessageView:
         """Returns the class of a JAUS message of the bridge."""
         return self.message_map[element]
+
+    @property
+    def imported(self) -> Collection[str]:
+        """Names of messages: of the runtime, its skeleton and its tests import no class."""
+        return {view.class_name for view in self.messages}
 
     @property
     def settings(self) -> tuple[tuple[str, str], ...]:

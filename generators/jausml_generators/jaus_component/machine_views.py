@@ -215,6 +215,8 @@ def _arrow(machine: Machine, keys: dict[str, str], path: str, transition: jaus.T
     return f"{keys[path]} --> {keys[target or path]} : {label}"
 
 
+EVENT = "event "
+"""What stands before the name of an event that triggers: a message may have the same name."""
 LONGEST = 200
 """Ways of one machine; a test of more would say nothing new."""
 
@@ -297,7 +299,8 @@ def _listed(state: str, transitions: Listed) -> Iterator[tuple[str, jaus.Transit
 
 
 def _trigger(transition: jaus.Transition) -> jaus.MessageDef | str | None:
-    return transition.message or event_name(transition.event) or None
+    event = event_name(transition.event)
+    return transition.message or (event and f"{EVENT}{event}") or None
 
 
 def _actions(

@@ -38,7 +38,7 @@ from jausml_generators.python.package import MESSAGES, EntryPoint, ProgramView, 
 from jausml_generators.python.statements import condition, long_string, may_set_limits
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.system import System
@@ -355,6 +355,11 @@ class ComponentView(ProgramView):
             end="SIGINT, SIGTERM or a JAUS Shutdown",
             needs_program=True,
         )
+
+    @property
+    def imported(self) -> Collection[str]:
+        """Names that its modules may import."""
+        return self.base_imports.names
 
     @property
     def base_imports(self) -> Imports:

@@ -71,6 +71,8 @@ WIRE = names_in(
     take_text unpadded whole whole_of write_records
     """
 )
+# What a base that imports messages defines itself.
+CONSTANTS = names_in("ADDRESS CORE PROGRAM SERVICES SETTINGS TRANSPORT")
 _IMPORTED = WIRE | names_in("ClassVar IntEnum MutableSequence Sequence dataclass field struct")
 # In sight of the classes inside of a message: imports, and members of the class.
 RESERVED_INNER_CLASSES = _IMPORTED | names_in("CODE NAME OCTET Struct TAG")

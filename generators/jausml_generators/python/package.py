@@ -15,7 +15,7 @@ from jausml.generation.artifact import Kind
 from jausml.generation.literals import python_string
 from jausml.generation.python import Imports, Origin, layout, offered
 from jausml.generation.target import FileTask, Task, TextFile, TextTask, templates_beside
-from jausml_generators.python.names import class_name, package_name
+from jausml_generators.python.names import Scope, class_name, package_name
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -200,10 +200,17 @@ class ProgramView(ABC):
         """Package, module of the skeleton and executable."""
         return package_name(str(self.element.name))
 
-    @property
+    @functools.cached_property
     def class_name(self) -> str:
-        """Class of the user's skeleton."""
-        return class_name("".join(word.capitalize() for word in self.package.split("_")))
+        """Class of the user's skeleton, which hides no class that its modules import."""
+        name = class_name("".join(word.capitalize() for word in self.package.split("_")))
+        hidden = {*self.imported, *(other.removesuffix("Base") for other in self.imported)}
+        return Scope(frozenset(hidden)).claim(name, f"{name}{self.KIND.capitalize()}")
+
+    @property
+    def imported(self) -> Collection[str]:
+        """Names that its modules may import."""
+        return runtime_names()
 
     @property
     def base_name(self) -> str:

@@ -2,61 +2,67 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import sys
 from typing import TYPE_CHECKING
 
 import jausml
-from jausml.generation.target import Target, Task, TextFile, TextTask, system_of
-from jausml_generators.python.package import PACKAGE_TEMPLATES, package_tasks, package_view
+from jausml.generation.target import Target, Task, TextFile, TextTask, WholeLibrary
+from jausml_generators.python.package import (
+    FACE,
+    PACKAGE_TEMPLATES,
+    PackageView,
+    package_tasks,
+)
+from jausml_generators.runtime.modules import copied, needed, runtime_modules
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from jausml.language.model.model import Model
 
-NAME = "jausml_runtime"
-DEPENDENCIES = (
-    *("action_msgs", "diagnostic_msgs", "rcl_interfaces"),
-    *("rclpy", "rosgraph_msgs", "rosidl_parser"),
-)
 
-
-def tasks(model: Model) -> list[Task]:
-    """Returns the package files and a copy of each module of the runtime."""
-    package = package_view(
-        system_of(model),
-        NAME,
-        version=jausml.__version__,
-        license="Apache-2.0",
-        maintainer="jausml",
-        maintainer_email="jausml@example.com",
+def tasks_for(code: Mapping[str, str]) -> list[Task]:
+    """Returns the package files, and a copy of each module that code needs; of all without any."""
+    known = runtime_modules()
+    reasons = needed(code) or dict.fromkeys(known, "any code")
+    modules = [known[name] for name in sorted(reasons)]
+    foreign = {package for module in modules for package in module.foreign}
+    package = PackageView(
+        name=FACE,
         element_id="runtime",
         source="jausml",
         description="JAUS over UDP, the core services, and what bridges run on.",
-        dependencies=DEPENDENCIES,
+        version=jausml.__version__,
+        maintainer="jausml",
+        maintainer_email="jausml@example.com",
+        license="Apache-2.0",
+        dependencies=tuple(sorted(foreign - sys.stdlib_module_names)),
         test_dependencies=(),
         has_own_init=True,
     )
-    return [*package_tasks([package]), TextTask(_modules(), is_copied=True)]
-
-
-def _modules() -> list[TextFile]:
-    folder = Path(jausml.__file__).parent / "runtime"
-    names = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*.py"))
-    return [
+    files = [
         TextFile(
-            path=f"{NAME}/{NAME}/{name}",
-            content=(folder / name).read_text(encoding="utf-8"),
-            element_id=f"runtime:{name}",
-            source=f"jausml/runtime/{name}",
+            path=f"{FACE}/{FACE}/{module.path}",
+            content=copied(module, reasons),
+            element_id=f"runtime:{module.path} for {reasons[module.name]}",
+            source=f"jausml/runtime/{module.path}",
         )
-        for name in names
+        for module in modules
     ]
+    return [*package_tasks([package]), TextTask(files, is_copied=True)]
+
+
+def _whole(_: Model) -> list[Task]:
+    return tasks_for({})
 
 
 TARGET = Target(
     name="runtime",
-    description="The runtime as the package jausml_runtime.",
-    tasks=tasks,
+    description="The runtime as the package jausml_runtime, as far as the workspace uses it.",
+    tasks=lambda _: [],
     template_folders=(PACKAGE_TEMPLATES,),
     is_shared=True,
+    for_code=tasks_for,
+    whole_library=WholeLibrary(help="all of the runtime", tasks=_whole),
 )
 """The package `jausml_runtime`: JUDP, the core services and the bridge's engine."""

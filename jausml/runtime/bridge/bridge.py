@@ -27,10 +27,7 @@ from .connections.translations import Form
 from .diagnosing import Diagnosing
 from .ends import parameters
 from .ends.ends import SharedMessages, SharedTopics
-from .ends.list_driver import ListDriver
-from .ends.mission_driver import MissionDriver, MissionMessages
 from .ends.simulation import Simulation
-from .ends.waypoint_driver import WaypointDriver, WaypointMessages
 from .fastpath.library import NoFastPathError
 from .fastpath.side import FastSide
 from .messages.compiled import NoCoreError
@@ -48,7 +45,7 @@ if TYPE_CHECKING:
     from ..transports.transport import Transport
     from .diagnosing import Carried
     from .ends.ends import BridgeSettings
-    from .ends.list_driver import ListMessages
+    from .ends.list_driver import ListDriver, ListMessages
     from .ends.parameters import AttributeParameter
     from .ends.ros_side import FastSubscriber, RosSide
     from .messages.compiled import Compiled, Core, Function, Translation
@@ -327,12 +324,7 @@ class Bridge:
     def list_driver(self, messages: ListMessages) -> ListDriver:
         """Returns the list driver of the bridge; connections that name its messages share it."""
         if messages not in self._list_drivers:
-            if isinstance(messages, MissionMessages):
-                self._list_drivers[messages] = MissionDriver(self.component, messages)
-            elif isinstance(messages, WaypointMessages):
-                self._list_drivers[messages] = WaypointDriver(self.component, messages)
-            else:
-                self._list_drivers[messages] = ListDriver(self.component, messages)
+            self._list_drivers[messages] = messages.driver(self.component)
         return self._list_drivers[messages]
 
     def _read(self, attribute_parameter: AttributeParameter) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.clocks import Alarm
 from ..base.counters import LOGGER
+from . import process
 from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame, steady_ns
 
 if TYPE_CHECKING:
@@ -32,9 +33,10 @@ TOO_SOON = 10.0
 
 _GOODBYE = 2.0
 # The guardian alone is imported, not jausml, which would take more memory and time.
+_MODULE = ".".join(process.__name__.split(".")[-2:])
 _RUN = (
     "import sys; sys.path.append(sys.argv[1]);"
-    " from guardian.process import main; sys.exit(main(*sys.argv[2:]))"
+    f" from {_MODULE} import main; sys.exit(main(*sys.argv[2:]))"
 )
 
 Content = dict[str, Any]

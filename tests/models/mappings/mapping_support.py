@@ -187,7 +187,7 @@ def findings(result: ReadResult) -> list[str]:
 
 def generated(result: ReadResult) -> Path:
     """Returns the folder with the bridges of a system, each as a package, and the runtime."""
-    return kept(result.model, [BRIDGE, MESSAGES, RUNTIME])
+    return kept(result.model, [BRIDGE, MESSAGES, RUNTIME.for_whole_library()])
 
 
 class Translator:

@@ -29,7 +29,7 @@ def workspace(tmp_path_factory):
     """The packages of the model."""
     folder = tmp_path_factory.mktemp("virtual")
     model = read_models([MODEL], notations=NOTATIONS).model
-    for artifact in render(model, [BRIDGE, MESSAGES, RUNTIME]):
+    for artifact in render(model, [BRIDGE, MESSAGES, RUNTIME.for_whole_library()]):
         target = folder / artifact.path
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(artifact.text, encoding="utf-8")

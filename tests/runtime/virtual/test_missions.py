@@ -32,7 +32,7 @@ def workspace(tmp_path_factory):
     folder = tmp_path_factory.mktemp("missions")
     result = read_models([MODEL], notations=NOTATIONS)
     assert result.diagnostics == []
-    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME]):
+    for artifact in render(result.model, [BRIDGE, MESSAGES, RUNTIME.for_whole_library()]):
         target = folder / artifact.path
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_text(artifact.text, encoding="utf-8")

@@ -281,7 +281,7 @@ class _Around:
 
 def translate(
     element: bridge.Bridge,
-    connections: Iterable[bridge.Connection],
+    connections: Sequence[bridge.Connection],
     view_of: Callable[[jaus.MessageDef], MessageView],
     taken: Iterable[str],
     light: LightModule,
@@ -289,7 +289,8 @@ def translate(
     """Translates the connections of a bridge."""
     ros_classes = RosClasses(taken)
     overrides = {str(quantity.name): quantity for quantity in element.quantities}
-    attributes = Scope(_TAKEN_ATTRIBUTES)
+    methods = _methods_of([*connections, *element.serviceConnections])
+    attributes = Scope(_TAKEN_ATTRIBUTES | methods)
     uses = Surroundings(view_of, ros_classes.name_of, overrides, attributes)
     named = [
         (
@@ -308,6 +309,18 @@ def translate(
     ]
     of_calls = tuple(_translated_call(*entry, around) for entry in calling)
     return Translations(translated, of_calls, uses, ros_classes, core)
+
+
+def _methods_of(
+    connections: Iterable[bridge.Connection | bridge.RosServiceConnection],
+) -> frozenset[str]:
+    """Returns the methods that connections may have, which no attribute of the bridge hides."""
+    return frozenset(
+        f"{kind}_{snake_case(connection.name)}{half}"
+        for connection in connections
+        for kind in ("translate", "safe", "goal", "speed")
+        for half in ("", f"_{calls.REQUEST}", f"_{calls.RESPONSE}")
+    )
 
 
 def _translated_call(

@@ -72,7 +72,7 @@ def build_messages(elements: Iterable[jaus.MessageDef]) -> tuple[MessageView, ..
 def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageDef, MessageView]:
     """Returns the views of `build_messages` by model element."""
     # Modules that use messages import these too.
-    taken = {*names.WIRE, *runtime_names(), *STANDARD}
+    taken = {*names.WIRE, *runtime_names(), *STANDARD, *names.CONSTANTS}
     scope = names.Scope(frozenset(taken), separator="")
     classes: dict[MessageView, MessageView] = {}
     found: dict[jaus.MessageDef, MessageView] = {}

@@ -37,6 +37,10 @@ class ListMessages:
     query: type[Message]
     report: type[Message]
 
+    def driver(self, component: JausComponent) -> ListDriver:
+        """Returns the driver of a component that executes its lists."""
+        return ListDriver(component, self)
+
 
 Answer = tuple["type[Message]", "type[Message]"]
 """A query and its report."""

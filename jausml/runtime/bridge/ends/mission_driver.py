@@ -36,6 +36,10 @@ class MissionMessages(ListMessages):
     pause: type[Message]
     resume: type[Message]
 
+    def driver(self, component: JausComponent) -> MissionDriver:
+        """Returns the spooler of a component."""
+        return MissionDriver(component, self)
+
 
 class State(IntEnum):
     """State of a mission, of a task or of a message (ReportMissionStatus, Status)."""

@@ -29,6 +29,10 @@ class WaypointMessages(ListMessages):
     The query and the report, laid out as that is, tell the waypoint.
     """
 
+    def driver(self, component: JausComponent) -> WaypointDriver:
+        """Returns the driver of a component that goes to its waypoints."""
+        return WaypointDriver(component, self)
+
 
 class WaypointDriver(ListDriver):
     """Executes the waypoint of a bridge, as its controller says."""

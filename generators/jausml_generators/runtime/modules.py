@@ -1,0 +1,172 @@
+"""Modules of the runtime that code needs: those that it imports, and what these import in turn.
+
+Imports in functions count, and those for type checkers: a workspace can be checked as it is. A
+package that only passes names on, such as the face, brings those modules whose names are asked for.
+"""
+
+from __future__ import annotations
+
+import ast
+import functools
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import jausml
+from jausml.generation.artifact import CANNOT_PARSE
+from jausml.generation.python import layout
+from jausml_generators.python.package import FACE
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+_FOLDER = Path(jausml.__file__).parent / "runtime"
+_WHOLE = "*"
+"""Stands for all names of a package."""
+
+
+@dataclass(frozen=True)
+class Module:
+    """A module of the runtime.
+
+    Attributes:
+        name: Dotted, below the runtime; empty for the face.
+        path: Its file, relative to the folder of the runtime.
+    """
+
+    name: str
+    path: str
+    text: str
+
+    @functools.cached_property
+    def tree(self) -> ast.Module:
+        """Its syntax."""
+        return ast.parse(self.text)
+
+    @property
+    def package(self) -> str:
+        """The package that its relative imports start from."""
+        return self.name if self.path.endswith("__init__.py") else self.name.rpartition(".")[0]
+
+    @functools.cached_property
+    def imports(self) -> tuple[tuple[str, str], ...]:
+        """What it imports of the runtime, as module and name."""
+        return tuple(_imports(self._statements, f"{FACE}.{self.package}".rstrip(".")))
+
+    @functools.cached_property
+    def _statements(self) -> tuple[ast.stmt, ...]:
+        return tuple(_statements(self.tree))
+
+    @property
+    def foreign(self) -> set[str]:
+        """What it imports of others, as packages."""
+        found: set[str] = set()
+        for node in self._statements:
+            if isinstance(node, ast.Import):
+                found.update(alias.name.partition(".")[0] for alias in node.names)
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                found.add(str(node.module).partition(".")[0])
+        return found
+
+    @functools.cached_property
+    def passes_on(self) -> Mapping[str, str]:
+        """Modules by the names that a package passes on; empty if that is all of a module."""
+        if self.package != self.name or any(name == _WHOLE for _, name in self.imports):
+            return {}
+        return {name: module for module, name in self.imports}
+
+
+@functools.cache
+def runtime_modules() -> Mapping[str, Module]:
+    """Returns the modules of the runtime by name."""
+    found: dict[str, Module] = {}
+    for file in sorted(_FOLDER.rglob("*.py")):
+        path = file.relative_to(_FOLDER).as_posix()
+        name = path.removesuffix(".py").replace("/", ".").removesuffix("__init__").rstrip(".")
+        found[name] = Module(name, path, file.read_text(encoding="utf-8"))
+    return found
+
+
+def needed(code: Mapping[str, str]) -> dict[str, str]:
+    """Returns the modules that code needs, each with the first file of it that does.
+
+    Args:
+        code: Python by path.
+    """
+    known = runtime_modules()
+    found: dict[str, str] = {}
+    read: set[str] = set()
+    for path, text in sorted(code.items()):
+        asked = _asked(text) if FACE in text else []
+        while asked:
+            name = _origin(*asked.pop())
+            parts = name.split(".")
+            for module in ("", *(".".join(parts[:end]) for end in range(1, len(parts) + 1))):
+                found.setdefault(module, path)
+                # A package on the way passes on what is needed for other reasons, no more.
+                is_read = module == name or not known[module].passes_on
+                if is_read and module not in read:
+                    read.add(module)
+                    asked += known[module].imports
+    return found
+
+
+def copied(module: Module, kept: Mapping[str, str]) -> str:
+    """Returns the text of a module among those that are kept: a package passes on theirs."""
+    origins = module.passes_on
+    gone = {name for name, origin in origins.items() if _origin(origin, name) not in kept}
+    lines = module.text.splitlines(keepends=True)
+    for node in ast.walk(module.tree) if gone else ():
+        text = ""
+        if isinstance(node, ast.ImportFrom) and not gone.isdisjoint(a.name for a in node.names):
+            names = [alias.name for alias in node.names if alias.name not in gone]
+            if names:
+                source = "." * node.level + str(node.module)
+                text = layout(f"from {source} import {', '.join(names)}\n")
+        elif not isinstance(node, ast.Constant) or node.value not in gone:
+            continue
+        first, last = node.lineno - 1, node.end_lineno or node.lineno
+        lines[first:last] = [text, *[""] * (last - first - 1)]
+    return "".join(lines)
+
+
+def _asked(text: str) -> list[tuple[str, str]]:
+    """Returns what code imports of the runtime, whatever older runs or somebody's hand left."""
+    with suppress(*CANNOT_PARSE):
+        found = _imports(_statements(ast.parse(text)), "")
+        return [(module, name) for module, name in found if module in runtime_modules()]
+    return []
+
+
+def _origin(module: str, name: str) -> str:
+    """Returns the module that has what is imported of one."""
+    known = runtime_modules()
+    inner = f"{module}.{name}".strip(".")
+    if inner in known:
+        return inner
+    passed = known[module].passes_on.get(name)
+    return module if passed is None else _origin(passed, name)
+
+
+def _statements(node: ast.AST) -> Iterator[ast.stmt]:
+    """Yields the statements inside of a node: imports stand nowhere else."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.stmt):
+            yield child
+        if not isinstance(child, ast.expr):
+            yield from _statements(child)
+
+
+def _imports(statements: Iterable[ast.stmt], package: str) -> Iterator[tuple[str, str]]:
+    """Yields what statements of a module in a package import of the runtime: module and name."""
+    for node in statements:
+        if isinstance(node, ast.ImportFrom):
+            above = package.split(".")[: len(package.split(".")) - node.level + 1]
+            base = [*above, node.module or ""] if node.level else [node.module or ""]
+            top, _, inner = ".".join(filter(None, base)).partition(".")
+            if top == FACE:
+                yield from ((inner, alias.name) for alias in node.names)
+        elif isinstance(node, ast.Import):
+            names = (alias.name.partition(".") for alias in node.names)
+            yield from ((inner, _WHOLE) for top, _, inner in names if top == FACE)

@@ -1,0 +1,152 @@
+"""The part of the runtime that a workspace has: what its code imports, and nothing else."""
+
+from __future__ import annotations
+
+import ast
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+from workspaces import python_path
+
+from jausml import generation as gen
+from jausml.language.model import read_models
+from jausml.language.text.notation import NOTATIONS
+from jausml_generators.bridge.target import TARGET as BRIDGE
+from jausml_generators.jaus_component.target import TARGET as COMPONENT
+from jausml_generators.messages.target import TARGET as MESSAGES
+from jausml_generators.python.package import FACE
+from jausml_generators.runtime.modules import copied, needed, runtime_modules
+from jausml_generators.runtime.target import TARGET as RUNTIME
+
+from .node_support import run
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HEAD = "import jaus.mobility\nimport mappings.velocity_state_sensor\n"
+TALKER = f"{HEAD}component talker {{ address: 1.1.1  provides: VelocityStateSensor }}\n"
+FRONT = f"""{HEAD}bridge front {{ address: 1.1.2  provides: VelocityStateSensor
+  connection speed {{ map: velocity_state  topic odom {{}} }} }}
+"""
+TARGETS = (COMPONENT, BRIDGE, MESSAGES, RUNTIME)
+
+
+def generate(folder: Path, text: str, name: str, targets=TARGETS, **options) -> gen.Result:
+    path = folder / f"{name}.ros2jaus"
+    path.write_text(text, encoding="utf-8")
+    model = read_models([path], notations=NOTATIONS).model
+    return gen.generate(model, targets, folder / "src", kept=None, **options)
+
+
+def modules(folder: Path) -> set[str]:
+    copy = folder / "src" / FACE / FACE
+    return {path.relative_to(copy).as_posix() for path in copy.rglob("*.py")}
+
+
+def starts(workspace: Path, package: str) -> None:
+    done = run("-m", f"{package}.main", "--help", PYTHONPATH=python_path(workspace))
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_component_has_no_bridge(tmp_path: Path) -> None:
+    generate(tmp_path, TALKER, "talk")
+    found = modules(tmp_path)
+    assert "component/process.py" in found
+    assert not [name for name in found if name.startswith(("bridge/", "guardian/", "virtual/"))]
+    assert "rclpy" not in (tmp_path / "src" / FACE / "package.xml").read_text("utf-8")
+    starts(tmp_path / "src", "talker")
+
+
+def test_a_bridge_has_the_kinds_of_connections_that_it_has(tmp_path: Path) -> None:
+    generate(tmp_path, FRONT, "front")
+    found = modules(tmp_path)
+    assert {"bridge/connections/to_jaus.py", "guardian/process.py"} <= found
+    absent = {"bridge/connections/to_ros.py", "bridge/calls/services.py", "component/modelled.py"}
+    assert absent.isdisjoint(found)
+    assert not [name for name in found if name.startswith(("bridge/lists/", "virtual/"))]
+    starts(tmp_path / "src", "front")
+
+
+def test_what_modules_import_is_there(tmp_path: Path) -> None:
+    generate(tmp_path, FRONT, "front")
+    kept = needed({"a.py": "\n".join(f"from {FACE} import {name}" for name in ("Bridge", "Topic"))})
+    for name in kept:
+        for module, imported in runtime_modules()[name].imports:
+            if not runtime_modules()[name].passes_on:
+                assert module in kept, (name, imported)
+
+
+def test_the_manifest_says_for_which_code_a_module_is_there(tmp_path: Path) -> None:
+    generate(tmp_path, TALKER, "talk")
+    manifest = json.loads((tmp_path / "src" / gen.MANIFEST_PATH).read_text("utf-8"))
+    entry = manifest["files"][f"{FACE}/{FACE}/component/process.py"]
+    assert entry["element"] == "runtime:component/process.py for talker/talker/main.py"
+
+
+def test_models_of_one_workspace_share_what_both_need(tmp_path: Path) -> None:
+    generate(tmp_path, FRONT, "front")
+    alone = modules(tmp_path)
+    generate(tmp_path, TALKER, "talk")
+    assert modules(tmp_path) == alone | modules(tmp_path)
+    starts(tmp_path / "src", "front")
+    starts(tmp_path / "src", "talker")
+    assert generate(tmp_path, FRONT, "front", write=False).plan.is_up_to_date
+
+
+def test_the_runtime_alone_is_that_of_the_code_that_is_there(tmp_path: Path) -> None:
+    generate(tmp_path, TALKER, "talk")
+    before = modules(tmp_path)
+    generate(tmp_path, TALKER, "talk", [RUNTIME.for_whole_library()])
+    assert len(modules(tmp_path)) == len(runtime_modules())
+    generate(tmp_path, TALKER, "talk", [RUNTIME])
+    assert modules(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("from jausml_runtime.virtual import VirtualWorld", "no module jausml_runtime.virtual"),
+        ("import jausml_runtime.virtual", "no module jausml_runtime.virtual"),
+        ("from jausml_runtime import Bridge", "jausml_runtime has no Bridge"),
+    ],
+)
+def test_code_that_imports_more_is_told_how_it_comes(
+    tmp_path: Path, line: str, message: str
+) -> None:
+    generate(tmp_path, TALKER, "talk")
+    own = tmp_path / "src" / "talker" / "talker" / "own.py"
+    used = "print(VirtualWorld, Bridge, jausml_runtime)\n"
+    own.write_text(f"{line}\n{used}", encoding="utf-8")
+    (found,) = generate(tmp_path, TALKER, "talk").drift
+    assert message in found.message
+    assert found.message.endswith("; `jausml generate --all` brings all of the runtime")
+    assert found.is_fatal
+    whole = (*TARGETS[:-1], RUNTIME.for_whole_library())
+    assert generate(tmp_path, TALKER, "talk", whole).drift == ()
+
+
+def test_a_package_passes_on_what_is_kept_alone() -> None:
+    module = runtime_modules()["wire"]
+    text = copied(module, {"": "", "wire": "", "wire.message": "", "wire.codec": ""})
+    names = [node.names for node in ast.parse(text).body if isinstance(node, ast.ImportFrom)]
+    assert {alias.name for group in names for alias in group}.isdisjoint({"Octet"})
+    assert '"Octet"' not in text
+    assert '"Message"' in text
+    assert copied(module, runtime_modules()) == module.text
+
+
+def test_imports_in_functions_and_for_type_checkers_count() -> None:
+    code = f"""
+def start():
+    from {FACE} import run_component
+if TYPE_CHECKING:
+    import {FACE}.virtual.world
+"""
+    found = needed({"a.py": code})
+    assert {"component.process", "virtual.world", "virtual.graph"} <= set(found)
+
+
+def test_files_of_older_runs_and_damaged_ones_ask_for_nothing() -> None:
+    damaged = {"a.py": f"from {FACE} import (", "b.py": f"from {FACE}.gone import Name"}
+    assert needed({**damaged, "c.py": "import os"}) == {}
