@@ -57,11 +57,11 @@ class _Datagrams:
 
     def __call__(self, count: int) -> list[float | None]:
         """Makes round trips."""
-        found = []
+        durations = []
         for _ in range(count):
             time.sleep(_PAUSE)
-            found.append(self._trip())
-        return found
+            durations.append(self._trip())
+        return durations
 
     def close(self) -> None:
         """Closes the socket."""
@@ -84,18 +84,18 @@ class _Rounds:
         """Begins none (`send`: sends what comes back to `came`)."""
         self._loop = loop
         self._send = send
-        self._found: list[float | None] = []
+        self._durations: list[float | None] = []
         self._wanted = 0
         self._started = 0
         self._all = threading.Event()
 
     def __call__(self, count: int) -> list[float | None]:
         """Makes round trips."""
-        self._found, self._wanted = [], count
+        self._durations, self._wanted = [], count
         self._all.clear()
         self._plan()
         self._watch()
-        return self._found
+        return self._durations
 
     def came(self, *_: object) -> None:
         """Ends a round trip."""
@@ -105,9 +105,9 @@ class _Rounds:
         """Waits for all, and for none longer than it can take."""
         known = -1
         while not self._all.wait(_LOST_AFTER):
-            if len(self._found) == known:
+            if len(self._durations) == known:
                 self._loop.call_soon(partial(self._note, None))
-            known = len(self._found)
+            known = len(self._durations)
 
     def _plan(self) -> None:
         self._loop.call_later(_PAUSE, self._begin)
@@ -117,8 +117,8 @@ class _Rounds:
         self._send()
 
     def _note(self, value: float | None) -> None:
-        self._found.append(value)
-        if len(self._found) >= self._wanted:
+        self._durations.append(value)
+        if len(self._durations) >= self._wanted:
             self._all.set()
         else:
             self._plan()
@@ -181,8 +181,8 @@ def _by_turns(scale: Scale, trips: dict[str, Trips]) -> dict[str, Any]:
         blocks.begin()
         random.shuffle(order)
         for name, trip in order:
-            _, *found = trip(count + 1)
-            for duration in found:
+            _, *durations = trip(count + 1)
+            for duration in durations:
                 blocks.add(name, duration)
     gc.enable()
     return blocks.summary(against=DATAGRAMS)

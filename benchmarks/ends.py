@@ -309,9 +309,9 @@ def drained(drain: Callable[[], int], seconds: float, quiet: float = _QUIET) -> 
     last = time.perf_counter()
     end = last + seconds
     while (now := time.perf_counter()) < end or now < last + quiet:
-        found = drain()
-        if found:
-            taken, last = taken + found, now
+        amount = drain()
+        if amount:
+            taken, last = taken + amount, now
         if now > end + _LONGEST_REST:
             break
         time.sleep(_TURN)

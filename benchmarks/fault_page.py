@@ -61,13 +61,13 @@ def page(data: Mapping[str, Any]) -> str:
     rows = [
         (
             name,
-            *(found["recovered"].get(connection) for connection in CONNECTIONS),
+            *(figures["recovered"].get(connection) for connection in CONNECTIONS),
             ", ".join(
-                f"{connection} {time:g}" for connection, time in sorted(found["stopped"].items())
+                f"{connection} {time:g}" for connection, time in sorted(figures["stopped"].items())
             ),
-            max(found["oldest"].values()),
+            max(figures["oldest"].values()),
         )
-        for name, found in sorted(data["faults"].items())
+        for name, figures in sorted(data["faults"].items())
     ]
     parts = [
         _INTRODUCTION.format(**data["machine"], stale=data["stale"]),
@@ -87,11 +87,16 @@ def _guardian(guardian: Mapping[str, Any], halts: Mapping[str, Any]) -> Iterator
     if guardian:
         yield "## A bridge that cannot stop\n"
         yield "From the fault until the stop arrived; none: the bridge went on before.\n"
-        rows = [(name, found.get("drive"), found.get("cruise")) for name, found in guardian.items()]
+        rows = [
+            (name, figures.get("drive"), figures.get("cruise"))
+            for name, figures in guardian.items()
+        ]
         yield table(("fault", "drive", "cruise"), map(_rounded, rows))
     if halts:
         yield "The oldest command that was obeyed after a halt of the bridge (SIGSTOP):\n"
-        rows = [(name, found.get("drive"), found.get("cruise")) for name, found in halts.items()]
+        rows = [
+            (name, figures.get("drive"), figures.get("cruise")) for name, figures in halts.items()
+        ]
         yield table(("halted for", "drive", "cruise"), map(_rounded, rows))
 
 
@@ -134,16 +139,16 @@ def exceeded(data: Mapping[str, Any], bounds: Mapping[str, Any]) -> list[str]:
         bounds: Seconds for `stopped` and `recovered`, by fault; "" stands for all others.
     """
     bounded = {fault for limits in bounds.values() for fault in limits if fault}
-    told = [f"{fault}: not provoked" for fault in sorted(bounded - data["faults"].keys())]
-    for fault, found in sorted(data["faults"].items()):
+    sentences = [f"{fault}: not provoked" for fault in sorted(bounded - data["faults"].keys())]
+    for fault, figures in sorted(data["faults"].items()):
         for what in ("stopped", "recovered"):
             limit = bounds[what].get(fault, bounds[what][""])
-            told += [
+            sentences += [
                 f"{fault}: {connection} {what} after {seconds:g} s, the bound is {limit:g} s"
-                for connection, seconds in sorted(found[what].items())
+                for connection, seconds in sorted(figures[what].items())
                 if seconds > limit
             ]
-    return told
+    return sentences
 
 
 def main(data_file: Path) -> int:
@@ -151,9 +156,9 @@ def main(data_file: Path) -> int:
     data = json.loads(data_file.read_text(encoding="utf-8"))
     written = data_file.with_suffix(".md")
     written.write_text(page(data), encoding="utf-8")
-    told = exceeded(data, json.loads(BOUNDS.read_text(encoding="utf-8")))
-    print("\n".join([*told, f"wrote {written}"]))
-    return 1 if told else 0
+    sentences = exceeded(data, json.loads(BOUNDS.read_text(encoding="utf-8")))
+    print("\n".join([*sentences, f"wrote {written}"]))
+    return 1 if sentences else 0
 
 
 if __name__ == "__main__":

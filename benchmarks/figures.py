@@ -67,7 +67,7 @@ class Blocks:
             against: The other variant.
             tail: Which percentile.
         """
-        found: dict[str, dict[str, Any]] = {}
+        figures_by_variant: dict[str, dict[str, Any]] = {}
         base = self._samples.get(against, [])
         for variant, blocks in self._samples.items():
             values = [value for block in blocks for value in block]
@@ -79,10 +79,10 @@ class Blocks:
             }
             if base and variant != against:
                 figures.update(_ratios(blocks, base, tail))
-            found[variant] = figures
+            figures_by_variant[variant] = figures
         for variant, lost in self._lost.items():
-            found.setdefault(variant, {"n": 0, "lost": lost})
-        return found
+            figures_by_variant.setdefault(variant, {"n": 0, "lost": lost})
+        return figures_by_variant
 
 
 def _ratios(

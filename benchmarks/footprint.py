@@ -57,7 +57,7 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         and `idle` (share of a processor); `span_s` of `ready_s`; `code` with `lines` and `bytes` of
         what was generated, and `build_s`, in which it was compiled.
     """
-    found: dict[str, Any] = {"0": {"empty node": _empty(folder)}}
+    figures: dict[str, Any] = {"0": {"empty node": _empty(folder)}}
     with closing(RosEnd("meter")) as ros:
         for count in scale.cases(CONNECTIONS, 1):
             # Systems of their own, since bridges of one system share a package of messages.
@@ -68,12 +68,12 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
             message = sample(system.model, "point")
             lines, size = system.lines(name)
             code = {"lines": lines, "bytes": size, "build_s": rounded(system.compile())}
-            found[str(count)] = {
+            figures[str(count)] = {
                 **_of(scale, folder, system, name, message, ros),
                 "code": code,
             }
-            print(f"  {count} connections: {found[str(count)]}", flush=True)
-    return found
+            print(f"  {count} connections: {figures[str(count)]}", flush=True)
+    return figures
 
 
 def _empty(folder: Path) -> dict[str, float]:
@@ -112,14 +112,14 @@ def _add_start(samples: list[dict[str, float]], address: Numbers, loop: Loop) ->
 
 def _started(loop: Loop, address: Numbers) -> dict[str, float]:
     child = loop.processes[0]
-    found = {}
+    figures = {}
     if loop.variant != FLOOR:
         query = loop.end.outgoing(QUERY_STATUS, address)
         loop.until(lambda: _answers(loop.end, query))
-        found["ready_s"] = time.monotonic() - child.started
+        figures["ready_s"] = time.monotonic() - child.started
     loop.until(lambda: loop.up(0.002) is not None)
-    found["through_s"] = time.monotonic() - child.started
-    return {**found, **_at_rest(child)}
+    figures["through_s"] = time.monotonic() - child.started
+    return {**figures, **_at_rest(child)}
 
 
 def _answers(end: JausEnd, query: list[bytes]) -> bool:
@@ -139,11 +139,11 @@ def _at_rest(child: Child) -> dict[str, float]:
 
 
 def _summary(samples: list[dict[str, float]]) -> dict[str, Any]:
-    found: dict[str, Any] = {
+    figures: dict[str, Any] = {
         name: rounded(statistics.median(measurement[name] for measurement in samples))
         for name in samples[0]
     }
-    if "ready_s" in found:
+    if "ready_s" in figures:
         times = [measurement["ready_s"] for measurement in samples]
-        found["span_s"] = [rounded(min(times)), rounded(max(times))]
-    return found
+        figures["span_s"] = [rounded(min(times)), rounded(max(times))]
+    return figures

@@ -65,12 +65,12 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
     }
     system = generate(folder, bridges)
     system.compile()
-    found = {}
+    figures = {}
     with closing(RosEnd("meter")) as ros:
         for kind in kinds:
             message = sample(system.model, kind)
-            found[kind] = side_by_side(scale, folder, system, names[kind], message, ros)
-    return found
+            figures[kind] = side_by_side(scale, folder, system, names[kind], message, ros)
+    return figures
 
 
 def side_by_side(
@@ -90,22 +90,22 @@ def side_by_side(
         settle(routes)
         paths = [(route, way) for route in routes for way in WAYS]
         usual = {(route, way): _usual(route, way) for route, way in paths}
-        found = {}
+        figures = {}
         gc.disable()
         for rate, messages in _RATES.items():
             slow = _too_slow(usual, rate)
             blocks = {way: Blocks() for way in WAYS}
             count = scale.count(messages, 10)
             (_bursts if rate >= _BURSTS else _rounds)(paths, slow, blocks, rate, count)
-            found[str(rate)] = {way: block.summary() for way, block in blocks.items()}
+            figures[str(rate)] = {way: block.summary() for way, block in blocks.items()}
             for route, way in slow:
-                found[str(rate)][way].setdefault(route.variant, {})["too_slow"] = True
+                figures[str(rate)][way].setdefault(route.variant, {})["too_slow"] = True
             gc.collect()
         gc.enable()
         for route in routes:
             route.close()
-    print(f"  {bridge}, {message.kind}: {_told(found)}", flush=True)
-    return found
+    print(f"  {bridge}, {message.kind}: {_described(figures)}", flush=True)
+    return figures
 
 
 def _usual(route: Loop, way: str) -> float:
@@ -178,12 +178,12 @@ def _sleep_until(moment: float) -> None:
         time.sleep(left)
 
 
-def _told(found: dict[str, Any]) -> str:
-    told = []
-    for rate, ways in found.items():
-        for way, variants in ways.items():
+def _described(figures: dict[str, Any]) -> str:
+    phrases = []
+    for rate, variants_by_way in figures.items():
+        for way, variants in variants_by_way.items():
             ratios = [
                 str(variants.get(variant, {}).get("ratio")) for variant in (COMPILED, GENERATED)
             ]
-            told.append(f"{rate}/s {way} {' '.join(ratios)}")
-    return ", ".join(told)
+            phrases.append(f"{rate}/s {way} {' '.join(ratios)}")
+    return ", ".join(phrases)

@@ -72,16 +72,16 @@ def _targets(sections: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _latency(sections: Mapping[str, Any]) -> Iterator[str]:
-    found = sections.get("latency")
-    if not found:
+    section = sections.get("latency")
+    if not section:
         return
     yield "## Latency\n"
     yield f"One message from one end to the other, median, at {JUDGED_RATE} a second:\n"
     rows = []
     for kind, (_, words) in KINDS.items():
-        ways = found.get(kind, {}).get(JUDGED_RATE, {})
+        figures_by_way = section.get(kind, {}).get(JUDGED_RATE, {})
         for way in WAYS:
-            figures = ways.get(way, {})
+            figures = figures_by_way.get(way, {})
             if figures:
                 floor = figures.get(FLOOR, {}).get("median")
                 ratios = (times(figures.get(variant, {})) for variant in (COMPILED, GENERATED))
@@ -90,32 +90,32 @@ def _latency(sections: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _footprint(sections: Mapping[str, Any]) -> Iterator[str]:
-    found = sections.get("footprint")
-    if not found:
+    section = sections.get("footprint")
+    if not section:
         return
     yield "## Start and memory\n"
     yield "Until a bridge answers on JAUS, imports included:\n"
     rows = [
         (count, name, *(figures.get(quantity) for quantity in ("ready_s", "memory_mib")))
-        for count, variants in sorted(found.items(), key=lambda item: int(item[0]))
+        for count, variants in sorted(section.items(), key=lambda item: int(item[0]))
         for name, figures in variants.items()
         if name != "code"
     ]
     yield table(("connections", "", "answers, s", "memory, MiB"), rows)
 
 
-def _soak(found: Mapping[str, Any] | None) -> Iterator[str]:
+def _soak(figures: Mapping[str, Any] | None) -> Iterator[str]:
     """Yields the part on a bridge that ran for long (`make soak`)."""
-    if not found:
+    if not figures:
         return
     yield "## Soak\n"
     yield (
-        f"Points at {found['rate']:g} a second in each direction for {found['minutes']:g} minutes: "
-        f"a line fitted to the memory rises by {found['grown_mib']:g} MiB.\n"
+        f"Points at {figures['rate']:g} a second each way for {figures['minutes']:g} minutes: "
+        f"a line fitted to the memory rises by {figures['grown_mib']:g} MiB.\n"
     )
     rows = [
         (WAY_NAMES[way], tally["sent"], tally["received"], tally["lost"])
-        for way, tally in sorted(found["ways"].items())
+        for way, tally in sorted(figures["ways"].items())
     ]
     yield table(("", "sent", "received", "counted as lost"), rows)
 

@@ -119,12 +119,12 @@ def _measured(names: Sequence[str], scale: Scale, data_file: Path) -> dict[str, 
         print(f"== {section.name}", flush=True)
         started = time.monotonic()
         run = {"scale": scale.name, "load": machine()["load"]}
-        found, why = _in_a_process(section, scale)
+        figures, why = _in_a_process(section, scale)
         data["failed"].pop(section.name, None)
-        if found is None:
+        if figures is None:
             data["failed"][section.name] = why
         else:
-            data["sections"][section.name] = found
+            data["sections"][section.name] = figures
             data["runs"][section.name] = run
         print(f"   {time.monotonic() - started:.0f} s {why}", flush=True)
         text = json.dumps(data, indent=1, sort_keys=True)
@@ -174,7 +174,7 @@ def _one(name: str, scale: Scale, out: Path) -> int:
     section = next(candidate for candidate in SECTIONS if candidate.name == name)
     with tempfile.TemporaryDirectory() as folder:
         try:
-            found = getattr(importlib.import_module(section.module), section.function)(
+            figures = getattr(importlib.import_module(section.module), section.function)(
                 SCALES[scale.name], Path(folder)
             )
         except Exception:
@@ -182,7 +182,7 @@ def _one(name: str, scale: Scale, out: Path) -> int:
             if log.exists():
                 print(log.read_text(encoding="utf-8", errors="replace")[-4000:], file=sys.stderr)
             raise
-    out.write_text(json.dumps(found), encoding="utf-8")
+    out.write_text(json.dumps(figures), encoding="utf-8")
     return 0
 
 

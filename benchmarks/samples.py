@@ -73,35 +73,35 @@ def jaus_fields(kind: str) -> dict[str, Any]:
 
 def ros_message(kind: str, ros_class: Any) -> Any:
     """Returns the ROS message of a kind, with as many elements as that of JAUS has."""
-    made = ros_class()
-    made.header.stamp.sec, made.header.stamp.nanosec = _TIME.values()
-    made.header.frame_id = "odom"
+    message = ros_class()
+    message.header.stamp.sec, message.header.stamp.nanosec = _TIME.values()
+    message.header.frame_id = "odom"
     match kind:
         case "point":
-            made.point.x, made.point.y, made.point.z = _POSITION.values()
+            message.point.x, message.point.y, message.point.z = _POSITION.values()
         case "twist":
-            made.twist.linear.x, made.twist.angular.z = _RATES["vx"], _RATES["yaw_rate"]
+            message.twist.linear.x, message.twist.angular.z = _RATES["vx"], _RATES["yaw_rate"]
         case "odometry":
-            made.child_frame_id = "base_link"
-            made.pose.pose.orientation.z = math.sin(_ANGLES["yaw"] / 2)
-            made.pose.pose.orientation.w = math.cos(_ANGLES["yaw"] / 2)
-            made.twist.twist.linear.x = _RATES["vx"]
+            message.child_frame_id = "base_link"
+            message.pose.pose.orientation.z = math.sin(_ANGLES["yaw"] / 2)
+            message.pose.pose.orientation.w = math.cos(_ANGLES["yaw"] / 2)
+            message.twist.twist.linear.x = _RATES["vx"]
         case "scan":
-            made.angle_min, made.angle_increment = -math.pi, math.tau / 360
-            made.ranges = [5 + 4 * math.sin(0.1 * n) for n in range(360)]
+            message.angle_min, message.angle_increment = -math.pi, math.tau / 360
+            message.ranges = [5 + 4 * math.sin(0.1 * n) for n in range(360)]
         case "path":
             pose_class = message_class("geometry_msgs/PoseStamped")
-            made.poses = [pose_class(header=made.header) for _ in range(100)]
-            for n, pose in enumerate(made.poses):
+            message.poses = [pose_class(header=message.header) for _ in range(100)]
+            for n, pose in enumerate(message.poses):
                 pose.pose.position.x = 0.5 * n
                 pose.pose.orientation.z = math.sin(0.015 * n)
                 pose.pose.orientation.w = math.cos(0.015 * n)
         case _:
-            made.info.width, made.info.height = _GRIDS[kind]
-            made.info.resolution = 0.05
-            cells = made.info.width * made.info.height
-            made.data = array.array("b", [n % 101 for n in range(cells)])
-    return made
+            message.info.width, message.info.height = _GRIDS[kind]
+            message.info.resolution = 0.05
+            cells = message.info.width * message.info.height
+            message.data = array.array("b", [n % 101 for n in range(cells)])
+    return message
 
 
 def sample(model: Model, kind: str) -> Sample:

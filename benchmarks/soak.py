@@ -150,8 +150,8 @@ class _Losses:
 
     def now(self) -> dict[str, int]:
         """Returns how much was lost by way."""
-        found = self._read()
-        return {way: found[way] - self._before[way] for way in WAYS}
+        losses = self._read()
+        return {way: losses[way] - self._before[way] for way in WAYS}
 
     def account(self) -> dict[str, int]:
         """Returns what came from the JAUS end and what was lost of it, as the bridge says."""
@@ -224,31 +224,31 @@ def grown(looks: Sequence[Mapping[str, float]]) -> float:
     return both / spread * (times[-1] - times[0]) if spread else 0.0
 
 
-def faults(found: Mapping[str, Any]) -> list[str]:
+def faults(figures: Mapping[str, Any]) -> list[str]:
     """Returns what has grown or does not add up, a sentence each.
 
     Args:
-        found: What a run found.
+        figures: What a run found.
     """
-    told = []
-    if found["grown_mib"] > GROWTH:
-        told.append(f"the memory has grown by {found['grown_mib']:g} MiB")
-    judged = found["looks"][int(WARM * len(found["looks"])) :]
+    sentences = []
+    if figures["grown_mib"] > GROWTH:
+        sentences.append(f"the memory has grown by {figures['grown_mib']:g} MiB")
+    judged = figures["looks"][int(WARM * len(figures["looks"])) :]
     for name in ("descriptors", "threads"):
         counts = [observation[name] for observation in judged]
         if counts[-1] > counts[0]:
-            told.append(f"{name} have grown from {counts[0]} to {counts[-1]}")
-    for way, tally in found["ways"].items():
+            sentences.append(f"{name} have grown from {counts[0]} to {counts[-1]}")
+    for way, tally in figures["ways"].items():
         unseen = tally["sent"] - tally["received"] - tally["lost"]
         if unseen:
-            told.append(f"{way}: {unseen} of {tally['sent']} messages are missing unseen")
-    account = found["account"]
+            sentences.append(f"{way}: {unseen} of {tally['sent']} messages are missing unseen")
+    account = figures["account"]
     known = account["came"] + account["lost"]
     if account["sent"] != known:
-        told.append(f"{account['sent']} packets were sent, the bridge knows of {known}")
-    if found["exit_code"] != 0:
-        told.append(f"the bridge ended with {found['exit_code']}")
-    return told
+        sentences.append(f"{account['sent']} packets were sent, the bridge knows of {known}")
+    if figures["exit_code"] != 0:
+        sentences.append(f"the bridge ended with {figures['exit_code']}")
+    return sentences
 
 
 def measure(minutes: float, rate: float, folder: Path) -> dict[str, Any]:
@@ -326,15 +326,15 @@ def main() -> int:
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ.setdefault("ROS_DOMAIN_ID", str(10 + os.getpid() % 90))
     with tempfile.TemporaryDirectory() as folder:
-        found = measure(options.minutes, options.rate, Path(folder))
-    told = faults(found)
-    looks = found["looks"]
-    found["looks"] = [*looks[:-1:KEPT], looks[-1]]
+        figures = measure(options.minutes, options.rate, Path(folder))
+    sentences = faults(figures)
+    looks = figures["looks"]
+    figures["looks"] = [*looks[:-1:KEPT], looks[-1]]
     file = options.data or data_file(options.minutes)
     file.parent.mkdir(parents=True, exist_ok=True)
-    file.write_text(f"{json.dumps(found, indent=1)}\n", encoding="utf-8")
-    print("\n".join(told) or "nothing has grown, and all adds up")
-    return 1 if told else 0
+    file.write_text(f"{json.dumps(figures, indent=1)}\n", encoding="utf-8")
+    print("\n".join(sentences) or "nothing has grown, and all adds up")
+    return 1 if sentences else 0
 
 
 if __name__ == "__main__":

@@ -62,12 +62,14 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
         time from edit to verdict, and the median `processor` times of the server for that and for
         the `picture`, in milliseconds.
     """
-    found = {EXAMPLE: _measured(_example(), scale, folder / "example" / "edited.xmi")}
+    figures_by_model = {EXAMPLE: _measured(_example(), scale, folder / "example" / "edited.xmi")}
     xmi = growth.connections(ELEMENTS // _ELEMENTS_EACH, own_maps=True, own_frames=True)
-    found[f"{ELEMENTS:,} elements"] = _measured(xmi, scale, folder / "grown" / "edited.xmi")
-    for name, figures in found.items():
+    figures_by_model[f"{ELEMENTS:,} elements"] = _measured(
+        xmi, scale, folder / "grown" / "edited.xmi"
+    )
+    for name, figures in figures_by_model.items():
         print(f"  {name}: {figures}", flush=True)
-    return found
+    return figures_by_model
 
 
 def _example() -> str:
@@ -147,9 +149,9 @@ class _Page:
         self._asked += 1
         message = {"jsonrpc": "2.0", "id": self._asked, "method": method, "params": params}
         self._socket.send(json.dumps(message))
-        while (found := self._next()).get("id") != self._asked:
+        while (answer := self._next()).get("id") != self._asked:
             pass
-        return found["result"]
+        return answer["result"]
 
     def picture(self) -> None:
         """Asks what has changed in the picture of the system."""

@@ -85,16 +85,17 @@ def system_text(bridges: Mapping[str, Measured]) -> str:
 
 
 def _connections(bridge: Measured) -> list[str]:
-    ways = ("up", "down")
-    found = [
+    directions = ("up", "down")
+    connections = [
         _connection(f"{map_name}_{way}", map_name, way)
         for map_name in bridge.maps
         for way in bridge.ways
     ]
-    found += [
-        _connection(f"idle_{n}_{ways[n % 2]}", f"idle_{n}", ways[n % 2]) for n in range(bridge.idle)
+    connections += [
+        _connection(f"idle_{n}_{directions[n % 2]}", f"idle_{n}", directions[n % 2])
+        for n in range(bridge.idle)
     ]
-    return found
+    return connections
 
 
 def _connection(name: str, map_name: str, way: str) -> str:
@@ -160,10 +161,10 @@ def needed_compiler() -> str:
     Raises:
         RuntimeError: There is none.
     """
-    found = native.compiler()
-    if found is None:
+    compiler = native.compiler()
+    if compiler is None:
         raise RuntimeError("no compiler: install g++ or clang++")
-    return found
+    return compiler
 
 
 def read_system(model_file: Path) -> Model:

@@ -25,5 +25,5 @@ def times(figures: Mapping[str, Any]) -> str:
     if "ratio" not in figures:
         return ""
     ends = figures.get("span") or []
-    told = f"{figures['ratio']:.2f}"
-    return f"{told} ({ends[0]:.2f} to {ends[1]:.2f})" if ends else told
+    ratio = f"{figures['ratio']:.2f}"
+    return f"{ratio} ({ends[0]:.2f} to {ends[1]:.2f})" if ends else ratio

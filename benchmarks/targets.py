@@ -38,7 +38,7 @@ class Target:
 
     def worst(self, sections: Mapping[str, Any]) -> Finding | None:
         """Returns the finding that is furthest from the target, None where nothing was measured."""
-        return max(self.find(sections), key=lambda found: found[1], default=None)
+        return max(self.find(sections), key=lambda finding: finding[1], default=None)
 
 
 def _latency(
@@ -46,8 +46,8 @@ def _latency(
 ) -> Find:
     def find(sections: Mapping[str, Any]) -> Iterator[Finding]:
         for kind in kinds:
-            ways = sections.get("latency", {}).get(kind, {}).get(rate, {})
-            value = ways.get(way, {}).get(variant, {}).get(figure)
+            figures_by_way = sections.get("latency", {}).get(kind, {}).get(rate, {})
+            value = figures_by_way.get(way, {}).get(variant, {}).get(figure)
             if value is not None:
                 yield f"{KINDS[kind][1]}, {WAY_NAMES[way]}", value
 
@@ -90,9 +90,9 @@ def _growth(sections: Mapping[str, Any]) -> Iterator[Finding]:
 
 def _verdict(name: str) -> Find:
     def find(sections: Mapping[str, Any]) -> Iterator[Finding]:
-        found = sections.get("studio", {}).get(name)
-        if found:
-            yield name, found["median"]
+        figures = sections.get("studio", {}).get(name)
+        if figures:
+            yield name, figures["median"]
 
     return find
 

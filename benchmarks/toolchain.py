@@ -84,18 +84,18 @@ def measure(scale: Scale, folder: Path) -> dict[str, Any]:
             for name, (text, verb) in works.items()
         }
 
-    found: dict[str, Any] = {**_least(worked, runs), **_least(_commands, runs)}
-    print(f"  {found}", flush=True)
+    figures: dict[str, Any] = {**_least(worked, runs), **_least(_commands, runs)}
+    print(f"  {figures}", flush=True)
     for element in ELEMENTS:
         text = _connections(element * share // LARGE // _ELEMENTS_EACH)
         seconds = min(_rules(text, folder) for _ in range(runs))
-        found[f"rules {element}"] = {"seconds": rounded(seconds)}
-    found["growth"] = {}
+        figures[f"rules {element}"] = {"seconds": rounded(seconds)}
+    figures["growth"] = {}
     sizes = [max(size * share // LARGE, number) for number, size in enumerate(GROWTH, 1)]
     for verb in (_GENERATE, _VALIDATE):
-        found["growth"][verb[0]] = _exponent(verb, sizes, runs)
-    print(f"  growth: {found['growth']}", flush=True)
-    return found
+        figures["growth"][verb[0]] = _exponent(verb, sizes, runs)
+    print(f"  growth: {figures['growth']}", flush=True)
+    return figures
 
 
 def _rules(text: str, folder: Path) -> float:
@@ -117,14 +117,14 @@ def _least(work: Callable[[str], dict[str, float]], runs: int) -> dict[str, dict
     """Returns the least of some runs, in this environment and by turns in the other one."""
     pythons = [sys.executable, *filter(None, [os.environ.get(BEFORE)])]
     turns = [[work(python) for python in pythons] for _ in range(runs)]
-    found: dict[str, dict[str, float]] = {}
+    figures: dict[str, dict[str, float]] = {}
     for name in turns[0][0]:
         now, *before = (
             min(seconds[name] for seconds in series) for series in zip(*turns, strict=True)
         )
         ratio = {"ratio": round(now / before[0], 2)} if before else {}
-        found[name] = {"seconds": rounded(now), **ratio}
-    return found
+        figures[name] = {"seconds": rounded(now), **ratio}
+    return figures
 
 
 def _commands(python: str) -> dict[str, float]:

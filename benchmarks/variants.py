@@ -169,7 +169,7 @@ def reached(routes: Sequence[Loop], reach: Callable[[Loop], object]) -> list[Loo
         routes: Bridges that were started.
         reach: Waits until messages come through one.
     """
-    found = []
+    reached_routes = []
     for route in routes:
         try:
             reach(route)
@@ -177,5 +177,5 @@ def reached(routes: Sequence[Loop], reach: Callable[[Loop], object]) -> list[Loo
             print(f"  left out: {error}", flush=True)
             route.close()
         else:
-            found.append(route)
-    return found
+            reached_routes.append(route)
+    return reached_routes

@@ -105,8 +105,8 @@ class Checkout:
 
 def guards(test: Path) -> tuple[str, ...]:
     """What a test file says that it guards: paths of files and folders of the checkout."""
-    found = _GUARDS.search(test.read_text(encoding="utf-8"))
-    return tuple(ast.literal_eval(found[1])) if found else ()
+    match = _GUARDS.search(test.read_text(encoding="utf-8"))
+    return tuple(ast.literal_eval(match[1])) if match else ()
 
 
 def _within(name: str, place: str) -> bool:
@@ -119,11 +119,11 @@ def _words(text: str) -> set[str]:
 
 def _modules(root: Path, changed: list[str], known: set[str]) -> set[str]:
     """The modules that changed files are, or that lie beside or above what is no module."""
-    found = set()
+    modules = set()
     for name in changed:
         parts = name.removesuffix(".py").removesuffix("/__init__").split("/")
         if parts[0] == "metamodels":
-            found |= {
+            modules |= {
                 module_name
                 for module_name in known
                 if module_name.startswith("jausml.language.metamodel.")
@@ -137,18 +137,18 @@ def _modules(root: Path, changed: list[str], known: set[str]) -> set[str]:
         above = len(PACKAGES[home].split("/"))
         module = ".".join([home, *parts[above:]])
         if module in known:
-            found.add(module)
+            modules.add(module)
             continue
         folder = (root / name).parent
         while not (folder / "__init__.py").exists() and folder != root:
             folder = folder.parent
         package = ".".join([home, *folder.relative_to(root).parts[above:]])
-        found |= {
+        modules |= {
             module_name
             for module_name in known
             if module_name == package or module_name.startswith(f"{package}.")
         }
-    return found
+    return modules
 
 
 def _distances(modules: set[str], importers: Mapping[str, set[str]]) -> dict[str, int]:
@@ -183,18 +183,18 @@ class _TestFiles:
         """A test file, what it imports of files of the tests, and the conftest files above it."""
         if file in self._support:
             return self._support[file]
-        found = self._support[file] = set()
+        files = self._support[file] = set()
         pending = [
             file,
             *(conftest for conftest in self._named["conftest"] if conftest.parent in file.parents),
         ]
         while pending:
             path = pending.pop()
-            if path not in found:
-                found.add(path)
+            if path not in files:
+                files.add(path)
                 for name in self._imports(path):
                     pending += self._named.get(name, ())
-        return found
+        return files
 
     def imported(self, file: Path) -> set[str]:
         """The modules of the package that a test file imports, by itself or through its support."""
@@ -205,7 +205,13 @@ class _TestFiles:
         if path not in self._names:
             names = set()
             for module, several, one in _IMPORTS.findall(path.read_text(encoding="utf-8")):
-                given = [word.split()[0] for word in (several or one).split(",") if word.strip()]
-                names |= {module, *(f"{module}.{name}" for name in given)} if module else {*given}
+                imported_names = [
+                    word.split()[0] for word in (several or one).split(",") if word.strip()
+                ]
+                names |= (
+                    {module, *(f"{module}.{name}" for name in imported_names)}
+                    if module
+                    else {*imported_names}
+                )
             self._names[path] = names
         return self._names[path]

@@ -526,8 +526,8 @@ def machines() -> ConfigParser:
 @cache
 def event_bodies() -> Mapping[str, Facts]:
     """Returns what jaus_events.json says, by the names of the events."""
-    found: dict[str, Facts] = json.loads(EVENTS.read_text(encoding="utf-8"))["events"]
-    return found
+    bodies: dict[str, Facts] = json.loads(EVENTS.read_text(encoding="utf-8"))["events"]
+    return bodies
 
 
 def service_set(place: SetFile, services: Sequence[Facts], places: Mapping[Any, str]) -> str:

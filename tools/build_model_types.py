@@ -119,10 +119,10 @@ class ClassView:
             (e_super_type.name, e_super_type.ePackage.nsURI)
             for e_super_type in self.table.eclass.eSuperTypes
         }
-        found = self.metamodels.classes.values()
+        class_tables = self.metamodels.classes.values()
         return [
             class_table
-            for class_table in found
+            for class_table in class_tables
             if (class_table.name, class_table.package.ns_uri) in named
         ]
 

@@ -70,8 +70,8 @@ def _campaign(model: str, limit: int, jobs: int) -> dict[str, Any]:
     )
     if done.returncode not in (0, 1):
         sys.exit(done.returncode)
-    found: dict[str, Any] = json.loads(done.stdout)
-    return found
+    campaign: dict[str, Any] = json.loads(done.stdout)
+    return campaign
 
 
 def page(campaigns: Iterable[Mapping[str, Any]]) -> str:
@@ -99,8 +99,8 @@ def _of_model(campaign: Mapping[str, Any]) -> Iterator[str]:
     if survivors:
         yield from ("", "These survive:", "")
     # What differs only in where it stands is one thing that nothing notices.
-    found = Counter(_kind(survivor) for survivor in survivors)
-    for (operator, change, file), count in found.items():
+    counts_by_kind = Counter(_kind(survivor) for survivor in survivors)
+    for (operator, change, file), count in counts_by_kind.items():
         times = f", {count} times" if count > 1 else ""
         yield f"- {operator}: `{change}`, in `{file}`{times}"
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from jausml.language.model.library import library_paths, module_of
 from jausml.language.validation.engine import check_project
 from jausml.proving.layout import JAUS
-from jausml.proving.results import by_map, told, with_proofs
+from jausml.proving.results import by_map, outcome_text, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, program, prove_all
 
@@ -68,8 +68,8 @@ def main(arguments: Sequence[str]) -> None:
     report = check_project(asked.models)
     trips = round_trips(report.model)
     settings = Settings(program(), asked.budget, asked.jobs)
-    found = dict(prove_all(report.model, trips, settings))
-    results = [found[number] for number in range(len(trips))]
+    results_by_number = dict(prove_all(report.model, trips, settings))
+    results = [results_by_number[number] for number in range(len(trips))]
     modules = {trip.name: _module(report.model.location(trip.to_ros).path) for trip in trips}
     faults = by_map(with_proofs(report, trips, results))
     asked.page.parent.mkdir(parents=True, exist_ok=True)
@@ -108,7 +108,7 @@ def _of_map(result: MapResult, faults: Sequence[str]) -> Iterator[str]:
     yield from (f"- **{fault}**" for fault in faults)
     if whole:
         yield f"- unchanged: {_names(whole)}"
-    yield from (f"- `{field.path}`: {told(field)}" for field in back if field not in whole)
+    yield from (f"- `{field.path}`: {outcome_text(field)}" for field in back if field not in whole)
     one_way = [field for field in result.fields if not field.has_way_back]
     if one_way:
         yield f"- one way: {_names(one_way)}"

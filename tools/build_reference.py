@@ -272,8 +272,8 @@ def _unknown(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, 
         assignment = placed.assignment
         if not isinstance(assignment, bridge.FieldAssignment | bridge.ListAssignment):
             continue
-        for path, found in placed.sources:
-            if isinstance(found, Attribute) and found.may_lack and not knows_unknown(assignment):
+        for path, source in placed.sources:
+            if isinstance(source, Attribute) and source.may_lack and not knows_unknown(assignment):
                 key = _reason(placed, path), _outcome(assignment, placed.targets[0][1])
                 rows.setdefault(key, []).append(path)
     for (reason, outcome), paths in rows.items():
@@ -284,12 +284,12 @@ def _unknown(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, 
 def _reason(placed: Placed[bridge.Assignment], path: str) -> str:
     """Why a source is absent: the markers of the fields on its way, or that it is not there."""
     steps = path.split(".")
-    ways = (".".join(steps[: length + 1]) for length in range(len(steps)))
-    places = (placed.scope.find_source(way) for way in ways)
+    prefixes = (".".join(steps[: length + 1]) for length in range(len(steps)))
+    places = (placed.scope.find_source(way) for way in prefixes)
     fields = (place.field for place in places if isinstance(place, RosPlace))
     marks = [mark for field in fields if field is not None for mark in field.markers]
-    told = dict.fromkeys(f"`{mark.condition}`" for mark in marks)
-    return " or ".join(told) or "is not there"
+    conditions = dict.fromkeys(f"`{mark.condition}`" for mark in marks)
+    return " or ".join(conditions) or "is not there"
 
 
 def _outcome(assignment: bridge.FieldAssignment | bridge.ListAssignment, target: Found) -> str:

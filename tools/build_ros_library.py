@@ -102,35 +102,35 @@ def read_semantics(path: Path) -> dict[str, dict[str, dict[str, Any]]]:
     parser.optionxform = str  # type: ignore[method-assign,assignment]
     parser.read_string(path.read_text(encoding="utf-8"))
     versions = parser[PACKAGES]
-    found: dict[str, dict[str, dict[str, Any]]] = {}
+    semantics: dict[str, dict[str, dict[str, Any]]] = {}
     for section in parser.sections():
         if section == PACKAGES:
             continue
         package, _, name = section.partition("/")
         own = f"{name.partition('_')[0]} of {package} {versions.get(package, '').partition(':')[0]}"
-        found[section] = {
+        semantics[section] = {
             field.strip(): _statements(field.strip(), text, own)
             for fields, text in parser[section].items()
             for field in fields.split(",")
         }
-    return found
+    return semantics
 
 
 def _statements(field: str, text: str, stated: str) -> dict[str, Any]:
     """What is said of a field; `stated` is where that is, unless a marker says otherwise."""
     first, *lines = text.split("\n")
-    found: dict[str, Any] = {}
+    statements: dict[str, Any] = {}
     for word in first.split():
         limits = _RANGE.fullmatch(word)
         if limits:
-            found["minimum"], found["maximum"] = map(float, limits.groups())
+            statements["minimum"], statements["maximum"] = map(float, limits.groups())
         elif word in FRAMES:
-            found["frame"] = word
+            statements["frame"] = word
         elif parse_unit(word):
-            found["units"] = word
+            statements["units"] = word
     if lines:
-        found["markers"] = [_marker(field, line, stated) for line in lines]
-    return found
+        statements["markers"] = [_marker(field, line, stated) for line in lines]
+    return statements
 
 
 def _marker(field: str, line: str, stated: str) -> dict[str, str]:

@@ -114,12 +114,12 @@ def navigation(index: PurePosixPath = DOCS / "index.md") -> list[dict[str, Any]]
     return top
 
 
-def stage(folder: Path, made: Mapping[PurePosixPath, str]) -> None:
+def stage(folder: Path, page_texts: Mapping[PurePosixPath, str]) -> None:
     """Puts together what the site is built from: pages, what they link to, and the settings.
 
     Args:
         folder: An empty folder.
-        made: The text of pages that need not be there as files, by their path in the repository.
+        page_texts: The text of pages that are no files, by their path in the repository.
 
     Raises:
         SiteError: A page links to what is not there.
@@ -129,20 +129,24 @@ def stage(folder: Path, made: Mapping[PurePosixPath, str]) -> None:
         for path in (ROOT / DOCS).rglob("*")
         if path.is_file()
     ]
-    todo += made
+    todo += page_texts
     done = set()
     while todo:
         path = todo.pop()
         if path in done:
             continue
         done.add(path)
-        if path not in made and not (ROOT / path).is_file():
+        if path not in page_texts and not (ROOT / path).is_file():
             raise SiteError(f"a page links to {path}, which is no file")
         place = folder / DOCS / site_path(path)
         place.parent.mkdir(parents=True, exist_ok=True)
         if path.suffix == ".md":
             # One that is there as a file may be of an older state of the code.
-            text = made[path] if path in made else (ROOT / path).read_text(encoding="utf-8")
+            text = (
+                page_texts[path]
+                if path in page_texts
+                else (ROOT / path).read_text(encoding="utf-8")
+            )
             place.write_text(moved(path, text), encoding="utf-8")
             todo += links(path, text)
         else:
@@ -163,20 +167,20 @@ def _toml(value: str | list[Any] | dict[str, Any]) -> str:
     return json.dumps(value)
 
 
-def build(site: Path, version: str, made: Mapping[PurePosixPath, str]) -> None:
+def build(site: Path, version: str, page_texts: Mapping[PurePosixPath, str]) -> None:
     """Builds one version of the site beside those that stand there.
 
     Args:
         site: Folder of all versions.
         version: Name of this one's folder.
-        made: The text of pages that are not committed, by their path in the repository.
+        page_texts: The text of pages that are not committed, by their path in the repository.
 
     Raises:
         SiteError: There was a warning.
     """
     with tempfile.TemporaryDirectory(prefix="jausml-site-") as name:
         folder = Path(name)
-        stage(folder, made)
+        stage(folder, page_texts)
         command = [sys.executable, "-m", "zensical", "build", "--strict", "--clean"]
         done = subprocess.run(command, cwd=folder, check=False, capture_output=True, text=True)
         said = _COLOUR.sub("", done.stdout + done.stderr).partition("Traceback")[0]
@@ -193,8 +197,8 @@ def tell_versions(site: Path) -> None:
     Args:
         site: Folder of all versions.
     """
-    found = (path.name for path in site.iterdir() if (path / "index.html").is_file())
-    versions = sorted(found, key=_order, reverse=True)
+    names = (path.name for path in site.iterdir() if (path / "index.html").is_file())
+    versions = sorted(names, key=_order, reverse=True)
     shown = [
         {
             "version": version,
@@ -221,14 +225,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(description="Build the site of the documentation.")
     parser.add_argument("--out", type=Path, default=ROOT / "site", help="folder of all versions")
     parser.add_argument("--name", default=jausml.__version__, help="folder of this version")
-    given = parser.parse_args()
+    options = parser.parse_args()
     try:
-        given.out.mkdir(parents=True, exist_ok=True)
-        build(given.out, given.name, {path: make() for path, make in REFERENCES.items()})
+        options.out.mkdir(parents=True, exist_ok=True)
+        build(options.out, options.name, {path: make() for path, make in REFERENCES.items()})
     except (SiteError, OSError) as error:
         print(error, file=sys.stderr)
         return 1
-    print(f"{given.out / given.name}/index.html")
+    print(f"{options.out / options.name}/index.html")
     return 0
 
 

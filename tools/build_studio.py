@@ -98,20 +98,20 @@ def npm() -> str | None:
 
 def environment() -> dict[str, str]:
     """Returns the environment; what is beside this Python comes first if node is not new enough."""
-    made = dict(os.environ)
-    path = made.get("PATH", os.defpath)
+    variables = dict(os.environ)
+    path = variables.get("PATH", os.defpath)
     if _version(path) < LEAST_NODE:
         path = f"{_OWN}{os.pathsep}{path}"
-    return {**made, "PATH": path}
+    return {**variables, "PATH": path}
 
 
 def _version(path: str) -> int:
     """Returns the major version of the node in a PATH, 0 if there is none."""
-    found = shutil.which("node", path=path)
-    if found is None:
+    executable = shutil.which("node", path=path)
+    if executable is None:
         return 0
-    told = subprocess.run([found, "--version"], capture_output=True, text=True, check=False)
-    major = told.stdout.strip().removeprefix("v").partition(".")[0]
+    process = subprocess.run([executable, "--version"], capture_output=True, text=True, check=False)
+    major = process.stdout.strip().removeprefix("v").partition(".")[0]
     return int(major) if major.isdigit() else 0
 
 

@@ -72,11 +72,11 @@ def _classes() -> Path:
         folder.parent.mkdir(parents=True, exist_ok=True)
         # Whole or not at all, for those who start beside us.
         with tempfile.TemporaryDirectory(dir=folder.parent) as place:
-            made = Path(place) / "classes"
+            class_folder = Path(place) / "classes"
             path = os.pathsep.join(map(str, PACKAGES))
-            subprocess.run(["javac", "-cp", path, "-d", made, SOURCE], check=True)
+            subprocess.run(["javac", "-cp", path, "-d", class_folder, SOURCE], check=True)
             try:
-                made.rename(folder)
+                class_folder.rename(folder)
             except OSError:
                 if not folder.exists():
                     raise

@@ -172,9 +172,9 @@ class System:
 
     def runs(self, commands: Sequence[str], tests: str) -> Iterator[Run]:
         """Makes the system, and yields how the commands went in it, or that it cannot be made."""
-        made = self._judge("debootstrap", self._debootstrap(), "", dict(os.environ))
-        if made.outcome.reason:
-            yield made
+        bootstrap_run = self._judge("debootstrap", self._debootstrap(), "", dict(os.environ))
+        if bootstrap_run.outcome.reason:
+            yield bootstrap_run
             return
         self._furnish()
         asked = self._entering("/", "python3", "--version")
@@ -274,12 +274,12 @@ def _ended(*_: object) -> NoReturn:
 
 def main(arguments: Sequence[str]) -> int:
     """Command line entry."""
-    given = parsed(arguments)
+    options = parsed(arguments)
     if reason := why_not():
         print(reason, file=sys.stderr)
         return 2
-    folder = given.folder.resolve()
-    systems = [System(system_name, folder) for system_name in given.systems]
+    folder = options.folder.resolve()
+    systems = [System(system_name, folder) for system_name in options.systems]
     if there := [candidate.root for candidate in systems if candidate.root.exists()]:
         print(f"{there[0]} is there already: remove it, or name another --folder", file=sys.stderr)
         return 2
@@ -288,11 +288,11 @@ def main(arguments: Sequence[str]) -> int:
     runs: list[Run] = []
     for system in systems:
         try:
-            runs += system.runs([given.only] if given.only else COMMANDS, given.tests)
+            runs += system.runs([options.only] if options.only else COMMANDS, options.tests)
         except KeyboardInterrupt:
             return 128 + signal.SIGINT
         finally:
-            if not given.keep:
+            if not options.keep:
                 remove(system.root)
     print("", *markdown_table(HEAD, [run.row() for run in runs]), sep="\n")
     failed = [run for run in runs if run.outcome.reason]

@@ -67,10 +67,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", nargs="?", type=Path, default=ROOT / "docs")
     parser.add_argument("--dark", action="store_true", help="as who likes it dark sees it")
-    given = parser.parse_args()
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"))
-        pictures = Pictures(browser, given.folder, "dark" if given.dark else "light")
+        pictures = Pictures(browser, options.folder, "dark" if options.dark else "light")
         pictures.take_views(_copied("catvehicle/catvehicle.xmi", Path(folder)))
         pictures.take_live(_copied("minimal/minimal.xmi", Path(folder)))
         browser.close()
@@ -162,8 +162,8 @@ def _started(*words: str) -> Iterator[subprocess.Popen[str]]:
 
 def _address(studio: subprocess.Popen[str]) -> str:
     for line in studio.stdout or ():
-        if found := re.search(r"http://\S+", line):
-            return found[0]
+        if match := re.search(r"http://\S+", line):
+            return match[0]
     raise SystemExit("studio_pictures: the studio does not start")
 
 

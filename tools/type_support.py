@@ -81,8 +81,8 @@ def require_own(folder: Path) -> None:
         PermissionError: Somebody else made it, or may write in it.
     """
     folder.mkdir(mode=0o700, exist_ok=True)
-    found = folder.lstat()
-    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid() or found.st_mode & 0o022:
+    status = folder.lstat()
+    if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid() or status.st_mode & 0o022:
         raise PermissionError(f"{folder} is not this user's alone: remove it")
 
 
@@ -124,8 +124,8 @@ def _build(package: str, types: tuple[str, ...], work: Path) -> None:
         (headers / f"{part}__visibility_control.h").write_text("\n".join(lines) + "\n")
     sources = sorted(path for path in work.rglob("*.c*") if path.suffix in {".c", ".cpp"})
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        made = pool.map(lambda source: _compiled(source, work), sources)
-        objects = dict(zip(sources, made, strict=True))
+        object_files = pool.map(lambda source: _compiled(source, work), sources)
+        objects = dict(zip(sources, object_files, strict=True))
     home = work / "py" / package
     main, inner = (f"lib{package}__{suffix}.so" for suffix in (_FASTRTPS, _INTROSPECTION))
     own = [f"-L{home}", f"-l:{main}"]

@@ -43,16 +43,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # matplotlib takes a second, which nobody waits for who only asked for help.
     from experiments.right_turn import gather, pictures, report  # noqa: PLC0415
 
-    found = gather.gather(folder, plan, failed)
-    pictures.draw(folder, found, folder / "figures")
-    text = json.dumps(found, indent=1, allow_nan=False) + "\n"
+    data = gather.gather(folder, plan, failed)
+    pictures.draw(folder, data, folder / "figures")
+    text = json.dumps(data, indent=1, allow_nan=False) + "\n"
     (folder / "results.json").write_text(text, encoding="utf-8")
     page = folder / "experiment.md"
-    page.write_text(report.page(found), encoding="utf-8")
-    print(f"\n{report.table(found)}\n\n{page} was written.")
+    page.write_text(report.page(data), encoding="utf-8")
+    print(f"\n{report.table(data)}\n\n{page} was written.")
     for name, why in failed.items():
         print(f"failed: {name}: {why}", file=sys.stderr)
-    broken = [claim["text"] for claim in found["claims"] if claim["holds"] is False]
+    broken = [claim["text"] for claim in data["claims"] if claim["holds"] is False]
     for claim in broken:
         print(f"does not hold: {claim}", file=sys.stderr)
     return 1 if failed or broken else 0

@@ -197,14 +197,14 @@ def _difference(
 def _stepped(drive: Sequence[Sample], count: int) -> list[Sample]:
     """Returns states at each step of time since the first motion, linear between samples."""
     times = [sample.t for sample in drive]
-    found = []
+    states = []
     for step in range(count):
         place = min(max(bisect_right(times, step * _STEP), 1), len(drive) - 1)
         before, after = drive[place - 1], drive[place]
         share = (step * _STEP - times[place - 1]) / (after.t - before.t)
         values = zip(astuple(before), astuple(after), strict=True)
-        found.append(Sample(*(early + share * (late - early) for early, late in values)))
-    return found
+        states.append(Sample(*(early + share * (late - early) for early, late in values)))
+    return states
 
 
 def _band(axes: Axes, system: str, curves: Sequence[Sequence[float]], words: str) -> None:

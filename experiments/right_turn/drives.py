@@ -99,22 +99,22 @@ def drive(drives: Sequence[Drive], logs: Path) -> list[Run]:
     return runs
 
 
-def collect(made: Drive, system: Running) -> Run:
+def collect(ended_drive: Drive, system: Running) -> Run:
     """Returns what a drive has left, whether or not it arrived; times are from the first motion."""
     samples = from_first_motion(read_log(system.logs / "vehicle.csv"))
-    ways = delays(system.logs)
-    lines = [line for name in made.workspace.processes for line in system.lines(name)]
+    hop_delays = delays(system.logs)
+    lines = [line for name in ended_drive.workspace.processes for line in system.lines(name)]
     return Run(
-        system=made.workspace.system.name,
-        name=made.name,
+        system=ended_drive.workspace.system.name,
+        name=ended_drive.name,
         arrived=bool(samples) and is_at_end(samples[-1]),
         samples=samples,
         latencies={
-            "to_controller": ways.to_controller,
-            "to_vehicle": ways.to_vehicle,
-            "sense_act": ways.loop,
+            "to_controller": hop_delays.to_controller,
+            "to_vehicle": hop_delays.to_vehicle,
+            "sense_act": hop_delays.loop,
         },
-        config={**asdict(made.setting), "port": made.setting.port},
+        config={**asdict(ended_drive.setting), "port": ended_drive.setting.port},
         metrics=judged(samples),
         counters=dict(counted(lines, "drops:")),
     )

@@ -51,7 +51,7 @@ def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any
         failed: Why stages failed, by name.
     """
     wall = by_system(runs_of(folder, "wall"))
-    found: dict[str, Any] = {
+    data: dict[str, Any] = {
         "format": FORMAT,
         "quick": plan.quick,
         "machine": machine(),
@@ -61,10 +61,10 @@ def gather(folder: Path, plan: Plan, failed: Mapping[str, str]) -> dict[str, Any
         "summaries": _plain(summaries(folder)),
         "figures": [],
     }
-    found["verdicts"] = _verdicts(wall)
-    found["closeness"] = _closeness(wall)
-    found["claims"] = _claims(found)
-    return found
+    data["verdicts"] = _verdicts(wall)
+    data["closeness"] = _closeness(wall)
+    data["claims"] = _claims(data)
+    return data
 
 
 def _verdicts(wall: Mapping[str, Sequence[Run]]) -> list[dict[str, Any]]:
@@ -165,10 +165,10 @@ _DISTANCES = {
 
 def _claims(data: Mapping[str, Any]) -> list[dict[str, Any]]:
     claims: list[dict[str, Any]] = []
-    for system, found in data["systems"].items():
+    for system, system_data in data["systems"].items():
         text = f"each drive of {system} arrives"
-        claims.append({"text": text, "holds": found["arrived"] == found["drives"]})
-        unsafe = found["measures"].get("violation_fraction")
+        claims.append({"text": text, "holds": system_data["arrived"] == system_data["drives"]})
+        unsafe = system_data["measures"].get("violation_fraction")
         holds = None if unsafe is None else unsafe["most"] == 0
         claims.append({"text": f"no drive of {system} leaves the safe region", "holds": holds})
     claims += map(_claim, data["verdicts"])

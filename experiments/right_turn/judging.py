@@ -193,9 +193,10 @@ def judge(
     driven = [(one, two) for one, two in driven if one and two]
     if driven:
         bounds = thresholds(parameters)
-        found = differences(driven)
+        deviations = differences(driven)
         rows += [
-            _tested(quantity, found[quantity.key], bounds[quantity.key]) for quantity in MEASURES
+            _tested(quantity, deviations[quantity.key], bounds[quantity.key])
+            for quantity in MEASURES
         ]
     for share, measure in DELAYS.items():
         delays = [_added_delay(pair, share) for pair in pairs]
@@ -214,11 +215,11 @@ def differences(
         drives: Pairs, with times from the first motion.
     """
     alone = [(judged(one), judged(two)) for one, two in drives]
-    found = {
+    deviations = {
         key: [two[key] - one[key] for one, two in alone]
         for key in ("path_error_max", "peak_lateral_acceleration")
     }
-    found["activity"] = [
+    deviations["activity"] = [
         two["steering_activity"] / one["steering_activity"] - 1.0 for one, two in alone
     ]
     apart = [_distances(one, two) for one, two in drives]
@@ -226,8 +227,8 @@ def differences(
     floors = [_distances(one, other) for one, other in pairwise([*firsts, firsts[0]])]
     for key in ("position", "speed_rms", "steering_rms", "closeness"):
         # With one pair there is no other first drive, and its floor is 0.
-        found[key] = [one[key] - floor[key] for one, floor in zip(apart, floors, strict=True)]
-    return found
+        deviations[key] = [one[key] - floor[key] for one, floor in zip(apart, floors, strict=True)]
+    return deviations
 
 
 @lru_cache
@@ -238,8 +239,10 @@ def thresholds(parameters: VehicleParameters) -> Mapping[str, float]:
         (reference, _loop(parameters, LEAST_DELAY + TOLERATED_DELAY, part * period))
         for part in (0.0, 0.25, 0.5, 0.75)
     ]
-    found = [differences([pair]) for pair in pairs]
-    bounds = {key: max(abs(difference[key][0]) for difference in found) for key in found[0]}
+    deviations = [differences([pair]) for pair in pairs]
+    bounds = {
+        key: max(abs(difference[key][0]) for difference in deviations) for key in deviations[0]
+    }
     alone = judged(reference, parameters)
     for part in (0.25, 0.5, 0.75):
         straight = parameters.straight_length + part * period * parameters.reference_speed
@@ -274,13 +277,13 @@ def _trimmed(drive: Sequence[Sample]) -> list[Sample]:
 def _distances(one: Sequence[Sample], two: Sequence[Sample]) -> dict[str, float]:
     if one is two:
         return dict.fromkeys(("position", "speed_rms", "steering_rms", "closeness"), 0.0)
-    found = gap(one, two)
+    difference = gap(one, two)
     end = min(one[-1].t, two[-1].t)
     common = [[sample for sample in drive if sample.t <= end] for drive in (one, two)]
     return {
-        "position": found.position,
-        "speed_rms": found.speed_rms,
-        "steering_rms": found.steering_rms,
+        "position": difference.position,
+        "speed_rms": difference.speed_rms,
+        "steering_rms": difference.steering_rms,
         "closeness": closeness(*common, SHIFT),
     }
 
@@ -291,10 +294,10 @@ def _is_unsafe(run: Run) -> bool:
 
 def _added_delay(pair: tuple[Run, Run], share: float) -> float | None:
     """Returns what is added to a quantile of the delay, both ways, s; None if not measured."""
-    ways = ("to_controller", "to_vehicle")
-    if not all(run.latencies.get(way) for run in pair for way in ways):
+    hops = ("to_controller", "to_vehicle")
+    if not all(run.latencies.get(way) for run in pair for way in hops):
         return None
-    one, two = (sum(_quantile(run.latencies[way], share) for way in ways) for run in pair)
+    one, two = (sum(_quantile(run.latencies[way], share) for way in hops) for run in pair)
     return two - one
 
 

@@ -51,9 +51,11 @@ def _figures(folder: Path) -> Iterator[tuple[str, Figure]]:
         if system in _ROWS
     }
     drives = {system: moved(runs) for system, runs in wall.items()}
-    drives = {system: found for system, found in drives.items() if found}
+    drives = {system: system_drives for system, system_drives in drives.items() if system_drives}
     if drives:
-        rows = [turns.Turns(_ROWS[system], found) for system, found in drives.items()]
+        rows = [
+            turns.Turns(_ROWS[system], system_drives) for system, system_drives in drives.items()
+        ]
         yield "turn", turns.draw(rows, path, parameters)
         yield "steering", comparisons.steering(drives)
     if len(drives) == len(_ROWS) and len(drives["J"]) > 1:
@@ -76,9 +78,9 @@ def moved(runs: Sequence[Run]) -> list[Sequence[Sample]]:
 
     Times count from the first motion, as in the runs.
     """
-    found = []
+    drives = []
     for run in runs:
         moving = [index for index, sample in enumerate(run.samples) if sample.v > MOVING]
         if moving:
-            found.append(run.samples[: moving[-1] + 1])
-    return found
+            drives.append(run.samples[: moving[-1] + 1])
+    return drives

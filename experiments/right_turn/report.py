@@ -63,10 +63,14 @@ def table_of_drives(data: Mapping[str, Any]) -> list[list[str]]:
     """Returns rows of measures, the systems as columns, with their heading."""
     systems = data["systems"]
     rows = [["mean (least to most)", *systems]]
-    counts = (f"{found['arrived']} of {found['drives']}" for found in systems.values())
+    counts = (
+        f"{system_data['arrived']} of {system_data['drives']}" for system_data in systems.values()
+    )
     rows.append(["arrived", *counts])
     for measure in MEASURES:
-        cells = (_cell(found["measures"].get(measure.name)) for found in systems.values())
+        cells = (
+            _cell(system_data["measures"].get(measure.name)) for system_data in systems.values()
+        )
         rows.append([f"{measure.words}, {measure.unit}", *cells])
     return rows
 
@@ -206,9 +210,9 @@ def _latency(data: Mapping[str, Any], figures: str) -> Iterator[str]:
         "its answer* is the whole loop, including the controller.\n"
     )
     rows = []
-    for system, found in data["systems"].items():
+    for system, system_data in data["systems"].items():
         for hop, words in HOP_NAMES.items():
-            times = found["latency"].get(hop)
+            times = system_data["latency"].get(hop)
             if times:
                 marks = (number(1000 * times[name]) for name in ("p50", "p95", "p99", "max"))
                 rows.append((system, words, f"{times['count']:,}", *marks))
@@ -227,8 +231,8 @@ def _steering(data: Mapping[str, Any], figures: str) -> Iterator[str]:
 
 def _controls(data: Mapping[str, Any]) -> Iterator[str]:
     """Yields the systems that the test must distinguish from J."""
-    found = data["summaries"].get("wall", {}).get("controls")
-    if not found:
+    controls = data["summaries"].get("wall", {}).get("controls")
+    if not controls:
         return
     yield "### What the test must distinguish from J\n"
     rows = [
@@ -238,7 +242,7 @@ def _controls(data: Mapping[str, Any]) -> Iterator[str]:
             answer({"holds": control["differs"]}),
             "; ".join(control["by"]),
         )
-        for control in found.values()
+        for control in controls.values()
     ]
     yield markdown_table(("drives in real time", "", "shown to be different", "by"), rows)
 
@@ -262,13 +266,13 @@ def _closeness(data: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _simulator(data: Mapping[str, Any], figures: str) -> Iterator[str]:
-    found = data["summaries"].get("simulator")
-    if not found:
+    summary = data["summaries"].get("simulator")
+    if not summary:
         return
     yield "## With a simulator\n"
     yield (
         "The plant is a separate process with ROS topics and its own time, as in Gazebo. A JAUS "
-        f"unit behind the bridge asks for {found['rate']:g} reports a second. The reports follow "
+        f"unit behind the bridge asks for {summary['rate']:g} reports a second. The reports follow "
         "the time of the simulation:\n"
     )
     yield figure("simulator", figures, "Rate of JAUS events over the pace of the simulation", data)
@@ -281,7 +285,7 @@ def _simulator(data: Mapping[str, Any], figures: str) -> Iterator[str]:
             number(segment["simulated_rate"]),
             "yes" if run["follows"] else "no",
         )
-        for name, run in found["runs"].items()
+        for name, run in summary["runs"].items()
         for segment in run["segments"]
     ]
     head = (

@@ -83,14 +83,14 @@ def measures(metrics: Sequence[Mapping[str, float]]) -> dict[str, dict[str, floa
     Args:
         metrics: Those of each drive.
     """
-    found = {}
+    spreads = {}
     for measure in MEASURES:
         values = [
             measure.factor * values[measure.name] for values in metrics if measure.name in values
         ]
         if values:
-            found[measure.name] = _spread(values)
-    return found
+            spreads[measure.name] = _spread(values)
+    return spreads
 
 
 def _spread(values: Sequence[float]) -> dict[str, float]:
@@ -108,10 +108,10 @@ def _rounded(value: float) -> float:
 
 def by_system(runs: Iterable[Run]) -> dict[str, list[Run]]:
     """Returns runs by the name of their system, in the order of their names."""
-    found: dict[str, list[Run]] = {}
+    runs_by_system: dict[str, list[Run]] = {}
     for run in runs:
-        found.setdefault(run.system, []).append(run)
-    return found
+        runs_by_system.setdefault(run.system, []).append(run)
+    return runs_by_system
 
 
 def machine() -> dict[str, Any]:
@@ -126,12 +126,12 @@ def machine() -> dict[str, Any]:
 
 def summaries(folder: Path) -> dict[str, Any]:
     """Returns the summary of each stage that has one."""
-    found = {}
+    summaries_by_stage = {}
     for stage in STAGES:
         path = folder / stage / "summary.json"
         if path.exists():
-            found[stage] = json.loads(path.read_text(encoding="utf-8"))
-    return found
+            summaries_by_stage[stage] = json.loads(path.read_text(encoding="utf-8"))
+    return summaries_by_stage
 
 
 def runs_of(folder: Path, stage: str) -> list[Run]:

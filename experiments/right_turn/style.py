@@ -106,7 +106,7 @@ def store(figure: Figure, folder: Path, name: str) -> tuple[Path, Path]:
 
 def _shortened(text: str) -> str:
     """Returns an SVG whose places have hundredths of a point: finer ones cost a third of it."""
-    return _PLACES.sub(lambda found: _DIGITS.sub(r"\1", found[0]), text)
+    return _PLACES.sub(lambda match: _DIGITS.sub(r"\1", match[0]), text)
 
 
 def look(system: str) -> dict[str, Any]:

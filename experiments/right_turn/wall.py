@@ -57,9 +57,9 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
             for number in numbers
             for side, workspace in enumerate((alone, bridged))
         ]
-        for made in drive(drives, folder / "logs"):
-            made.write(made.place(folder))
-            runs.append(made)
+        for driven_run in drive(drives, folder / "logs"):
+            driven_run.write(driven_run.place(folder))
+            runs.append(driven_run)
     summary: dict[str, Any] = {
         "pairs": count,
         "at_once": PAIRS_AT_ONCE,
@@ -69,13 +69,13 @@ def run(folder: Path, plan: Plan, tell: Callable[[str], None]) -> list[Run]:
     if not plan.quick:
         tell("positive controls")
         good = [finished_run for finished_run in runs if finished_run.system == JAUS_ALONE.name]
-        summary["controls"] = found = _controls(alone, good, folder / "logs")
+        summary["controls"] = controls = _controls(alone, good, folder / "logs")
         summary["claims"] = [
             {
                 "text": f"positive control: {control['about']} is distinguished from J",
                 "holds": control["differs"],
             }
-            for control in found.values()
+            for control in controls.values()
         ]
     (folder / "summary.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
     return runs
@@ -88,9 +88,9 @@ def _controls(alone: Workspace, good: Sequence[Run], logs: Path) -> dict[str, di
         Drive(alone, f"{name}_{place}", Setting(place, *CONTROLS[name][1:]))
         for place, name in enumerate(names)
     ]
-    made = drive(drives, logs)
+    runs = drive(drives, logs)
     return {
-        name: judged_control(about, good, [run for run in made if run.name.startswith(name)])
+        name: judged_control(about, good, [run for run in runs if run.name.startswith(name)])
         for name, (about, _, _) in CONTROLS.items()
     }
 

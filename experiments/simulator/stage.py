@@ -105,7 +105,7 @@ def run_conditions(
         results = []
         for future in running:
             results.append(future.result())
-            tell(_told(results[-1]))
+            tell(_described(results[-1]))
     _summarize(folder, results)
     return results
 
@@ -149,7 +149,7 @@ def _start(processes: Processes, folder: Path, workspace: Path, condition: Condi
     return processes.start("system", *command, "--ros-args", *clock)
 
 
-def _told(result: Result) -> str:
+def _described(result: Result) -> str:
     """Returns a line on a run."""
     rates = ", ".join(
         f"{segment.real_rate:.2f}/s at {segment.pace:.2f}x" for segment in result.segments

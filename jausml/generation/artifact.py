@@ -166,10 +166,10 @@ def _notice(source: str, opening: str, closing: str) -> str:
 def _parse(text: str) -> tuple[str, str] | None:
     lines = text.split("\n", _SEARCHED_LINES)
     for number in range(1, min(len(lines), _SEARCHED_LINES)):
-        found = _DIGEST_LINE.fullmatch(lines[number])
-        if found and _NOTICE_LINE.fullmatch(lines[number - 1]):
+        match = _DIGEST_LINE.fullmatch(lines[number])
+        if match and _NOTICE_LINE.fullmatch(lines[number - 1]):
             rest = lines[: number - 1] + lines[number + 1 :]
-            return found.group(1), "\n".join(rest)
+            return match.group(1), "\n".join(rest)
     return None
 
 

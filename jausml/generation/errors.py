@@ -21,8 +21,8 @@ class NoSystemError(GenerationError):
     """The file to generate from does not hold exactly one system."""
 
     def __init__(self, path: str, systems: Sequence[str], maps: Sequence[str]) -> None:
-        found = f"{len(systems)} systems" if systems else "no system"
-        super().__init__(f"{path} holds {found}, where one is needed")
+        content = f"{len(systems)} systems" if systems else "no system"
+        super().__init__(f"{path} holds {content}, where one is needed")
         self.path = path
         self.systems = systems
         self.maps = maps

@@ -255,8 +255,8 @@ def find_generated(out: Path) -> list[str]:
 
 def find_python(out: Path) -> list[str]:
     """Returns the paths of Python files, in the folders that `find_generated` looks at."""
-    found = (path for path in _files(out) if path.suffix == ".py")
-    return sorted(path.relative_to(out).as_posix() for path in found)
+    paths = (path for path in _files(out) if path.suffix == ".py")
+    return sorted(path.relative_to(out).as_posix() for path in paths)
 
 
 def _may_have_header(path: Path) -> bool:

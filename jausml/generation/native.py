@@ -90,12 +90,12 @@ def _build(source: Path, program: str) -> Built:
         return Built(library, State.UNCHANGED)
     try:
         with TemporaryDirectory(dir=source.parent.parent, prefix=".core-") as folder:
-            made = Path(folder, LIBRARY)
-            command = [program, *FLAGS, "-o", str(made), str(source)]
+            output = Path(folder, LIBRARY)
+            command = [program, *FLAGS, "-o", str(output), str(source)]
             subprocess.run(  # noqa: S603 - the compiler of the user, on generated text
                 command, check=True, capture_output=True, timeout=_LONGEST_BUILD
             )
-            made.replace(library)
+            output.replace(library)
     except subprocess.CalledProcessError as error:
         lines = error.stderr.decode(errors="replace").strip().splitlines()
         # Compilers say first in which function an error is.

@@ -130,8 +130,8 @@ def make_plan(
     actions += _remains(out, manifest)
     actions.sort(key=lambda action: action.path)
     deleted = frozenset(deletion.path for deletion in actions if deletion.kind is ActionKind.DELETE)
-    told = known(deleted) if known else {}
-    models = {**manifest.models, model: {**manifest.models.get(model, {}), **told}}
+    facts = known(deleted) if known else {}
+    models = {**manifest.models, model: {**manifest.models.get(model, {}), **facts}}
     new = Manifest(files=files, models=models)
     return Plan(out, (*actions, _manifest_action(out, manifest, new)), new.dump())
 
@@ -249,13 +249,13 @@ def _gone(path: str, manifest: Manifest, state: FileState, successor: str) -> Ac
 
 def _successor(entry: Entry, artifacts: Sequence[Artifact]) -> str:
     """Returns the skeleton that the same element now has under another path, or empty."""
-    found = (
+    paths = (
         artifact.path
         for artifact in artifacts
         if artifact.kind is Kind.SKELETON
         and (artifact.target, artifact.element_id) == (entry.target, entry.element)
     )
-    return min(found, default="")
+    return min(paths, default="")
 
 
 def _strays(out: Path, manifest: Manifest, unique: Mapping[str, Artifact]) -> Iterator[Action]:

@@ -69,7 +69,9 @@ def render(
     size, modules = _Size(), Modules()
     with without_collector(), remembering():
         artifacts = _rendered(model, [(one, one.tasks(model)) for one in targets], size, modules)
-        code = {made.path: made.text for made in artifacts if made.path.endswith(".py")}
+        code = {
+            artifact.path: artifact.text for artifact in artifacts if artifact.path.endswith(".py")
+        }
         code = {**(beside or {}), **code}
         following = [(one, one.for_code(code)) for one in targets if one.for_code is not None]
         artifacts += _rendered(model, following, size, modules)

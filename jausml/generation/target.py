@@ -154,8 +154,8 @@ def load_targets() -> dict[str, Target[Any]]:
         GenerationError: A target cannot be loaded, or two have one name.
     """
     targets: dict[str, Target[Any]] = {}
-    found = entry_points(group=ENTRY_POINT_GROUP)
-    for entry in sorted(found, key=lambda entry: (entry.name, entry.value)):
+    entries = entry_points(group=ENTRY_POINT_GROUP)
+    for entry in sorted(entries, key=lambda entry: (entry.name, entry.value)):
         if entry.name in targets:
             raise GenerationError(f"two installed targets have the name '{entry.name}'")
         targets[entry.name] = _load(entry)

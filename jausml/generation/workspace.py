@@ -99,7 +99,7 @@ def generate(
     if any(target.needs_system for target in targets):
         system_of(model)
     if renewed:
-        there = _made(out, {name_of(model), adopt})
+        there = _generated_targets(out, {name_of(model), adopt})
         again = [target for target in renewed if target.name in there]
         _check_again(model, again)
         targets = [*targets, *again]
@@ -141,7 +141,7 @@ def _check_again(model: Model, again: Sequence[Target[Any]]) -> None:
             raise GenerationError(f"{error} ({cure})") from error
 
 
-def _made(out: Path, names: Collection[str]) -> set[str]:
+def _generated_targets(out: Path, names: Collection[str]) -> set[str]:
     """Returns the names of the targets of which a folder has files, made of models of a name."""
     return {
         entry.target
@@ -173,8 +173,8 @@ def _generate(
         before = manifest.models.get(name, {}).get("former")
         after = Interface(artifacts, out, manifest, deleted)
         former.update(former_names(Interface((), out, manifest), after, before))
-        told: dict[str, Any] = {"processes": processes} if launching else {}
-        return {**told, "former": former} if former or before else told
+        facts: dict[str, Any] = {"processes": processes} if launching else {}
+        return {**facts, "former": former} if former or before else facts
 
     plan = make_plan(
         artifacts, out, manifest, model=name, targets=covered, force=force, known=known
@@ -209,13 +209,13 @@ def _beside(
     manifest = read_manifest(out)
     covered = _covered(manifest, targets, kept)
     shared = {target.name for target in targets if target.is_shared}
-    found = {}
+    code_by_path = {}
     for path, entry in manifest.files.items():
-        stays = entry.target not in covered or {*entry.models} - {name}
-        if path.endswith(".py") and stays and entry.target not in shared:
+        is_kept = entry.target not in covered or {*entry.models} - {name}
+        if path.endswith(".py") and is_kept and entry.target not in shared:
             state = inspect(out, path)
-            found[path] = state.text or ""
-    return found
+            code_by_path[path] = state.text or ""
+    return code_by_path
 
 
 def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:
@@ -237,15 +237,15 @@ def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:
 def with_code(report: Report, result: Result, out: Path) -> Report:
     """Returns the report of a model with what does not fit it in the workspace."""
     plan = result.plan
-    found = [finding.diagnostic(out) for finding in result.drift]
+    diagnostics = [finding.diagnostic(out) for finding in result.drift]
     for change in (*plan.changes, *plan.refused):
         place = Location(str(out / change.path))
         message = f"{change.kind.value}: {change.reason}"
-        found.append(Diagnostic(STALE, Severity.ERROR, place, message))
-    paths = (diagnostic.location.path for diagnostic in found)
+        diagnostics.append(Diagnostic(STALE, Severity.ERROR, place, message))
+    paths = (diagnostic.location.path for diagnostic in diagnostics)
     return replace(
         report,
         files=tuple(dict.fromkeys((*report.files, *paths))),
-        diagnostics=(*report.diagnostics, *sorted(found)),
+        diagnostics=(*report.diagnostics, *sorted(diagnostics)),
         rules=CODE_RULES,
     )

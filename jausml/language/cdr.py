@@ -144,23 +144,23 @@ def types_within(roots: Iterable[ros.MessageType]) -> list[ros.MessageType]:
     Raises:
         CdrError: A message contains itself.
     """
-    found: dict[ros.MessageType, None] = {}
+    types: dict[ros.MessageType, None] = {}
     for root in sorted(set(roots), key=full_name):
-        _collect(root, found, ())
-    return list(found)
+        _collect(root, types, ())
+    return list(types)
 
 
 def _collect(
     message: ros.MessageType,
-    found: dict[ros.MessageType, None],
+    types: dict[ros.MessageType, None],
     around: tuple[ros.MessageType, ...],
 ) -> None:
     if message in around:
         raise CdrError(f"ROS type {full_name(message)} contains itself")
-    if message not in found:
+    if message not in types:
         for inner in nested(message):
-            _collect(inner, found, (*around, message))
-        found[message] = None
+            _collect(inner, types, (*around, message))
+        types[message] = None
 
 
 def nested(message: ros.MessageType) -> Iterator[ros.MessageType]:

@@ -173,16 +173,16 @@ class Index:
         Raises:
             InputError: There is none, or more than one.
         """
-        found = self.files_with_systems
+        files = self.files_with_systems
         choice = f"name one by {option}" if option else "name one"
-        if not found:
+        if not files:
             raise InputError(
                 f"no model in {self.root} has a system: {choice}, or make a project by jausml init"
             )
-        if len(found) > 1:
-            names = ", ".join(str(path.relative_to(self.root)) for path in found[:_FEW])
+        if len(files) > 1:
+            names = ", ".join(str(path.relative_to(self.root)) for path in files[:_FEW])
             raise InputError(f"several models have a system: {choice} ({names})")
-        return found[0]
+        return files[0]
 
     def _files_with(self, pattern: re.Pattern[bytes]) -> tuple[Path, ...]:
         # Every other byte of UTF-16 is nought.
@@ -200,7 +200,7 @@ def own_instances(models: Iterable[Model], kind: type[ElementT]) -> list[Element
 
     Each file counts once: models that were read apart have elements of their own for it.
     """
-    found: list[ElementT] = []
+    elements: list[ElementT] = []
     seen: set[Path] = set()
     for model in models:
         new = {document.path for document in model.documents if not document.is_library} - seen
@@ -208,22 +208,22 @@ def own_instances(models: Iterable[Model], kind: type[ElementT]) -> list[Element
             (instance, model.document_of(instance))
             for instance in model.instances(kind, library=False)
         )
-        found += [
+        elements += [
             instance for instance, place in of_model if place is not None and place.path in new
         ]
         seen |= new
-    return found
+    return elements
 
 
 def stored_files(root: Path) -> dict[str, bytes]:
     """Returns what the model files of a project hold; one that cannot be read is left out."""
-    found = {}
+    contents = {}
     for file in model_files(root):
         try:
-            found[file] = read_input(root / file)
+            contents[file] = read_input(root / file)
         except OSError:
             continue
-    return found
+    return contents
 
 
 _ADDRESS = re.compile(r"\d+\.\d+\.\d+")
@@ -329,7 +329,7 @@ def one_document(model: Model) -> OneDocument:
     path = model.documents[0].path.with_suffix(".xmi")
     roots = [root for one in model.documents if not one.is_library for root in one.roots]
     named = [
-        document.path for document in model.documents if document.is_library and document.given
+        document.path for document in model.documents if document.is_library and document.is_input
     ]
     text = to_xmi(roots, model, path) if roots else ""
     return OneDocument(path, text, tuple(map(place_in_library, named)))
@@ -355,7 +355,7 @@ def _library(kind: str, suffixes: tuple[str, ...]) -> Model:
     paths = library_paths(kind, suffixes)
     model = read_models(paths, project_root=library_root(), notations=NOTATIONS).model
     for document in model.documents:
-        document.given = False
+        document.is_input = False
     return model
 
 

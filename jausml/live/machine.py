@@ -82,12 +82,14 @@ _PAGE = Path(jausml.__file__).parent / "authoring" / "studio" / "page" / "index.
 
 def python_checks() -> Iterator[Finding]:
     """Yields what is to be said of Python."""
-    found = f"Python {platform.python_version()} at {sys.executable}, jausml {__version__}"
+    description = f"Python {platform.python_version()} at {sys.executable}, jausml {__version__}"
     if sys.version_info < OLDEST:
         oldest = ".".join(map(str, OLDEST))
-        yield Finding("python", "version", Outcome.ERROR, found, f"use Python {oldest} or newer")
+        yield Finding(
+            "python", "version", Outcome.ERROR, description, f"use Python {oldest} or newer"
+        )
     else:
-        yield Finding("python", "version", Outcome.OK, found)
+        yield Finding("python", "version", Outcome.OK, description)
     for extra, package, purpose in _EXTRAS:
         if not _is_installed(package):
             cure = installing.command(extra)
@@ -404,9 +406,9 @@ def _shared_memory() -> Finding:
 
 def _packages(packages: Mapping[str, bool]) -> Iterator[Finding]:
     for name, is_own in packages.items():
-        found = PathFinder.find_spec(name)
+        spec = PathFinder.find_spec(name)
         # Without an __init__ it is a folder that happens to be there.
-        if found is not None and found.origin is not None:
+        if spec is not None and spec.origin is not None:
             yield Finding("model", name, Outcome.OK, "its messages are installed")
             continue
         cure = package_cure(name)

@@ -275,9 +275,9 @@ class CommandingProduct:
         state = state._replace(peer=peer)
         if not is_kept or is_left:
             state = self._standing(state)
-        return self._told(state) if state.is_linked else state
+        return self._informed(state) if state.is_linked else state
 
-    def _told(self, state: Commanding) -> Commanding:
+    def _informed(self, state: Commanding) -> Commanding:
         """The bridge learns by events and rejections how the peer is."""
         holds = state.believed and state.peer.controller == self.bridge
         return state._replace(believed=state.peer.status if holds else "")
@@ -387,8 +387,8 @@ class CommandingProduct:
         # Without the radio the peer cannot know of it; then the end of its control stops it.
         is_halted = halts(after.own) and not halts(state.own) and after.is_linked
         if after.is_moving and self.has_stop and is_halted:
-            told = "is inactive" if not after.own.is_active else f"is in {after.own.status}"
-            return f"{self.command} stands at {self.peer} while {self.bridge} {told}"
+            condition = "is inactive" if not after.own.is_active else f"is in {after.own.status}"
+            return f"{self.command} stands at {self.peer} while {self.bridge} {condition}"
         return ""
 
     def _is_obedient(self, peer: Core, guard: str) -> bool:

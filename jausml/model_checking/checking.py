@@ -77,11 +77,16 @@ def without_allowed(outcomes: Iterable[Outcome], model: Model) -> list[Outcome]:
     """Returns outcomes in which what an `@allow` of the model is about does not count."""
     settled_outcomes = []
     for outcome in outcomes:
-        told = {diagnostic_of(outcome.subject, found, model): found for found in outcome.found}
-        _, aside = settled(model, list(told), PRODUCT_RULES)
+        examples_by_diagnostic = {
+            diagnostic_of(outcome.subject, counterexample, model): counterexample
+            for counterexample in outcome.found
+        }
+        _, aside = settled(model, list(examples_by_diagnostic), PRODUCT_RULES)
         allowed = {one.diagnostic for one in aside}
-        found = tuple(example for one, example in told.items() if one not in allowed)
-        settled_outcomes.append(replace(outcome, found=found, allowed=tuple(aside)))
+        counterexamples = tuple(
+            example for one, example in examples_by_diagnostic.items() if one not in allowed
+        )
+        settled_outcomes.append(replace(outcome, found=counterexamples, allowed=tuple(aside)))
     return settled_outcomes
 
 
@@ -104,15 +109,18 @@ def diagnostic_of(subject: Subject, example: CounterExample, model: Model) -> Di
 def check_subject(subject: Subject, bounds: Bounds) -> Outcome:
     """Searches one product and judges it."""
     graph = explore(subject.product, bounds)
-    found = [_told(subject, graph, violation) for violation in violations(subject.product, graph)]
+    counterexamples = [
+        _counter_example(subject, graph, violation)
+        for violation in violations(subject.product, graph)
+    ]
     if not graph.is_complete:
-        told = f"only {len(graph.states)} states were searched"
-        found.append(CounterExample(BOUND_MET, told))
+        message = f"only {len(graph.states)} states were searched"
+        counterexamples.append(CounterExample(BOUND_MET, message))
     transitions = sum(map(len, graph.edges))
-    return Outcome(subject, len(graph.states), transitions, tuple(found))
+    return Outcome(subject, len(graph.states), transitions, tuple(counterexamples))
 
 
-def _told(subject: Subject, graph: Graph, violation: Violation) -> CounterExample:
+def _counter_example(subject: Subject, graph: Graph, violation: Violation) -> CounterExample:
     ticks = 0
     moments = []
     for step, _ in violation.way:
@@ -142,12 +150,12 @@ def _product(outcome: Outcome, model: Model) -> dict[str, Any]:
         "stop_within": round(subject.product.bound * subject.tick, 3) or None,
         "held": subject.held or None,
         "stop": subject.stop or None,
-        "found": [_found(counter_example) for counter_example in outcome.found],
+        "found": [_as_data(counter_example) for counter_example in outcome.found],
         "allowed": [{"rule": e.diagnostic.rule, "reason": e.reason} for e in outcome.allowed],
     }
 
 
-def _found(example: CounterExample) -> dict[str, Any]:
+def _as_data(example: CounterExample) -> dict[str, Any]:
     return {
         "rule": example.rule,
         "message": example.message,
@@ -190,10 +198,10 @@ def _text(outcomes: Sequence[Outcome], model: Model) -> str:
 
 def summary(outcomes: Sequence[Outcome]) -> str:
     """Returns what was searched and found, in one line."""
-    found = sum(len(outcome.found) for outcome in outcomes)
+    total = sum(len(outcome.found) for outcome in outcomes)
     states = sum(outcome.states for outcome in outcomes)
     products = f"{len(outcomes)} product{'' if len(outcomes) == 1 else 's'}"
-    findings = f"{found or 'no'} finding{'' if found == 1 else 's'}"
+    findings = f"{total or 'no'} finding{'' if total == 1 else 's'}"
     return f"{products}, {states} states: {findings}"
 
 
@@ -238,12 +246,12 @@ def _told_in_line(moment: Moment) -> str:
 
 def _sarif(outcomes: Sequence[Outcome], model: Model) -> str:
     """Returns a SARIF log of one run."""
-    files = tuple(document.display for document in model.documents if document.given)
-    found = [
+    files = tuple(document.display for document in model.documents if document.is_input)
+    diagnostics = [
         diagnostic_of(outcome.subject, one, model) for outcome in outcomes for one in outcome.found
     ]
     aside = tuple(one for outcome in outcomes for one in outcome.allowed)
-    return sarif.render(Report(model, files, tuple(found), aside, PRODUCT_RULES))
+    return sarif.render(Report(model, files, tuple(diagnostics), aside, PRODUCT_RULES))
 
 
 RENDERERS: Mapping[str, Callable[[Sequence[Outcome], Model], str]] = {

@@ -172,10 +172,13 @@ def violations(product: CheckedProduct, graph: Graph) -> list[Violation]:
 
     What is not to be reached in what was not searched to its end is not judged.
     """
-    found = [_unsafe(product, graph), _late_stop(product, graph)]
+    candidates = [_unsafe(product, graph), _late_stop(product, graph)]
     if graph.is_complete:
-        found += [_deadlock(product, graph) or _trap(product, graph), _livelock(product, graph)]
-    return [violation for violation in found if violation is not None]
+        candidates += [
+            _deadlock(product, graph) or _trap(product, graph),
+            _livelock(product, graph),
+        ]
+    return [violation for violation in candidates if violation is not None]
 
 
 def _unsafe(product: CheckedProduct, graph: Graph) -> Violation | None:
@@ -205,27 +208,27 @@ its source: step, state after it, and whether time passes. None for other states
 
 def _lasting(product: CheckedProduct, graph: Graph) -> _Lasting:
     sources = [product.source(state) for state in graph.states]
-    found: _Lasting = [[] if source else None for source in sources]
+    edges_by_state: _Lasting = [[] if source else None for source in sources]
     for state, step, after in graph.transitions():
-        source, edges = sources[state], found[state]
+        source, edges = sources[state], edges_by_state[state]
         edge = graph.steps[step]
         # The source itself is silent, and a command of another source has its own time.
         if edges is not None and edge.actor != source and sources[after] == source:
             edges.append((step, after, edge.is_tick))
-    return found
+    return edges_by_state
 
 
 def _after_tick(lasting: _Lasting, states: set[int]) -> set[int]:
     """Returns where a command still stands when time has passed once, whatever else happens."""
-    pending, seen, found = list(states), set(states), set()
+    pending, seen, later_states = list(states), set(states), set()
     while pending:
         for _, after, is_tick in lasting[pending.pop()] or ():
             if is_tick:
-                found.add(after)
+                later_states.add(after)
             elif after not in seen:
                 seen.add(after)
                 pending.append(after)
-    return found
+    return later_states
 
 
 def _late_way(
@@ -284,8 +287,8 @@ def _trap(product: CheckedProduct, graph: Graph) -> Violation | None:
         origins[after].append(state)
     traps = []
     for place in dict.fromkeys(places):
-        found = _leading(origins, [at for at, other in enumerate(places) if other == place])
-        outside = [at for at in range(len(places)) if at not in found]
+        predecessors = _leading(origins, [at for at, other in enumerate(places) if other == place])
+        outside = [at for at in range(len(places)) if at not in predecessors]
         lost = [at for at in outside if not product.is_over(graph.states[at])]
         if lost and (place in entered or len({places[at] for at in lost}) == 1):
             traps.append((lost[0], place))
@@ -298,12 +301,12 @@ def _trap(product: CheckedProduct, graph: Graph) -> Violation | None:
 
 def _leading(origins: list[list[int]], pending: list[int]) -> set[int]:
     """Returns the states from which some states can be reached, these included."""
-    found = set(pending)
+    predecessors = set(pending)
     while pending:
-        fresh = [state for state in origins[pending.pop()] if state not in found]
-        found.update(fresh)
+        fresh = [state for state in origins[pending.pop()] if state not in predecessors]
+        predecessors.update(fresh)
         pending += fresh
-    return found
+    return predecessors
 
 
 def _livelock(product: CheckedProduct, graph: Graph) -> Violation | None:

@@ -89,7 +89,7 @@ class MachineProduct:
     clients: tuple[str, ...]
     obeyed: Mapping[str, str]
     demanded: int = 0
-    _found: dict[tuple[str, str], list[_Guarded]] = field(default_factory=dict)
+    _guarded: dict[tuple[str, str], list[_Guarded]] = field(default_factory=dict)
 
     def initial(self) -> Behaving:
         """Returns the state at the start."""
@@ -132,32 +132,32 @@ class MachineProduct:
 
     def messages(self) -> list[str]:
         """Returns the names of the messages that the machine takes."""
-        found = {
+        triggers = {
             _trigger(transition): None
             for transition in self._transitions()
             if transition.message is not None
         }
-        return [name for name in found if name]
+        return [name for name in triggers if name]
 
     def events(self) -> list[str]:
         """Returns the names of the internal events that it takes."""
-        found = {
+        triggers = {
             _trigger(transition): None
             for transition in self._transitions()
             if transition.message is None
         }
-        return [name for name in found if name]
+        return [name for name in triggers if name]
 
     def own_conditions(self) -> list[str]:
         """Returns the names of the conditions that the user of the machine writes."""
         guards = (parse_guard(transition.guard) for transition in self._transitions())
-        found = {name: None for guard in guards for name in conditions(guard)}
-        return [name for name in found if name not in _OF_THE_CORE]
+        names = {name: None for guard in guards for name in conditions(guard)}
+        return [name for name in names if name not in _OF_THE_CORE]
 
     def _candidates(self, path: str, trigger: str) -> list[_Guarded]:
         """Returns the transitions to try: innermost first, those for any trigger last."""
         key = (path, trigger)
-        if key not in self._found:
+        if key not in self._guarded:
             listed: list[jaus.Transition] = []
             outer = path
             while outer:
@@ -171,10 +171,10 @@ class MachineProduct:
             listed = [transition for transition in listed if not is_core_trigger(transition)]
             named = [transition for transition in listed if _trigger(transition) == trigger]
             ordered = [*named, *(transition for transition in listed if not _trigger(transition))]
-            self._found[key] = [
+            self._guarded[key] = [
                 (transition, parse_guard(transition.guard)) for transition in ordered
             ]
-        return self._found[key]
+        return self._guarded[key]
 
     def _taken(self, state: Behaving, trigger: str, sender: str) -> Iterator[tuple[Step, Behaving]]:
         """Yields the transitions that a trigger may take, whatever conditions of the user say."""
@@ -215,9 +215,9 @@ class MachineProduct:
             "isIDStored": sender in state.core.emergencies,
         }
         # What the core services know holds, whatever is said.
-        told = {**said, **known}
+        facts = {**said, **known}
         candidates = self._candidates(state.path, trigger)
-        holding = (transition for transition, guard in candidates if _holds(guard, told))
+        holding = (transition for transition, guard in candidates if _holds(guard, facts))
         return next(holding, None)
 
     def step(

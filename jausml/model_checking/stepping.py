@@ -79,11 +79,11 @@ def stepped_machine(model: Model, element: jaus.StateMachine) -> SteppedMachine 
     None where the machine stands in no service.
     """
     for component in _components(model, element.eContainer()):
-        found = next((e for e in component if element in e.product.machine.elements), None)
-        if found is not None:
-            others = (e.product.machine for e in component if e is not found)
+        machine = next((e for e in component if element in e.product.machine.elements), None)
+        if machine is not None:
+            others = (e.product.machine for e in component if e is not machine)
             beside = (f"{e.name} of {e.service_name}" for e in others if e.extends_core)
-            return replace(found, beside=tuple(beside))
+            return replace(machine, beside=tuple(beside))
     return None
 
 
@@ -111,11 +111,11 @@ def walked(product: MachineProduct, path: Sequence[Chosen]) -> list[Choice]:
     state, taken = product.initial(), []
     for number, step in enumerate(path, 1):
         offered = choices(product, state, step.said)
-        found = next((e for e in offered if (e.actor, e.what) == (step.actor, step.what)), None)
-        if found is None:
+        choice = next((e for e in offered if (e.actor, e.what) == (step.actor, step.what)), None)
+        if choice is None:
             raise SteppingError(f"step {number}: {step.actor} has no {step.what} any more")
-        taken.append(found)
-        state = found.after
+        taken.append(choice)
+        state = choice.after
     return taken
 
 
@@ -228,7 +228,7 @@ def stepped_test(model: Model, subject: SteppedMachine, path: Sequence[Chosen]) 
 
 def _view(model: Model, product: MachineProduct) -> ComponentView:
     try:
-        views = model.made(component_views)
+        views = model.derived(component_views)
     except NoSystemError as error:
         raise SteppingError(_NO_COMPONENT) from error
     for view in views:

@@ -139,15 +139,15 @@ def _obeyed(
     Where the core services are extended, the guards of the machine say who is obeyed.
     """
     access = f"{CORE}AccessControl"
-    found: dict[str, Guard] = {}
+    guards_by_message: dict[str, Guard] = {}
     for service in services:
         extends = machine.extends_core and any(
             ancestor.urn == access for ancestor in lineage(service)
         )
         for message in service.inputs:
             guard = "ANY" if extends else guard_of(message, service, provided)
-            found.setdefault(str(message.name), guard)
-    return found
+            guards_by_message.setdefault(str(message.name), guard)
+    return guards_by_message
 
 
 def _commanding(
@@ -186,9 +186,9 @@ def _commanding(
         clock.ticks(demanded),
     )
     held = "" if has_stop else stops.hold_reason(connection)
-    told = f"{owner.name}.{connection.name} to {name}"
+    subject_name = f"{owner.name}.{connection.name} to {name}"
     stop = stops.stop_text(connection) if has_stop else ""
-    return Subject(told, connection, product, clock.tick, held, stop)
+    return Subject(subject_name, connection, product, clock.tick, held, stop)
 
 
 def _watch_of(peer: jaus.Component | None, connection: bridge.Connection) -> float:

@@ -198,8 +198,8 @@ def _commanding(
     def done(moment: Moment) -> str:
         step = moment.step
         if step.actor == PUBLISHER:
-            made = f"ros_types.{own.ros_name}"
-            return f'world.ros.publish("{topic}", {made}, {made}().to_cdr())'
+            class_name = f"ros_types.{own.ros_name}"
+            return f'world.ros.publish("{topic}", {class_name}, {class_name}().to_cdr())'
         if step.actor == RADIO:
             return "radio.cut()" if step.what == "is lost" else "radio.restore()"
         if step.actor == product.bridge:

@@ -111,14 +111,14 @@ class BrokenWorkspace:
             "PYTHONPATH": os.pathsep.join(paths),
         }
         log = self._folder / "command.log"
-        with log.open("wb") as told:
+        with log.open("wb") as output:
             try:
                 done = subprocess.run(  # noqa: S603 - as the user asks
                     list(self._command),
                     env=environment,
                     stdin=subprocess.DEVNULL,
-                    stdout=told,
-                    stderr=told,
+                    stdout=output,
+                    stderr=output,
                     timeout=_LONGEST,
                     check=False,
                 )
@@ -138,9 +138,9 @@ class BrokenWorkspace:
 
         Those tests say nothing, and do not run again.
         """
-        found = {package: self._tested(package) for package in self.packages}
-        self.packages = [package for package in self.packages if not found[package]]
-        return {package: problem for package, problem in found.items() if problem}
+        problems = {package: self._tested(package) for package in self.packages}
+        self.packages = [package for package in self.packages if not problems[package]]
+        return {package: problem for package, problem in problems.items() if problem}
 
     def why_unseen(self, changed: Iterable[str]) -> str:
         """Returns why no test can see a change; empty where none is known."""
@@ -175,18 +175,18 @@ class BrokenWorkspace:
         status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         if status == 0:
             return ""
-        told = [line for line in read_input(log).decode("utf-8", "replace").splitlines() if line]
-        failed = [line for line in told if line.startswith(("FAILED", "ERROR"))]
-        return (failed or told or [f"ended with {status}"])[-1].removeprefix("FAILED ")
+        lines = [line for line in read_input(log).decode("utf-8", "replace").splitlines() if line]
+        failed = [line for line in lines if line.startswith(("FAILED", "ERROR"))]
+        return (failed or lines or [f"ended with {status}"])[-1].removeprefix("FAILED ")
 
 
 def _run_tests(package: Path, log: Path, *, keeps: bool) -> int:
     """Runs the tests of a package in this process, and returns the exit status of pytest."""
     gc.freeze()  # Pytest has garbage collected again and again: not the models of the parent too.
     try:
-        with log.open("w", encoding="utf-8") as told:
+        with log.open("w", encoding="utf-8") as output:
             for number in (1, 2):
-                os.dup2(told.fileno(), number)
+                os.dup2(output.fileno(), number)
         sys.stdout = sys.stderr = os.fdopen(1, "w", encoding="utf-8")
         os.chdir(package)
         sys.path.insert(0, str(package))

@@ -30,7 +30,7 @@ class Change:
     value: Any
     unsets: bool = False
 
-    def made(self) -> Change:
+    def apply(self) -> Change:
         """Makes the change, and returns the one that undoes it."""
         before = held(self.element, self.feature)
         was_set = is_set(self.element, self.feature)
@@ -63,9 +63,9 @@ class Together:
         """The element of the first one."""
         return self.changes[0].element
 
-    def made(self) -> Together:
+    def apply(self) -> Together:
         """Makes them, and returns what undoes them."""
-        return Together(tuple(change.made() for change in self.changes)[::-1])
+        return Together(tuple(change.apply() for change in self.changes)[::-1])
 
     def words(self) -> str:
         """Says what each changes."""
@@ -205,13 +205,13 @@ def partner(placed: Placed[Any] | None) -> Any:
     if placed is None or not placed.scope.to_ros or placed.scope.is_nested:
         return None
     goes = placed.assignment
-    found = (
+    candidates = (
         back
         for back in placed.scope.map.toJaus
         if isinstance(back, bridge.FieldAssignment)
         and (back.source, back.target) == (goes.target, goes.source)
     )
-    return next(found, None)
+    return next(candidates, None)
 
 
 def crossed_members(site: Site) -> Iterator[Together]:
@@ -227,8 +227,8 @@ def crossed_members(site: Site) -> Iterator[Together]:
             continue
         its = partner(Placed(other, placed.scope))
         if its is not None and _is_alike(own, attribute_at(placed.scope.find_target(other.target))):
-            ways = (site.element, other), (back, its)
-            yield Together(tuple(change for way in ways for change in _exchange(site, *way)))
+            pairs = (site.element, other), (back, its)
+            yield Together(tuple(change for way in pairs for change in _exchange(site, *way)))
             return
 
 

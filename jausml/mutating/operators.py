@@ -77,8 +77,8 @@ def _negated_both_ways(site: Site) -> Iterator[Together]:
     back = partner(site.placed)
     if back is None or any(end.named for end in _ends(site)):
         return
-    ways = (Site(element, site.feature, site.placed) for element in (site.element, back))
-    for there, behind in zip(*map(_negated, ways), strict=False):
+    sites = (Site(element, site.feature, site.placed) for element in (site.element, back))
+    for there, behind in zip(*map(_negated, sites), strict=False):
         elements = zip((site.element, back), (there, behind), strict=True)
         yield Together(tuple(Change(one, site.feature, value) for one, value in elements))
 
@@ -93,9 +93,9 @@ def _one_that_drives(site: Site) -> Iterator[Any]:
         for path, target in () if placed.scope.is_nested else placed.targets:
             is_number = isinstance(target, Attribute) and target.kind == NUMBER
             if is_number and has_source(placed.assignment) and path not in said:
-                made: Any = bridge.ConstantAssignment()
-                made.target, made.value = path, "1"
-                yield [*site.value, made]
+                constant: Any = bridge.ConstantAssignment()
+                constant.target, constant.value = path, "1"
+                yield [*site.value, constant]
                 return
 
 
@@ -110,10 +110,10 @@ def _followed_by(kind: str, *arguments: float) -> Callable[[Site], Iterator[Any]
 
 
 def _conversion(site: Site, kind: str, *arguments: float) -> Any:
-    made: Any = bridge.Conversion()
-    made.kind = _literals(site.feature.target, "kind")[kind]
-    made.arguments.extend(arguments)
-    return made
+    conversion: Any = bridge.Conversion()
+    conversion.kind = _literals(site.feature.target, "kind")[kind]
+    conversion.arguments.extend(arguments)
+    return conversion
 
 
 def _literals(table: ClassTable | None, name: str) -> Mapping[str, Any]:

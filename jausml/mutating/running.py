@@ -63,15 +63,15 @@ def mutations(model: Model, names: Collection[str] = ()) -> list[Mutation]:
         for assignment in one.assignments
     }
     operators = [mutator for mutator in OPERATORS if not names or mutator.name in names]
-    found = []
+    candidates = []
     for element in model.elements(library=False):
         for operator in operators:
             for table in _features(model, element, operator):
                 site = Site(element, table, placed.get(element))
                 place = model.element_path(element)
                 for change in operator.changes(site):
-                    found.append(Mutation(operator, place, change.words(), change))
-    return found
+                    candidates.append(Mutation(operator, place, change.words(), change))
+    return candidates
 
 
 def _features(model: Model, element: Any, operator: Operator) -> Iterator[FeatureTable]:
@@ -81,13 +81,13 @@ def _features(model: Model, element: Any, operator: Operator) -> Iterator[Featur
             yield from (table.features[feature] for feature in features)
 
 
-def sample(found: Sequence[Mutation], limit: int) -> list[int]:
+def sample(candidates: Sequence[Mutation], limit: int) -> list[int]:
     """Returns the numbers of at most so many, spread over the operators, the same in each run."""
-    if len(found) <= limit:
-        return list(range(len(found)))
+    if len(candidates) <= limit:
+        return list(range(len(candidates)))
     chance = random.Random(_SEED)
     by_operator: dict[str, list[int]] = {}
-    for number, mutation in enumerate(found):
+    for number, mutation in enumerate(candidates):
         by_operator.setdefault(mutation.operator.name, []).append(number)
     for numbers in by_operator.values():
         chance.shuffle(numbers)
@@ -157,12 +157,12 @@ class _Breaker:
         if time.time() >= self._shared.until:
             return Tried(None)
         if self._prepared is None:
-            self._prepared = self._made()
+            self._prepared = self._prepare()
         original, workspace, possible = self._prepared
         outcome = original.outcome(possible[number], workspace)
         return Tried(outcome, (*self._remarks, *original.remarks))
 
-    def _made(self) -> tuple[_Original, BrokenWorkspace, Sequence[Mutation]]:
+    def _prepare(self) -> tuple[_Original, BrokenWorkspace, Sequence[Mutation]]:
         cache = LibraryCache()
         original = _Original(self._shared.document, cache)
         files = {**original.shared, **original.files}
@@ -221,20 +221,20 @@ class _Original:
 
     def outcome(self, mutation: Mutation, workspace: BrokenWorkspace) -> Outcome:
         """Returns what becomes of a mutation."""
-        undoing = mutation.change.made()
+        undoing = mutation.change.apply()
         try:
             text = self._text()
         except UnwritableError as error:
             return _outcome(mutation, VALIDATE, str(error))
         finally:
-            undoing.made()
+            undoing.apply()
         report = self._report(text)
         new = [
             diagnostic for diagnostic in report.diagnostics if _key(diagnostic) not in self._known
         ]
         errors = [diagnostic for diagnostic in new if diagnostic.severity is Severity.ERROR]
         if errors:
-            return _outcome(mutation, VALIDATE, _told(errors[0]))
+            return _outcome(mutation, VALIDATE, _sentence(errors[0]))
         try:
             files = self._rendered(report.model, self._targets)
         except GenerationError as error:
@@ -255,7 +255,7 @@ class _Original:
             return _outcome(mutation, RUN, refused, changed)
         warnings = [diagnostic for diagnostic in new if diagnostic.severity is Severity.WARNING]
         if warnings:
-            return _outcome(mutation, WARNING, _told(warnings[0]), changed)
+            return _outcome(mutation, WARNING, _sentence(warnings[0]), changed)
         if not changed:
             return _outcome(mutation, EQUAL, "", changed)
         return _outcome(mutation, NOTHING, workspace.why_unseen(changed), changed)
@@ -279,5 +279,5 @@ def _key(finding: Diagnostic) -> tuple[str, str, str]:
     return finding.rule, finding.element, finding.message
 
 
-def _told(finding: Diagnostic) -> str:
+def _sentence(finding: Diagnostic) -> str:
     return f"{finding.rule} {finding.message}"

@@ -50,12 +50,12 @@ class ProofCode:
 
 def proof_code(model: Model, trip: RoundTrip) -> ProofCode:
     """Returns the code of a map, with the policies and quantities of the bridge that has it."""
-    made = _model(model, trip)
-    files = {artifact.path: artifact.text for artifact in render(made, (BRIDGE, MESSAGES))}
+    bridge_model = _model(model, trip)
+    files = {artifact.path: artifact.text for artifact in render(bridge_model, (BRIDGE, MESSAGES))}
     beside = {
         path.removeprefix(_CORE): text for path, text in files.items() if path.startswith(_CORE)
     }
-    (view,) = made.made(bridge_views)
+    (view,) = bridge_model.derived(bridge_views)
     translations, core = view.translations, view.core
     functions = {
         connection.name == TO_ROS_NAME: connection.compiled
@@ -68,7 +68,7 @@ def proof_code(model: Model, trip: RoundTrip) -> ProofCode:
     now = int(NOW.timestamp()), NOW.microsecond * 1000
     program, shortcuts = proof_program(core, functions, settings, now)
     return ProofCode(
-        bridge_code(made),
+        bridge_code(bridge_model),
         beside.pop(native.SOURCE.name, ""),
         beside,
         tuple(functions),
@@ -80,10 +80,10 @@ def proof_code(model: Model, trip: RoundTrip) -> ProofCode:
 
 def _model(model: Model, trip: RoundTrip) -> Model:
     """Makes a bridge with each direction, with the policies and quantities of its own."""
-    ways = {TO_ROS_NAME: (trip.to_ros, True), TO_JAUS_NAME: (trip.to_jaus, False)}
+    directions = {TO_ROS_NAME: (trip.to_ros, True), TO_JAUS_NAME: (trip.to_jaus, False)}
     connections = {
         name: (used, to_ros)
-        for name, (used, to_ros) in ways.items()
+        for name, (used, to_ros) in directions.items()
         if (used.toRos if to_ros else used.toJaus)
     }
     return bridge_of_maps(model.metamodels, NAME, connections, trip.connections)
@@ -114,10 +114,10 @@ def compiled(code: ProofCode, folder: Path, program: str) -> Path:
     files["proof.cpp"] = code.program
     for name, text in files.items():
         (folder / name).write_text(text, encoding="utf-8")
-    made = folder / "proof"
+    executable = folder / "proof"
     # The flags make a library; here a program is wanted, with the same bits.
     flags = [flag for flag in native.FLAGS if flag != "-shared"]
-    command = [program, *flags, *_FASTER, "-o", str(made), str(folder / "proof.cpp")]
+    command = [program, *flags, *_FASTER, "-o", str(executable), str(folder / "proof.cpp")]
     try:
         subprocess.run(  # noqa: S603 - the compiler of the user, on generated text
             command, check=True, capture_output=True, timeout=_LONGEST
@@ -127,7 +127,7 @@ def compiled(code: ProofCode, folder: Path, program: str) -> Path:
         raise ProgramError(said or str(error)) from error
     except (OSError, subprocess.TimeoutExpired) as error:
         raise ProgramError(str(error)) from error
-    return made
+    return executable
 
 
 @dataclass(frozen=True)
@@ -235,8 +235,8 @@ class CompiledForm:
 
     def translate(self, data: bytes, *, to_ros: bool) -> bytes | None:
         """Returns what a translation makes of what it takes; None where it gives way."""
-        made = self._ask(["translate", int(not to_ros), data.hex()])
-        return None if made == _NONE else bytes.fromhex(made)
+        answer = self._ask(["translate", int(not to_ros), data.hex()])
+        return None if answer == _NONE else bytes.fromhex(answer)
 
     def run(
         self, sweep: Sweep, indices: range | Sequence[int], most: int, threads: int = 1
@@ -314,13 +314,13 @@ class PythonForm(Worker):
         self, messages: Sequence[bytes], joins_back: bytes, *, to_ros: bool, has_back: bool
     ) -> list[Trip]:
         """Returns what becomes of messages by a translation, and by its opposite."""
-        found: list[Trip] = []
+        trips: list[Trip] = []
         way = "to_ros" if to_ros else "to_jaus"
         for start in range(0, len(messages), _AT_ONCE):
             part = [message.hex() for message in messages[start : start + _AT_ONCE]]
             request = {"way": way, "back": has_back, "joins": joins_back.hex(), "messages": part}
-            found += map(_trip, self.ask(request, _SECONDS))
-        return found
+            trips += map(_trip, self.ask(request, _SECONDS))
+        return trips
 
 
 def _trip(answer: list[Any]) -> Trip:

@@ -176,7 +176,7 @@ class _Walk:
     """Goes through bytes from front to back, or makes them."""
 
     def __init__(self, data: bytes | None, usual: Usual) -> None:
-        self._given = data
+        self._read_data = data
         self.usual = usual
         self._data = bytearray(data or b"")
         self._at = 0
@@ -191,17 +191,17 @@ class _Walk:
     def number(self, code: str, usual: float) -> float:
         """Takes a number, or puts the usual one."""
         try:
-            if self._given is None:
+            if self._read_data is None:
                 self._data += struct.pack(code, usual)
-            found: float = struct.unpack_from(code, self._data, self._at)[0]
+            value: float = struct.unpack_from(code, self._data, self._at)[0]
         except struct.error as error:
             raise LayoutError(str(error)) from error
         self._at += struct.calcsize(code)
-        return found
+        return value
 
     def octets(self, count: int, usual: bytes) -> None:
         """Takes some bytes."""
-        if self._given is None:
+        if self._read_data is None:
             self._data += usual[:count].ljust(count, usual[:1] or b"\0")
         self._at += count
 
@@ -236,7 +236,7 @@ class _JausWalk(_Walk):
             case wire.VariableNumber():
                 usual = self.usual.one_of(len(kind.alternatives))
                 index = int(self.number("<B", kind.alternatives[usual].index))
-                found = next(
+                choice = next(
                     (
                         alternative
                         for alternative in kind.alternatives
@@ -244,8 +244,8 @@ class _JausWalk(_Walk):
                     ),
                     None,
                 )
-                if found is not None:
-                    self.field(found.number, _joined(path, found.name))
+                if choice is not None:
+                    self.field(choice.number, _joined(path, choice.name))
             case wire.FixedText():
                 self.octets(kind.length, b"")
             case wire.FormattedOctets():
@@ -329,15 +329,15 @@ class _RosWalk(_Walk):
         if not fields:
             self.number("<B", 0)
 
-    def _one(self, given: FieldLayout, path: str) -> None:
-        if given.message is not None:
-            self.message(given.message, path)
-        elif given.primitive is None:
-            if given.text != "string":
+    def _one(self, layout: FieldLayout, path: str) -> None:
+        if layout.message is not None:
+            self.message(layout.message, path)
+        elif layout.primitive is None:
+            if layout.text != "string":
                 raise LayoutError("texts of wide characters")
             self.octets(int(self._aligned("<I", 1)), b"\0")
         else:
-            self._primitive(given.primitive.code, path)
+            self._primitive(layout.primitive.code, path)
 
     def _primitive(self, code: str, path: str) -> None:
         is_real = code in "fd"

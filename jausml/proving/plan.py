@@ -40,21 +40,21 @@ def directed(number: Number, count: int) -> list[int]:
     total = 1 << number.bits
     if total <= count:
         return list(range(total))
-    found = {index for index in _marked(number, total) if 0 <= index < total}
+    positions = {index for index in _marked(number, total) if 0 <= index < total}
     draw = random.Random(SEED)
     if number.kind == FLOAT:
         # Of all bits, most are numbers that no quantity has; these are of a usual size.
         usual = (draw.uniform(-_USUAL, _USUAL) for _ in range(count // 2))
-        found.update(number.index(number.bits_of(value)) for value in usual)
-    while len(found) < count:
-        found.add(draw.getrandbits(number.bits))
-    return sorted(found)
+        positions.update(number.index(number.bits_of(value)) for value in usual)
+    while len(positions) < count:
+        positions.add(draw.getrandbits(number.bits))
+    return sorted(positions)
 
 
 def some(number: Number, count: int) -> list[int]:
     """Returns about so many of these positions."""
-    found = directed(number, count)
-    return found[:: max(1, len(found) // count)]
+    positions = directed(number, count)
+    return positions[:: max(1, len(positions) // count)]
 
 
 def _marked(number: Number, total: int) -> Iterator[int]:
@@ -160,49 +160,49 @@ class _Passing:
 def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
     """Returns what is to be proved of a round trip."""
     taken = inputs(trip)
-    made = Plan(remarks=[f"left to Python: {reason}" for reason in code.reasons])
+    proof_plan = Plan(remarks=[f"left to Python: {reason}" for reason in code.reasons])
     for to_ros, name, used in ((True, JAUS, trip.to_ros), (False, ROS, trip.to_jaus)):
         if to_ros in code.directions:
             shortcuts = {path: at for at, path in enumerate(code.shortcuts, 1) if to_ros}
             units = functools.partial(_units, outer_scope(used, to_ros=to_ros))
             has_back = (not to_ros) in code.directions
             side = _Side(name, taken[to_ros], taken[not to_ros], to_ros, has_back, shortcuts, units)
-            _Planner(made, form, side).run()
-    return made
+            _Planner(proof_plan, form, side).run()
+    return proof_plan
 
 
 def _units(scope: PathScope, path: str) -> str:
     place = scope.find_source(path)
-    found = place.attribute().units if isinstance(place, JausPlace | RosPlace) else ""
-    return found or ""
+    units = place.attribute().units if isinstance(place, JausPlace | RosPlace) else ""
+    return units or ""
 
 
 class _Planner:
     """Plans the values of one side of a map."""
 
-    def __init__(self, made: Plan, form: CompiledForm, side: _Side) -> None:
-        self._plan = made
+    def __init__(self, proof_plan: Plan, form: CompiledForm, side: _Side) -> None:
+        self._plan = proof_plan
         self._form = form
         self._side = side
 
     def run(self) -> None:
         """Adds the numbers of the side."""
         try:
-            found = self._messages()
+            passages = self._messages()
         except LayoutError as error:
             self._plan.remarks.append(f"{self._side.name}: {error}")
             return
-        if not found:
+        if not passages:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values passes")
             return
-        settled = [passage.settled for passage in found if passage.settled is not None]
+        settled = [passage.settled for passage in passages if passage.settled is not None]
         if not settled and self._side.has_back:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values comes back")
         before, known = len(self._plan.fields), dict[str, bool]()
         # Messages that come back go first: a number is planned once, and of these more is known.
         layouts = [
             *((settled_layout, True) for settled_layout in settled),
-            *((passage.first, False) for passage in found),
+            *((passage.first, False) for passage in passages),
         ]
         for layout, has_back in layouts:
             for number in layout.numbers:
@@ -223,7 +223,7 @@ class _Planner:
         First come those of which most comes back, or at least of which most is made. Lists are made
         longer where nothing comes back: maps may want all of their elements.
         """
-        found: list[_Passing] = []
+        passages: list[_Passing] = []
         for count in range(1, _LONGEST + 1):
             for candidates in self._candidates(count):
                 for first in candidates:
@@ -231,12 +231,12 @@ class _Planner:
                     if between is None:
                         continue
                     settled = self._settled(first)
-                    found.append(_Passing(first, settled, len(between)))
+                    passages.append(_Passing(first, settled, len(between)))
                     if settled is not None or not self._side.has_back:
                         break
-            if not self._side.has_back or any(passage.settled is not None for passage in found):
+            if not self._side.has_back or any(passage.settled is not None for passage in passages):
                 break
-        return sorted(found, key=lambda passage: passage.worth, reverse=True)
+        return sorted(passages, key=lambda passage: passage.worth, reverse=True)
 
     def _candidates(self, count: int) -> Iterator[Iterator[Layout]]:
         """Yields messages of usual values by the options that they choose.
@@ -245,28 +245,28 @@ class _Planner:
         """
         side = self._side
         if side.has_back:
-            given = (side.other.layout(None, Usual(share, 0, count)).data for share in SHARES)
-            others = (self._form.translate(message, to_ros=not side.to_ros) for message in given)
+            messages = (side.other.layout(None, Usual(share, 0, count)).data for share in SHARES)
+            others = (self._form.translate(message, to_ros=not side.to_ros) for message in messages)
             joins = side.own.usual_joins
             yield (side.own.layout(other + joins) for other in others if other is not None)
         before = b""
         for option in range(_OPTIONS):
-            made = side.own.layout(None, Usual(SHARES[0], option, count)).data
+            octets = side.own.layout(None, Usual(SHARES[0], option, count)).data
             # There is no further option.
-            if made == before:
+            if octets == before:
                 break
-            before = made
+            before = octets
             yield (side.own.layout(None, Usual(share, option, count)) for share in SHARES)
 
     def _settled(self, first: Layout) -> Layout | None:
         """A message that comes back with all that it has; as it is, if the map lets it be."""
-        found = self._around(first.data)
-        again = self._around(found) if found is not None else None
-        if found is None or again is None:
+        returned = self._around(first.data)
+        again = self._around(returned) if returned is not None else None
+        if returned is None or again is None:
             return None
         # The map may change a value at each trip; then the first one is as good as the next.
         is_stable = self._around(again) == again
-        return self._side.own.layout(again if is_stable else found)
+        return self._side.own.layout(again if is_stable else returned)
 
     def _there(self, data: bytes) -> bytes | None:
         return self._form.translate(data, to_ros=self._side.to_ros)
@@ -277,8 +277,8 @@ class _Planner:
         if between is None or not side.has_back:
             return None
         taken = between + side.other.usual_joins
-        made = self._form.translate(taken, to_ros=not side.to_ros)
-        return None if made is None else made + data[len(side.own.main(data)) :]
+        returned = self._form.translate(taken, to_ros=not side.to_ros)
+        return None if returned is None else returned + data[len(side.own.main(data)) :]
 
     def _add(self, message: bytes, number: Number, *, has_back: bool) -> bool:
         """Adds a number if anything depends on it, and tells whether."""
@@ -311,17 +311,23 @@ class _Planner:
             others = self._side.other.message(between, USUAL).numbers
         except LayoutError:
             others = []
-        found: dict[Number, None] = {}
+        dependents: dict[Number, None] = {}
         is_reached = False
         for index in _probes(number):
-            made = self._there(number.put(message, number.raw(index)))
-            is_reached = is_reached or made != between
+            translation = self._there(number.put(message, number.raw(index)))
+            is_reached = is_reached or translation != between
             # In a message of another length the numbers stand elsewhere.
-            if made is not None and len(made) == len(between) and made != between:
-                found |= {
-                    other: None for other in others if other.read(made) != other.read(between)
+            if (
+                translation is not None
+                and len(translation) == len(between)
+                and translation != between
+            ):
+                dependents |= {
+                    other: None
+                    for other in others
+                    if other.read(translation) != other.read(between)
                 }
-        return list(found) if is_reached else None
+        return list(dependents) if is_reached else None
 
 
 def _probes(number: Number) -> Sequence[int]:

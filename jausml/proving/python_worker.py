@@ -53,31 +53,31 @@ class Forms:
         notes = [f"{policy} {field}" for policy, field in counts]
         if target is None:
             return None, notes
-        made = target.to_cdr() if hasattr(target, "to_cdr") else target.encode()
-        return bytes(made), notes
+        octets = target.to_cdr() if hasattr(target, "to_cdr") else target.encode()
+        return bytes(octets), notes
 
     def answer(self, request: dict[str, typing.Any]) -> list[list[typing.Any]]:
         """Returns for each message what it becomes, what comes back, the notes and the error."""
         return [self._trip(request, bytes.fromhex(message)) for message in request["messages"]]
 
     def _trip(self, request: dict[str, typing.Any], data: bytes) -> list[typing.Any]:
-        made: list[str | None] = [None, None]
+        payloads: list[str | None] = [None, None]
         notes: list[str] = []
-        ways = [request["way"], *([_BACK[request["way"]]] if request["back"] else [])]
-        given: bytes | None = data
+        directions = [request["way"], *([_BACK[request["way"]]] if request["back"] else [])]
+        payload: bytes | None = data
         joins = bytes.fromhex(request["joins"])
         try:
-            for at, way in enumerate(ways):
-                if given is None:
+            for at, way in enumerate(directions):
+                if payload is None:
                     break
-                given, more = self.translate(way, given + (joins if at else b""))
+                payload, more = self.translate(way, payload + (joins if at else b""))
                 notes += more
-                made[at] = None if given is None else given.hex()
+                payloads[at] = None if payload is None else payload.hex()
         except Exception as error:
             # Bridges drop messages by these, and count them; any other error is a fault.
             is_refused = isinstance(error, JausError)
-            return [*made, notes, f"{type(error).__name__}: {error}", is_refused]
-        return [*made, notes, "", True]
+            return [*payloads, notes, f"{type(error).__name__}: {error}", is_refused]
+        return [*payloads, notes, "", True]
 
 
 def _split(data: bytes, joins: int) -> list[bytes]:

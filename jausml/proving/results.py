@@ -160,7 +160,7 @@ def lines(result: MapResult) -> Iterator[str]:
     """Yields the lines of a map."""
     yield f"{result.name}: {result.message} <-> {result.type}"
     for field_result in result.fields:
-        yield f"  {field_result.side} {field_result.path}: {told(field_result)}"
+        yield f"  {field_result.side} {field_result.path}: {outcome_text(field_result)}"
     if result.not_carried:
         shown = ", ".join(result.not_carried[:_SHOWN])
         more = len(result.not_carried) - _SHOWN
@@ -169,7 +169,7 @@ def lines(result: MapResult) -> Iterator[str]:
         yield f"  {remark}"
 
 
-def told(result: FieldResult) -> str:
+def outcome_text(result: FieldResult) -> str:
     """Returns what became of the values of a number."""
     return "; ".join([_values(result), *_parts(result)])
 
@@ -184,7 +184,7 @@ def _parts(result: FieldResult) -> Iterator[str]:
     unit = unit_of(result)
     if not result.has_way_back:
         yield "one way"
-        yield from _ways(result)
+        yield from _directions(result)
     elif result.is_constant:
         yield "always the same comes back"
     elif result.unchanged == result.tried:
@@ -217,7 +217,7 @@ def _mixed(mixed: Mixed, unit: str) -> str:
     return f"{text}, {mixed.left:,} left to Python" if mixed.left else text
 
 
-def _ways(result: FieldResult) -> Iterator[str]:
+def _directions(result: FieldResult) -> Iterator[str]:
     for one in result.reached:
         way = f"{one.path} {one.least:.9g} .. {one.greatest:.9g}"
         if not one.is_monotonic:
@@ -284,24 +284,26 @@ PROOF_RULES: Mapping[str, RuleInfo] = MappingProxyType(
 
 def with_proofs(report: Report, trips: Sequence[RoundTrip], results: Sequence[MapResult]) -> Report:
     """Returns the report of a model with what falls short in proofs of it."""
-    found = [
+    proof_diagnostics = [
         finding.diagnostic(report.model, trip)
         for trip, result in zip(trips, results, strict=True)
         for finding in findings(trip, result)
     ]
-    diagnostics = sorted((*report.diagnostics, *found), key=lambda diagnostic: diagnostic.sort_key)
+    diagnostics = sorted(
+        (*report.diagnostics, *proof_diagnostics), key=lambda diagnostic: diagnostic.sort_key
+    )
     return replace(report, diagnostics=tuple(diagnostics), rules=PROOF_RULES)
 
 
 def by_map(report: Report) -> dict[str, list[str]]:
     """Returns what falls short in proofs, by name of the map."""
-    found: dict[str, list[str]] = {}
+    findings_by_map: dict[str, list[str]] = {}
     for diagnostic in report.diagnostics:
         if diagnostic.rule in PROOF_RULES:
-            found.setdefault(diagnostic.element, []).append(
+            findings_by_map.setdefault(diagnostic.element, []).append(
                 f"{diagnostic.rule} {diagnostic.message}"
             )
-    return found
+    return findings_by_map
 
 
 @dataclass(frozen=True)

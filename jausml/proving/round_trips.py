@@ -47,7 +47,7 @@ def round_trips(model: Model) -> list[RoundTrip]:
     own = [
         attribute_map
         for attribute_map in maps
-        if (found := model.document_of(attribute_map)) and found.given
+        if (document := model.document_of(attribute_map)) and document.is_input
     ]
     connections = model.instances(bridge.Connection)
     used = [connection.map for connection in model.instances(bridge.Connection, library=False)]
@@ -165,14 +165,14 @@ class Input:
     def layout(self, data: bytes | None, usual: Usual = USUAL) -> Layout:
         """Returns messages of usual values, or the numbers in some."""
         makings = {"": self.message, **self.joins}
-        given = [None] * len(makings) if data is None else self._split(data)
-        made, numbers, sizes = b"", list[Number](), b""
-        for (name, making), part in zip(makings.items(), given, strict=True):
+        parts = [None] * len(makings) if data is None else self._split(data)
+        octets, numbers, sizes = b"", list[Number](), b""
+        for (name, making), part in zip(makings.items(), parts, strict=True):
             layout = making(part, usual)
-            numbers += [_behind(made, name, number) for number in layout.numbers]
-            made += layout.data
+            numbers += [_behind(octets, name, number) for number in layout.numbers]
+            octets += layout.data
             sizes += len(layout.data).to_bytes(_SIZE, "little") if name else b""
-        return Layout(made + sizes, numbers)
+        return Layout(octets + sizes, numbers)
 
     def main(self, data: bytes) -> bytes:
         """Returns the message without the joined ones."""
@@ -181,8 +181,8 @@ class Input:
     @functools.cached_property
     def usual_joins(self) -> bytes:
         """Joined messages of usual values, which stand behind a message."""
-        made = self.layout(None).data
-        return made[len(self.main(made)) :]
+        octets = self.layout(None).data
+        return octets[len(self.main(octets)) :]
 
     def _split(self, data: bytes) -> list[bytes]:
         count, parts = len(self.joins), list[bytes]()
@@ -197,9 +197,9 @@ class Input:
         return [data[:end], *reversed(parts)]
 
 
-def _behind(made: bytes, name: str, number: Number) -> Number:
+def _behind(octets: bytes, name: str, number: Number) -> Number:
     path = f"{name}.{number.path}" if name else number.path
-    return replace(number, path=path, at=len(made) + number.at)
+    return replace(number, path=path, at=len(octets) + number.at)
 
 
 def inputs(trip: RoundTrip) -> dict[bool, Input]:

@@ -72,22 +72,22 @@ def unproved(trip: RoundTrip) -> MapResult:
 def _proved(model: Model, trip: RoundTrip, settings: Settings, deadline: float) -> MapResult:
     begun = time.monotonic()
     code = proof_code(model, trip)
-    made = unproved(trip)
+    result = unproved(trip)
     if not code.directions:
-        made.remarks = [f"left to Python: {reason}" for reason in code.reasons]
-        return made
+        result.remarks = [f"left to Python: {reason}" for reason in code.reasons]
+        return result
     with (
         tempfile.TemporaryDirectory(prefix="jausml_proof_") as folder,
         CompiledForm(compiled(code, Path(folder), settings.program)) as form,
         closing(PythonForm(code.python, NAME)) as python,
     ):
         planned = plan(code, form, trip)
-        made.not_carried, made.remarks = planned.not_carried, planned.remarks
+        result.not_carried, result.remarks = planned.not_carried, planned.remarks
         for field in planned.fields:
-            found = _swept(form, field, settings.jobs, deadline)
-            made.fields.append(summed_up(trip, field, found, python, form))
-    made.seconds = time.monotonic() - begun
-    return made
+            sweep_result = _swept(form, field, settings.jobs, deadline)
+            result.fields.append(summed_up(trip, field, sweep_result, python, form))
+    result.seconds = time.monotonic() - begun
+    return result
 
 
 def _swept(form: CompiledForm, planned: Field, jobs: int, deadline: float) -> Swept:
@@ -97,23 +97,23 @@ def _swept(form: CompiledForm, planned: Field, jobs: int, deadline: float) -> Sw
     count = _DIRECTED if bits <= WIDEST else _DIRECTED_OF_MORE
     indices = range(total) if bits <= NARROW else directed(planned.number, count)
     most = total if bits <= NARROW else EXAMPLES
-    found = Swept(form.run(sweep, indices, most, jobs))
+    sweep_result = Swept(form.run(sweep, indices, most, jobs))
     if planned.partners:
         mixed = replace(sweep, varied=planned.partners)
-        found = replace(found, mixed=form.run(mixed, indices, most, jobs))
+        sweep_result = replace(sweep_result, mixed=form.run(mixed, indices, most, jobs))
     if not NARROW < bits <= WIDEST:
-        return found
+        return sweep_result
     if planned.shortcut:
         # The shortcut counts only if it finds the same in the values that went through both.
         short = replace(sweep, shortcut=planned.shortcut)
-        if _is_alike(found.tally, form.run(short, indices, most, jobs)):
+        if _is_alike(sweep_result.tally, form.run(short, indices, most, jobs)):
             sweep = short
     begun = time.monotonic()
     form.run(sweep, range(total // 2, total // 2 + _TRIED), most)
     seconds = (time.monotonic() - begun) * total / _TRIED / jobs
     if seconds > deadline - time.monotonic():
-        return replace(found, needs=seconds)
-    return replace(found, wide=form.run(sweep, range(total), most, jobs))
+        return replace(sweep_result, needs=seconds)
+    return replace(sweep_result, wide=form.run(sweep, range(total), most, jobs))
 
 
 def _is_alike(whole: Tally, short: Tally) -> bool:
@@ -171,19 +171,19 @@ def prove_all(
 
 def program() -> str:
     """Returns the compiler of this machine."""
-    found = compiler()
-    if found is None:
+    executable = compiler()
+    if executable is None:
         wanted = " or ".join(COMPILERS)
         raise PoolError(f"there is no C++ compiler: install {wanted}, or name one by CXX")
-    return found
+    return executable
 
 
 def _piece(model: Model, trip: RoundTrip, settings: Settings, until: float) -> MapResult:
     settings = replace(settings, budget=max(0.0, until - time.time()))
     try:
-        (found,) = prove(model, [trip], settings)
+        (result,) = prove(model, [trip], settings)
     except (ProgramError, WorkerError) as error:
-        found = unproved(trip)
-        found.error = str(error)
-        found.remarks = [f"not proved: {found.error.partition(chr(10))[0]}"]
-    return found
+        result = unproved(trip)
+        result.error = str(error)
+        result.remarks = [f"not proved: {result.error.partition(chr(10))[0]}"]
+    return result

@@ -11,7 +11,15 @@ from dataclasses import dataclass
 from jausml.proving.compiled_form import CompiledForm, PythonForm, Tally, Trip
 from jausml.proving.layout import FLOAT, JAUS, Number
 from jausml.proving.plan import Field, some
-from jausml.proving.results import Extreme, FieldResult, MapResult, Mixed, Reached, told, unit_of
+from jausml.proving.results import (
+    Extreme,
+    FieldResult,
+    MapResult,
+    Mixed,
+    Reached,
+    outcome_text,
+    unit_of,
+)
 from jausml.proving.round_trips import RoundTrip, assignment_of, is_alone, is_held
 from jausml.views.pages import page
 
@@ -47,17 +55,17 @@ class Swept:
 def summed_up(
     trip: RoundTrip,
     planned: Field,
-    found: Swept,
+    sweep_result: Swept,
     python: PythonForm,
     form: CompiledForm,
 ) -> FieldResult:
     """Returns what becomes of the values of a number of a map."""
-    number, tally = planned.number, found.wide or found.tally
+    number, tally = planned.number, sweep_result.wide or sweep_result.tally
     assignment = assignment_of(trip, planned.side, planned.path)
     is_constant = tally.result.seen > 1 and not (tally.result.rises or tally.result.falls)
     # A status or mode may be held; a quantity that was carried there is lost.
     is_lost = bool(planned.units) and is_held(trip, planned.side, planned.path)
-    made = FieldResult(
+    result = FieldResult(
         side=planned.side,
         path=planned.path,
         units=planned.units,
@@ -76,18 +84,18 @@ def summed_up(
         others=tally.others,
         is_monotonic=not (tally.result.rises and tally.result.falls),
         is_constant=is_constant and (is_lost or is_alone(assignment, planned.path)),
-        reached=_reached(planned, found.tally),
+        reached=_reached(planned, sweep_result.tally),
         left_out=tally.left_out,
         left=tally.left,
         bins=tally.bins if tally.largest else [],
-        needs=found.needs,
-        mixed=None if found.mixed is None else _mixed(number, found.mixed),
+        needs=sweep_result.needs,
+        mixed=None if sweep_result.mixed is None else _mixed(number, sweep_result.mixed),
     )
     if assignment is not None and planned.side == JAUS:
-        made.precision = float(assignment.precision)
-    _classify(made, planned, tally.examples, python)
-    _compare(made, planned, python, form)
-    return made
+        result.precision = float(assignment.precision)
+    _classify(result, planned, tally.examples, python)
+    _compare(result, planned, python, form)
+    return result
 
 
 def _largest(planned: Field, tally: Tally, form: CompiledForm) -> Extreme | None:
@@ -126,13 +134,13 @@ def _mixed(number: Number, tally: Tally) -> Mixed:
 
 
 def _reached(planned: Field, tally: Tally) -> list[Reached]:
-    found = []
+    reached_numbers = []
     for number, course in zip(planned.watched, tally.watched, strict=False):
         is_monotonic = not (course.rises and course.falls)
         distinct = course.rises + course.falls + 1 if is_monotonic and course.seen else 0
         ends = course.least, course.greatest
-        found.append(Reached(number.path, *ends, is_monotonic, distinct))
-    return found
+        reached_numbers.append(Reached(number.path, *ends, is_monotonic, distinct))
+    return reached_numbers
 
 
 def _messages(planned: Field, indices: Sequence[int]) -> list[bytes]:
@@ -146,46 +154,46 @@ def _trips(planned: Field, indices: Sequence[int], python: PythonForm) -> list[T
 
 
 def _classify(
-    made: FieldResult, planned: Field, indices: Sequence[int], python: PythonForm
+    result: FieldResult, planned: Field, indices: Sequence[int], python: PythonForm
 ) -> None:
     """Tells by the Python form what becomes of values that the compiled one leaves to it."""
     faults: Counter[str] = Counter()
     reasons: Counter[str] = Counter()
     for index, trip in zip(indices, _trips(planned, indices, python), strict=True):
-        made_last = trip.back if made.has_way_back else trip.between
+        made_last = trip.back if result.has_way_back else trip.between
         if trip.error and not trip.is_refused:
             faults[trip.error] += 1
         elif trip.error or made_last is None:
-            made.refused += 1
+            result.refused += 1
             reasons[trip.error.partition(":")[0] or "dropped"] += 1
         elif any(note.startswith(_CLAMP) for note in trip.notes):
-            made.limited += 1
+            result.limited += 1
             reasons[trip.notes[0]] += 1
         elif trip.notes:
-            made.left_out += 1
+            result.left_out += 1
             reasons[trip.notes[0]] += 1
         else:
-            _count(made, planned, index, made_last)
-    made.faults, made.reasons = dict(faults), dict(reasons)
-    made.sampled = len(indices) if len(indices) < made.left else 0
+            _count(result, planned, index, made_last)
+    result.faults, result.reasons = dict(faults), dict(reasons)
+    result.sampled = len(indices) if len(indices) < result.left else 0
 
 
-def _count(made: FieldResult, planned: Field, index: int, last: bytes) -> None:
+def _count(result: FieldResult, planned: Field, index: int, last: bytes) -> None:
     """Counts a value that Python takes around as it is."""
-    made.computed += 1
+    result.computed += 1
     number = planned.number
     raw = number.raw(index)
-    if not made.has_way_back:
-        made.unchanged += 1
+    if not result.has_way_back:
+        result.unchanged += 1
     elif len(last) != planned.sweep.size:
-        made.left_out += 1
+        result.left_out += 1
     else:
         back = number.read(last)
         error = _distance(planned, raw, back)
-        made.unchanged += not error
-        made.changed += bool(error)
-        if error > (0.0 if made.largest is None else made.largest.error):
-            made.largest = Extreme(error, raw, number.value(raw), {}, number.value(back))
+        result.unchanged += not error
+        result.changed += bool(error)
+        if error > (0.0 if result.largest is None else result.largest.error):
+            result.largest = Extreme(error, raw, number.value(raw), {}, number.value(back))
 
 
 def _distance(planned: Field, raw: int, back: int) -> float:
@@ -193,13 +201,13 @@ def _distance(planned: Field, raw: int, back: int) -> float:
     first, second = planned.number.value(raw), planned.number.value(back)
     if first == second or (math.isnan(first) and math.isnan(second)):
         return 0.0
-    found, turn = abs(first - second), planned.sweep.turn
-    if math.isnan(found):
+    distance, turn = abs(first - second), planned.sweep.turn
+    if math.isnan(distance):
         return math.inf
-    return min(found, abs(turn - found)) if turn else found
+    return min(distance, abs(turn - distance)) if turn else distance
 
 
-def _compare(made: FieldResult, planned: Field, python: PythonForm, form: CompiledForm) -> None:
+def _compare(result: FieldResult, planned: Field, python: PythonForm, form: CompiledForm) -> None:
     """Puts some values through both forms."""
     sweep = planned.sweep
     number = planned.number
@@ -213,9 +221,9 @@ def _compare(made: FieldResult, planned: Field, python: PythonForm, form: Compil
         back = None
         if sweep.has_back:
             back = form.translate(between + sweep.joins_back, to_ros=not sweep.to_ros)
-        made.compared += 1
+        result.compared += 1
         is_alike = between == trip.between and back in (None, trip.back)
-        made.differing += not is_alike
+        result.differing += not is_alike
 
 
 _LONGEST = 100
@@ -230,10 +238,10 @@ def pages(
     rows = []
     for result in results:
         file = _file(result.name, files)
-        found = faults.get(result.name, ())
-        rows.append({"file": file, "map": result, "findings": len(found)})
-        pictures = [(one, told(one), _picture(one)) for one in result.fields]
-        yield file, _page(result.name, map=result, findings=found, fields=pictures)
+        findings = faults.get(result.name, ())
+        rows.append({"file": file, "map": result, "findings": len(findings)})
+        pictures = [(one, outcome_text(one), _picture(one)) for one in result.fields]
+        yield file, _page(result.name, map=result, findings=findings, fields=pictures)
     yield "index.html", _page("Proofs", rows=rows)
 
 

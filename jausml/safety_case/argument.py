@@ -97,9 +97,11 @@ _Said = tuple[bool, str]
 
 def _rules(concern: Concern, report: Report) -> _Said:
     rules = concern.hazard.rules.split()
-    found = [e for e in report.diagnostics if e.rule in rules and concern.has(e.element)]
-    if found:
-        return False, "; ".join(f"{diagnostic.rule} {diagnostic.message}" for diagnostic in found)
+    diagnostics = [e for e in report.diagnostics if e.rule in rules and concern.has(e.element)]
+    if diagnostics:
+        return False, "; ".join(
+            f"{diagnostic.rule} {diagnostic.message}" for diagnostic in diagnostics
+        )
     aside = [e for e in report.set_aside if e.diagnostic.rule in rules]
     aside = [exclusion for exclusion in aside if concern.has(exclusion.diagnostic.element)]
     notes = (
@@ -120,11 +122,11 @@ def _tests(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
             yield True, f"{number} of {module} passed"
 
 
-def _found(subject: dict[str, Any], rules: Sequence[str] = ()) -> str:
+def _against(subject: dict[str, Any], rules: Sequence[str] = ()) -> str:
     """Returns what was found about a subject of evidence, by some rules or by any."""
-    found = subject["found"] if isinstance(subject["found"], list) else []
-    told = [e if isinstance(e, dict) else {"rule": "", "message": e} for e in found]
-    chosen = [finding for finding in told if not rules or finding.get("rule") in rules]
+    entries = subject["found"] if isinstance(subject["found"], list) else []
+    findings = [e if isinstance(e, dict) else {"rule": "", "message": e} for e in entries]
+    chosen = [finding for finding in findings if not rules or finding.get("rule") in rules]
     return "; ".join(f"{e.get('rule', '')} {e.get('message', '')}".strip() for e in chosen)
 
 
@@ -134,7 +136,7 @@ def _proof(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
             tried = [int(one["tried"]) for one in map_result["fields"]]
             whole = sum(one["tried"] == one["total"] for one in map_result["fields"])
             about = f"{len(tried)} numbers, {whole} of them whole, {sum(tried):,} values"
-            against = _found(map_result)
+            against = _against(map_result)
             text = against or f"{about}, no findings"
             yield not against, f"map {map_result['name']}: {text}"
 
@@ -144,7 +146,7 @@ def _model_check(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
     for product in content["products"]:
         name = str(product["name"])
         if name == concern.name or name.startswith((f"{concern.name} to ", f"{concern.name}: ")):
-            against = _found(product, rules)
+            against = _against(product, rules)
             if against or product["complete"] is True:
                 text = against or f"{', '.join(rules)} hold in all states"
                 yield not against, f"{name}: {text}"
@@ -161,11 +163,11 @@ def _mutations(concern: Concern, content: dict[str, Any]) -> Iterator[_Said]:
     ]
     alive = [outcome for outcome in tried if outcome["verdict"] == "nothing"]
     if alive:
-        told = (
+        descriptions = (
             f"{outcome['change']} ({outcome.get('detail') or 'for no known reason'})"
             for outcome in alive
         )
-        yield False, f"nothing notices: {'; '.join(told)}"
+        yield False, f"nothing notices: {'; '.join(descriptions)}"
     elif tried:
         yield True, f"{len(tried)} mutations, all noticed or of no effect"
 
@@ -216,8 +218,8 @@ def counted(goals: Sequence[Goal]) -> str:
         for standing, count in counts.items()
         if count and standing != SUPPORTED
     ]
-    told = f"{counts[SUPPORTED]} of {len(goals)} goals {SUPPORTED}"
-    return f"{told}; {', '.join(more)}" if more else told
+    summary = f"{counts[SUPPORTED]} of {len(goals)} goals {SUPPORTED}"
+    return f"{summary}; {', '.join(more)}" if more else summary
 
 
 @dataclass(frozen=True)
@@ -306,8 +308,8 @@ def to_plain(case: SafetyCase) -> dict[str, Any]:
         del evidence_item["content"]
     for plain_goal in (goal for hazard in plain["hazards"] for goal in hazard["goals"]):
         del plain_goal["location"]
-    found: dict[str, Any] = json.loads(json.dumps(plain))
-    return found
+    content: dict[str, Any] = json.loads(json.dumps(plain))
+    return content
 
 
 @dataclass(frozen=True)
@@ -342,10 +344,10 @@ def _goals(hazard: Hazard, number: str, known: _Known) -> Iterator[Goal]:
     pairs = [(row, element) for row in hazard.rows for element in row.find(known.subject)]
     for at, (row, element) in enumerate(pairs, start=1):
         concern = _concern(hazard, row, element, known)
-        found = tuple(supports(concern, known.report, known.evidence))
+        statements = tuple(supports(concern, known.report, known.evidence))
         gaps = tuple(_gaps(row, element, concern.answers))
-        shown = {kinds[support.evidence] for support in found if support.holds}
-        answered = not gaps and all(said.holds for said in found)
+        shown = {kinds[support.evidence] for support in statements if support.holds}
+        answered = not gaps and all(said.holds for said in statements)
         has_run = bool(shown - {RULES}) and not _is_of_a_person(concern.answers)
         yield Goal(
             f"{hazard.id}/{concern.name}",
@@ -356,7 +358,7 @@ def _goals(hazard: Hazard, number: str, known: _Known) -> Iterator[Goal]:
             answered and has_run,
             concern.answers,
             gaps,
-            found,
+            statements,
             tuple(kind for kind in concern.kinds if kind not in shown),
             known.report.model.location(element),
         )

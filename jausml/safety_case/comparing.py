@@ -33,8 +33,8 @@ class Former:
 
     def place(self, value: str) -> Location:
         """Returns where a text stands."""
-        before, found, _ = self.text.partition(json.dumps(value))
-        return Location(self.path, before.count("\n") + 1 if found else 1)
+        before, separator, _ = self.text.partition(json.dumps(value))
+        return Location(self.path, before.count("\n") + 1 if separator else 1)
 
 
 def former_case(path: str, text: str) -> Former:
@@ -54,10 +54,10 @@ def former_case(path: str, text: str) -> Former:
 
 def findings(former: Former, case: SafetyCase, unread: Mapping[str, str]) -> list[Diagnostic]:
     """Returns what a case has lost, compared with one that is made now of the same files."""
-    found = [*_of_evidence(former, case, unread), *_of_goals(former, case)]
-    if not found and to_plain(case) != former.plain:
-        found = [_finding(OLD, Location(former.path), "the case is not what is found now")]
-    return found
+    diagnostics = [*_of_evidence(former, case, unread), *_of_goals(former, case)]
+    if not diagnostics and to_plain(case) != former.plain:
+        diagnostics = [_finding(OLD, Location(former.path), "the case is not what is found now")]
+    return diagnostics
 
 
 def _of_evidence(

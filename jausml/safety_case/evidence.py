@@ -91,8 +91,8 @@ def _content(data: bytes, *, is_xml: bool) -> tuple[str, dict[str, Any]]:
     except (ValueError, RecursionError) as error:
         raise EvidenceError(f"is no JSON: {error}") from error
     for kind, (name, keys) in _KINDS.items():
-        found = content.get(name) if isinstance(content, dict) else None
-        if isinstance(found, list) and all(isinstance(e, dict) and keys <= {*e} for e in found):
+        entries = content.get(name) if isinstance(content, dict) else None
+        if isinstance(entries, list) and all(isinstance(e, dict) and keys <= {*e} for e in entries):
             return kind, content
     runs = content.get("faults") if isinstance(content, dict) else None
     if isinstance(runs, dict) and all(isinstance(run, dict) for run in runs.values()):
@@ -106,18 +106,18 @@ def _tests(data: bytes) -> dict[str, str]:
         root = etree.fromstring(data, etree.XMLParser(resolve_entities=False, no_network=True))
     except etree.XMLSyntaxError as error:
         raise EvidenceError(f"is no JUnit report: {error}") from error
-    found: dict[str, str] = {}
+    outcomes_by_test: dict[str, str] = {}
     for case in root.iter("testcase"):
         module = case.get("classname", "").rpartition(".")[2]
         name = f"{module}.{case.get('name', '').partition('[')[0]}"
         outcomes = [
             element.tag for element in case if element.tag in ("failure", "error", "skipped")
         ]
-        if found.get(name, "passed") == "passed":
-            found[name] = outcomes[0] if outcomes else "passed"
-    if not found:
+        if outcomes_by_test.get(name, "passed") == "passed":
+            outcomes_by_test[name] = outcomes[0] if outcomes else "passed"
+    if not outcomes_by_test:
         raise EvidenceError("is no JUnit report: it has no test cases")
-    return found
+    return outcomes_by_test
 
 
 _TEST = re.compile(r"^def test_(\w+)\(", re.MULTILINE)
@@ -139,7 +139,7 @@ class GeneratedTests:
 
 def generated_tests(model: Model) -> list[GeneratedTests]:
     """Returns the tests of the bridges of a model without errors."""
-    found = []
+    tests = []
     artifacts = {
         rendered_artifact.element_id: rendered_artifact
         for rendered_artifact in render(model, [TARGET])
@@ -155,5 +155,5 @@ def generated_tests(model: Model) -> list[GeneratedTests]:
             if longest:
                 names[longest].append(test.removeprefix(longest))
         digest = text_digest(artifact.text)
-        found.append(GeneratedTests(artifact.path, digest, str(owner.name), names))
-    return found
+        tests.append(GeneratedTests(artifact.path, digest, str(owner.name), names))
+    return tests

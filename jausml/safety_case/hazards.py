@@ -73,10 +73,10 @@ class Hazard:
 def carried_maps(element: object) -> list[bridge.AttributeMap]:
     """Returns the maps of a connection, none of other elements."""
     carriers = (bridge.Connection, bridge.RosServiceConnection, bridge.RosActionConnection)
-    return [used for used, _ in _ways(element)] if isinstance(element, carriers) else []
+    return [used for used, _ in _map_directions(element)] if isinstance(element, carriers) else []
 
 
-def _ways(carrier: Carrier) -> list[tuple[bridge.AttributeMap, bool]]:
+def _map_directions(carrier: Carrier) -> list[tuple[bridge.AttributeMap, bool]]:
     if isinstance(carrier, bridge.RosServiceConnection):
         return [(half.map, half.to_ros) for half in calls.halves(carrier)]
     used = carrier.map if isinstance(carrier, bridge.Connection) else carrier.element
@@ -102,11 +102,11 @@ def _stated(feature: str, text: str) -> Callable[[Any], Answer | None]:
 def _limited(feature: str, text: str) -> Callable[[Any], Answer | None]:
     """Returns what tells a rate, which is no time."""
 
-    def told(element: Any) -> Answer | None:
+    def answer_of(element: Any) -> Answer | None:
         rate = float(getattr(element, feature))
         return Answer(text.format(rate)) if rate > 0 else None
 
-    return told
+    return answer_of
 
 
 def _when(holds: Callable[[Any], object], text: str) -> Callable[[Any], Answer | None]:
@@ -186,14 +186,14 @@ def _loss_told(connection: bridge.Connection) -> Answer | None:
     silence = stops.silence_timeout(connection) if connection.safeValue else 0.0
     topics = [topic.qos for topic in connection.topics if topic.join is None]
     deadline = min((float(qos.deadline) if qos is not None else 0.0 for qos in topics), default=0)
-    told = _after(silence, "publishes its safe value after {:g} s of silence")
-    return told or _after(deadline, "its topic has a deadline of {:g} s")
+    answer = _after(silence, "publishes its safe value after {:g} s of silence")
+    return answer or _after(deadline, "its topic has a deadline of {:g} s")
 
 
 def _unknown(carrier: Carrier) -> dict[str, str]:
     """Returns the targets that nothing can judge, each with what rules lack."""
-    ways = (unknown_targets(used, to_ros=to_ros) for used, to_ros in _ways(carrier))
-    return {target: lack for found in ways for target, lack in found}
+    directions = (unknown_targets(used, to_ros=to_ros) for used, to_ros in _map_directions(carrier))
+    return {target: lack for pairs in directions for target, lack in pairs}
 
 
 def _connections(
@@ -208,13 +208,13 @@ def _connections(
 
 def _commanders(*, to_ros: bool, lists: bool = True) -> Callable[[Subject], list[Commander]]:
     def find(subject: Subject) -> list[Commander]:
-        found: list[Commander] = [
+        commanders: list[Commander] = [
             connection
             for connection in sound_connections(subject)
             if stops.carries_commands(connection)
         ]
-        found += subject.instances(bridge.RosActionConnection) if lists else []
-        return [connection for connection in found if _is_to_ros(connection) == to_ros]
+        commanders += subject.instances(bridge.RosActionConnection) if lists else []
+        return [connection for connection in commanders if _is_to_ros(connection) == to_ros]
 
     return find
 
@@ -239,20 +239,22 @@ def _carriers(subject: Subject) -> list[Carrier]:
 
 
 def _commandable(subject: Subject) -> list[Carrier]:
-    found: list[Carrier] = list(_obeyed(subject))
+    carriers: list[Carrier] = list(_obeyed(subject))
     for ros_service_connection in subject.instances(bridge.RosServiceConnection):
         asking = calls.asking(ros_service_connection)
-        found += (
+        carriers += (
             [ros_service_connection]
             if _is_to_ros(ros_service_connection) and asking is not None and is_command(asking)
             else []
         )
-    return found
+    return carriers
 
 
 def _components(subject: Subject) -> list[jaus.Component]:
-    found = [component for component in subject.instances(jaus.Component) if not component.external]
-    return [e for e in found if not isinstance(e, bridge.Bridge) and any(_moving(e))]
+    components = [
+        component for component in subject.instances(jaus.Component) if not component.external
+    ]
+    return [e for e in components if not isinstance(e, bridge.Bridge) and any(_moving(e))]
 
 
 def _instances(kind: type[Any]) -> Callable[[Subject], list[Any]]:
@@ -269,8 +271,10 @@ def _unfresh(connection: bridge.Connection) -> str:
 
 
 def _meaningless(carrier: Carrier) -> str:
-    told = ", ".join(f"{target} (no rule: it lacks {e})" for target, e in _unknown(carrier).items())
-    return f"nothing says what is right of {told}, and no test vector"
+    listing = ", ".join(
+        f"{target} (no rule: it lacks {e})" for target, e in _unknown(carrier).items()
+    )
+    return f"nothing says what is right of {listing}, and no test vector"
 
 
 _STOPS, _OBEYS = "what {} commands stops", "{} obeys it no longer"

@@ -87,12 +87,12 @@ class _Argument:
 
 def pictures(case: SafetyCase, engine: Engine) -> dict[str, str]:
     """Returns the pictures by name: `case` of all hazards, and those of each by `names_of`."""
-    found = {"case": _overview(case)}
+    arguments_by_name = {"case": _overview(case)}
     for hazard in case.hazards:
         for at, name in enumerate(names_of(hazard)):
             some = hazard.goals[at * _AT_ONCE : (at + 1) * _AT_ONCE]
-            found[name] = _hazard(case, replace(hazard, goals=some))
-    return {name: _drawn(argument, engine) for name, argument in found.items()}
+            arguments_by_name[name] = _hazard(case, replace(hazard, goals=some))
+    return {name: _drawn(argument, engine) for name, argument in arguments_by_name.items()}
 
 
 def names_of(hazard: HazardCase) -> list[str]:
@@ -102,44 +102,44 @@ def names_of(hazard: HazardCase) -> list[str]:
 
 
 def _overview(case: SafetyCase) -> _Argument:
-    found = _Argument(f"safety case of {case.system}")
-    found.add("G0", _GOAL, f"{case.system} does no harm by what its messages cause or lack")
+    argument = _Argument(f"safety case of {case.system}")
+    argument.add("G0", _GOAL, f"{case.system} does no harm by what its messages cause or lack")
     files = "; ".join(f"{name} {digest[:12]}" for name, digest in case.model.items())
-    found.add("C1", _CONTEXT, f"model: {files}", "G0", "left")
+    argument.add("C1", _CONTEXT, f"model: {files}", "G0", "left")
     assumed = f"assumptions, in the document; jausml {case.jausml}"
-    found.add("C2", _CONTEXT, assumed, "G0", "right")
-    found.add("S0", _STRATEGY, "over each hazard", "G0")
+    argument.add("C2", _CONTEXT, assumed, "G0", "right")
+    argument.add("S0", _STRATEGY, "over each hazard", "G0")
     for hazard in case.hazards:
         text = f"{hazard.title}: {counted(hazard.goals) if hazard.goals else 'concerns nothing'}"
-        found.add(hazard.number, _GOAL, text, "S0", is_open=not hazard.answered)
-    return found
+        argument.add(hazard.number, _GOAL, text, "S0", is_open=not hazard.answered)
+    return argument
 
 
 def _hazard(case: SafetyCase, hazard: HazardCase) -> _Argument:
-    found = _Argument(f"{case.system}: {hazard.title.lower()}")
+    argument = _Argument(f"{case.system}: {hazard.title.lower()}")
     evidence = {one.id: one for one in case.evidence}
     over = f"S{hazard.number[1:]}"
-    found.add(hazard.number, _GOAL, f"{hazard.title} is answered")
-    found.add(over, _STRATEGY, "over each element", hazard.number)
+    argument.add(hazard.number, _GOAL, f"{hazard.title} is answered")
+    argument.add(over, _STRATEGY, "over each element", hazard.number)
     for goal in hazard.goals:
         standing = [] if goal.standing in (SUPPORTED, UNDEVELOPED) else [goal.standing]
         text = "; ".join((goal.claim, *(f"OPEN: {gap}" for gap in goal.gaps), *standing))
-        found.add(goal.number, _GOAL, text, over, is_open=not goal.answered)
+        argument.add(goal.number, _GOAL, text, over, is_open=not goal.answered)
         by = f"S{goal.number[1:]}"
         if goal.answers:
-            found.add(by, _STRATEGY, "; ".join(one.text for one in goal.answers), goal.number)
+            argument.add(by, _STRATEGY, "; ".join(one.text for one in goal.answers), goal.number)
         for reason in (one.reason for one in goal.answers if one.reason):
-            found.add(f"J{goal.number[1:]}", _JUSTIFICATION, reason, by, "right")
+            argument.add(f"J{goal.number[1:]}", _JUSTIFICATION, reason, by, "right")
         for said in goal.supports:
             one = evidence[said.evidence]
             text = f"{one.kind} {one.path.rpartition('/')[2]} {one.sha256[:8]}"
             above = by if goal.answers else goal.number
             if not said.holds:
                 # It speaks of this goal alone.
-                found.add(f"{one.id}!{goal.number}", _SOLUTION, text, above, is_against=True)
+                argument.add(f"{one.id}!{goal.number}", _SOLUTION, text, above, is_against=True)
             elif goal.answers:
-                found.add(one.id, _SOLUTION, text, above)
-    return found
+                argument.add(one.id, _SOLUTION, text, above)
+    return argument
 
 
 def _drawn(argument: _Argument, engine: Engine) -> str:

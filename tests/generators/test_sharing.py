@@ -314,7 +314,7 @@ def test_targets_share_the_views_of_a_model(tmp_path):
     path.write_text(NUMBERS, encoding="utf-8")
     model = read_models([path], notations=NOTATIONS).model
 
-    assert model.made(bridge_views)[0] is model.made(bridge_views)[0]
+    assert model.derived(bridge_views)[0] is model.derived(bridge_views)[0]
     views = [view for task in bringup.tasks(model) for view in task.views]
     (config,) = (view for view in views if isinstance(view, ConfigView))
-    assert config.process.bridge is model.made(bridge_views)[0]
+    assert config.process.bridge is model.derived(bridge_views)[0]

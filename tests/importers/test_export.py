@@ -68,7 +68,7 @@ DECLARED = """<?xml version="1.0" encoding="UTF-8"?>
 
 def services(model):
     """Returns the services of the models that were given."""
-    roots = [root for document in model.documents if document.given for root in document.roots]
+    roots = [root for document in model.documents if document.is_input for root in document.roots]
     return [service for root in roots for service in root.services]
 
 

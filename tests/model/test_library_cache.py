@@ -49,7 +49,10 @@ def outline(result):
     """All that can be asked about where things stand, and what was found."""
     model = result.model
     return [
-        *((document.display, document.is_library, document.given) for document in model.documents),
+        *(
+            (document.display, document.is_library, document.is_input)
+            for document in model.documents
+        ),
         *result.diagnostics,
         *((str(model.location(element)), model.fragment(element)) for element in model.elements()),
         [model.element_path(message_def) for message_def in model.instances(jaus.MessageDef)],

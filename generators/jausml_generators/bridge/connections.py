@@ -72,15 +72,15 @@ class ConnectionView:
     @property
     def compiled_mark(self) -> str:
         """The decorator that names its compiled form, as Python text; empty without one."""
-        found = self.translated.compiled
-        if found is None or self._named is not None:
+        compiled = self.translated.compiled
+        if compiled is None or self._named is not None:
             return ""
-        given = [python_string(found.function)]
+        arguments = [python_string(compiled.function)]
         for name in ("quantities", "texts", "joins", "unknown"):
-            values = getattr(found, name)
-            given += [f"{name}={tuple_of(*map(python_string, values))}"] if values else []
-        given += ["needs_clock=True"] if found.needs_clock else []
-        return call("CORE.function", *given)
+            values = getattr(compiled, name)
+            arguments += [f"{name}={tuple_of(*map(python_string, values))}"] if values else []
+        arguments += ["needs_clock=True"] if compiled.needs_clock else []
+        return call("CORE.function", *arguments)
 
     @property
     def ros_name(self) -> str:
@@ -180,7 +180,7 @@ class ConnectionView:
     @property
     def arguments(self) -> tuple[tuple[str, str], ...]:
         """Arguments of the runtime class after name and translate."""
-        found = [
+        arguments = [
             ("message", self.message_name),
             ("type", self.ros_name),
         ]
@@ -194,25 +194,25 @@ class ConnectionView:
                 if self.to_ros
                 else self.query.class_name
             )
-            found.append(("query", query))
+            arguments.append(("query", query))
         if self.rate is not None:
-            found.append(("rate", python_literal(self.rate)))
+            arguments.append(("rate", python_literal(self.rate)))
         if self._handler_guard != "ANY":
-            found.append(("when", condition(self.message_element, self._handler_guard)))
+            arguments.append(("when", condition(self.message_element, self._handler_guard)))
         if self.kind == "MessageToTopics":
-            found += self._telling()
+            arguments += self._telling()
         if self.is_capped and self.connection.rateCap > 0:
-            found.append(("rate_cap", python_literal(float(self.connection.rateCap))))
+            arguments.append(("rate_cap", python_literal(float(self.connection.rateCap))))
         if self._named is not None:
             lists = (self._named.names, self._named.arrays)
             stated = (tuple_of(*map(python_string, string_list)) for string_list in lists)
-            given = call("NamedPlaces", python_string(self._named.keys), *stated)
-            found.append(("named", given))
+            places_call = call("NamedPlaces", python_string(self._named.keys), *stated)
+            arguments.append(("named", places_call))
         if self.kind == "TopicsToMessage":
-            found += self._sending()
+            arguments += self._sending()
         if self.kind == "TopicsToReport":
-            found += self._reporting()
-        return (*found, *self._shape, *self._when_lost)
+            arguments += self._reporting()
+        return (*arguments, *self._shape, *self._when_lost)
 
     @property
     def _named(self) -> NamedPlaces | None:
@@ -236,29 +236,29 @@ class ConnectionView:
 
     @property
     def _when_lost(self) -> list[tuple[str, str]]:
-        found = []
+        arguments = []
         if self.is_command:
-            found.append(("is_command", "True"))
+            arguments.append(("is_command", "True"))
         if self.silence_timeout > 0:
-            found.append(("silence_timeout", python_literal(self.silence_timeout)))
+            arguments.append(("silence_timeout", python_literal(self.silence_timeout)))
         if self.has_safe_value:
-            found.append(("safe_value", f"self.safe_{self.name}"))
+            arguments.append(("safe_value", f"self.safe_{self.name}"))
             if values := stops.stop_values(self.connection):
-                found.append(("stop", f"({', '.join(map(python_string, values))},)"))
+                arguments.append(("stop", f"({', '.join(map(python_string, values))},)"))
         elif self.is_command and stops.keeps_last_command(self.connection):
-            found.append(("hold_reason", python_string(stops.hold_reason(self.connection))))
-        return found
+            arguments.append(("hold_reason", python_string(stops.hold_reason(self.connection))))
+        return arguments
 
     def _sending(self) -> list[tuple[str, str]]:
-        found = []
+        arguments = []
         if self.connection.control and self.guard != "ANY":
-            found.append(("control", f"Guard.{self.guard}"))
-        found += priority_of(self.connection)
+            arguments.append(("control", f"Guard.{self.guard}"))
+        arguments += priority_of(self.connection)
         if self.connection.acknowledge:
-            found.append(("acknowledge", "True"))
+            arguments.append(("acknowledge", "True"))
         if is_emergency(self.message_element):
-            found.append(("filters", "True"))
-        return found
+            arguments.append(("filters", "True"))
+        return arguments
 
     def _telling(self) -> list[tuple[str, str]]:
         """Returns how the command is told to whoever asks for it."""
@@ -277,13 +277,13 @@ class ConnectionView:
         return [("answer", call("CommandAnswer", *arguments))]
 
     def _reporting(self) -> list[tuple[str, str]]:
-        found = []
+        arguments = []
         freshness = freshness_of(self.connection)
         if freshness:
-            found.append(("freshness", python_literal(freshness)))
+            arguments.append(("freshness", python_literal(freshness)))
         if all(member.is_optional for member in self.message.body.members):
-            found.append(("empty", self.message_name))
-        return found
+            arguments.append(("empty", self.message_name))
+        return arguments
 
     @property
     def rate(self) -> float | None:

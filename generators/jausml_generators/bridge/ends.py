@@ -50,8 +50,8 @@ class JoinView:
     def argument(self) -> str:
         """The join as an argument of the runtime class, as Python text."""
         topics = list_of(topic_call(self.connection, topic) for topic in self.topics)
-        found = [python_string(self.model_name), self.type_name, topics]
-        return call("Join", *found, *_staleness(self.join))
+        arguments = [python_string(self.model_name), self.type_name, topics]
+        return call("Join", *arguments, *_staleness(self.join))
 
 
 def _staleness(join: bridge.Join | bridge.ReportJoin) -> list[str]:
@@ -182,17 +182,17 @@ class ReportJoinView:
     @property
     def argument(self) -> str:
         """The join as an argument of the runtime class, as Python text."""
-        found = [python_string(self.model_name), self.type_name]
+        arguments = [python_string(self.model_name), self.type_name]
         if self.query:
-            found.append(f"query={self.query}")
+            arguments.append(f"query={self.query}")
         if self.rate is not None:
-            found.append(f"rate={python_literal(self.rate)}")
+            arguments.append(f"rate={python_literal(self.rate)}")
         if self.report.exchange == "query":
-            found.append("is_asked=True")
+            arguments.append("is_asked=True")
         if self.report.source is not None and self.report.source.peers:
             peers = ", ".join(map(address_call, self.report.source.peers))
-            found.append(f"peers=[{peers}]")
-        return call("ReportJoin", *found, *_staleness(self.join))
+            arguments.append(f"peers=[{peers}]")
+        return call("ReportJoin", *arguments, *_staleness(self.join))
 
 
 def messages_of_joins(connection: bridge.Connection) -> Iterator[jaus.MessageDef]:

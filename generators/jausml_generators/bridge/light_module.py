@@ -93,11 +93,11 @@ class LightModule:
         """Comments that tell linters what is meant."""
         lines = [line for _, *bodies in self.bodies for body in bodies for line in body]
         names = (str(field.name) for message_type in self.types for field in message_type.fields)
-        found = []
+        remarks = []
         if any("._read" in line or "._write" in line for line in lines):
-            found.append("# ruff: noqa: SLF001 - the classes read and write each other")
+            remarks.append("# ruff: noqa: SLF001 - the classes read and write each other")
         if any(snake_case(name) != name for name in names):
-            found.append("# ruff: noqa: A002 - the fields have the names of ROS")
+            remarks.append("# ruff: noqa: A002 - the fields have the names of ROS")
         kinds = {
             field.primitive
             for message_type in self.types
@@ -105,8 +105,8 @@ class LightModule:
             if field.is_single
         }
         if PRIMITIVES["bool"] in kinds:
-            found.append("# ruff: noqa: FBT001, FBT002 - the fields have the types of ROS")
-        return tuple(found)
+            remarks.append("# ruff: noqa: FBT001, FBT002 - the fields have the types of ROS")
+        return tuple(remarks)
 
     @property
     def imports(self) -> Imports:
@@ -169,12 +169,12 @@ class LightClass:
     @property
     def constants(self) -> tuple[str, ...]:
         """The constants of the type, as statements of the body of the class."""
-        found: dict[str, str] = {}
+        constants: dict[str, str] = {}
         for constant in self.message.constants:
             name = str(constant.name)
             name = f"{name}_" if name in _OWN_CONSTANTS or keyword.iskeyword(name) else name
-            found.setdefault(name, _constant(constant))
-        return tuple(f"{name}: {value}" for name, value in found.items())
+            constants.setdefault(name, _constant(constant))
+        return tuple(f"{name}: {value}" for name, value in constants.items())
 
     @property
     def nested(self) -> str:

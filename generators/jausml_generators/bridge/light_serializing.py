@@ -25,8 +25,8 @@ def reading_lines(
     reader = _Reader(class_of, runs, sizes)
     values = reader.values(message)
     reader.flush()
-    made = call("cls", *values)
-    return (*reader.lines, f"return {made}, offset")
+    instance = call("cls", *values)
+    return (*reader.lines, f"return {instance}, offset")
 
 
 class _Reader:
@@ -40,7 +40,7 @@ class _Reader:
         self._items: list[str] = []
         self._is_used = False
         self._rows = 1
-        self._found = 0
+        self._offset_count = 0
 
     def values(self, message: ros.MessageType) -> list[str]:
         """The values of the fields, as Python text; those of rows after `flush` only."""
@@ -107,9 +107,9 @@ class _Reader:
         return self._read(call(function, "data", "offset", count, "order"))
 
     def _read(self, code: str) -> str:
-        self._found += 1
-        self.lines.append(f"found{self._found}, offset = {code}")
-        return f"found{self._found}"
+        self._offset_count += 1
+        self.lines.append(f"found{self._offset_count}, offset = {code}")
+        return f"found{self._offset_count}"
 
 
 _OWN_NAMES = frozenset({"append", "cdr_", "len", "offset", "run", "self"})

@@ -56,10 +56,10 @@ def messages_of_driver(action: bridge.RosActionConnection) -> DriverMessages:
     Raises:
         GenerationError: The service is no list driver.
     """
-    found = driver_messages(action.driver)
-    if found is None:
+    messages = driver_messages(action.driver)
+    if messages is None:
         raise GenerationError(f"connection '{action.name}': {action.driver.name} drives no list")
-    return found
+    return messages
 
 
 def answers_of_driver(action: bridge.RosActionConnection) -> list[Answer]:
@@ -166,13 +166,17 @@ class ActionView(ConnectionView):
     def _answers(self) -> list[str]:
         """What the driver tells besides the active element, unless a connection answers it."""
         action = self.action
-        found = {
+        list_answers = {
             "speed": speed_answer(action.driver),
             "element": answer_alike(action.driver, action.element.message),
         }
         free = answers_of_driver(action)
-        told = [f"{name}={self._pair(answer)}" for name, answer in found.items() if answer in free]
-        return [f"answers={call('ListAnswers', *told)}"] if told else []
+        arguments = [
+            f"{name}={self._pair(answer)}"
+            for name, answer in list_answers.items()
+            if answer in free
+        ]
+        return [f"answers={call('ListAnswers', *arguments)}"] if arguments else []
 
     def _pair(self, answer: Answer) -> str:
         return tuple_of(
@@ -277,21 +281,23 @@ class CallView:
         """Arguments of RosService."""
         connection = self.connection
         request = ros_type(connection.type.request)
-        found = [
+        arguments = [
             python_string(connection.service),
             python_string(f"{request.package}/srv/{connection.type.name}"),
             self.translated.request_name,
             self.translated.response_name,
         ]
         members = {"success": connection.successMember, "reason": connection.reasonMember}
-        found += [f"{key}={python_string(_path(path))}" for key, path in members.items() if path]
-        return tuple(found)
+        arguments += [
+            f"{key}={python_string(_path(path))}" for key, path in members.items() if path
+        ]
+        return tuple(arguments)
 
     @property
     def argument_lines(self) -> tuple[str, ...]:
         """Arguments of the runtime class after the name."""
         connection = self.connection
-        found = [
+        arguments = [
             ("service", call("RosService", *self.service_arguments)),
             ("request", self._request),
             ("response", self._half(calls.RESPONSE, calls.answering(connection))),
@@ -301,12 +307,12 @@ class CallView:
             names = ", ".join(
                 self.view_of(rejection).class_name for rejection in connection.rejections
             )
-            found.append(("rejections", f"[{names}]"))
-            found += self._reason
-        found += self._guarding
-        found += priority_of(connection)
-        found.append(("timeout", python_literal(float(connection.timeout))))
-        return tuple(f"{key}={value}" for key, value in found)
+            arguments.append(("rejections", f"[{names}]"))
+            arguments += self._reason
+        arguments += self._guarding
+        arguments += priority_of(connection)
+        arguments.append(("timeout", python_literal(float(connection.timeout))))
+        return tuple(f"{key}={value}" for key, value in arguments)
 
     @property
     def _reason(self) -> list[tuple[str, str]]:
@@ -330,20 +336,20 @@ class CallView:
         connection, message = self.connection, calls.asking(self.connection)
         if message is None:
             return []
-        found = []
+        arguments = []
         if is_steering(message):
-            found.append(("is_command", "True"))
+            arguments.append(("is_command", "True"))
         if calls.serves(connection):
             guard = guard_of_receivers(message, connection.peers, connection.search)
             if guard != "ANY" and connection.control:
-                found.append(("control", f"Guard.{guard}"))
+                arguments.append(("control", f"Guard.{guard}"))
             if calls.maps_success(connection):
-                found.append(("is_success_mapped", "True"))
+                arguments.append(("is_success_mapped", "True"))
         else:
             guard = guard_of_receivers(message, [connection.eContainer()], None)
             if guard != "ANY":
-                found.append(("when", condition(message, guard)))
-        return found
+                arguments.append(("when", condition(message, guard)))
+        return arguments
 
     @property
     def _request(self) -> str:

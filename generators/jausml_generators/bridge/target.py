@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 
 def tasks(model: Model) -> list[Task]:
     """Returns the files of every bridge."""
-    system, messages = system_of(model), model.made(SystemMessages)
-    bridges = model.made(bridge_views)
+    system, messages = system_of(model), model.derived(SystemMessages)
+    bridges = model.derived(bridge_views)
     tests = [TestModule(bridge) for bridge in bridges]
     with_core = [bridge for bridge in bridges if bridge.has_core]
     packages = [

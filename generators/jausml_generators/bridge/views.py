@@ -123,15 +123,15 @@ class BridgeView(ProgramView):
             *(
                 ConnectionView(
                     connection,
-                    found,
+                    translation,
                     self.message_of,
                     requested,
                 )
-                for connection, found in own
+                for connection, translation in own
             ),
             *(
-                ActionView(connection, found, self.message_of, action=action)
-                for connection, found, action in lists
+                ActionView(connection, translation, self.message_of, action=action)
+                for connection, translation, action in lists
             ),
         )
 
@@ -192,14 +192,14 @@ class BridgeView(ProgramView):
             for answer in answers_of_driver(action)
             for message in (answer.query, answer.report)
         )
-        told = (
+        command_messages = (
             message
             for connection in self.bridge.bridgeConnections
             if (answer := told_command(connection)) is not None
             for message in (answer.query, answer.report)
         )
-        found = (*elements, *of_calls, *of_drivers, *answered, *told)
-        return build_message_map(message for message in found if message is not None)
+        messages = (*elements, *of_calls, *of_drivers, *answered, *command_messages)
+        return build_message_map(message for message in messages if message is not None)
 
     @functools.cached_property
     def messages(self) -> tuple[MessageView, ...]:
@@ -318,7 +318,7 @@ class BridgeView(ProgramView):
 
 
 def bridge_views(model: Model) -> tuple[BridgeView, ...]:
-    """Returns the bridges of the system that is generated; `model.made` shares them."""
+    """Returns the bridges of the system that is generated; `model.derived` shares them."""
     system, source = system_of(model), source_of(model)
     return tuple(BridgeView(own_bridge, system, source) for own_bridge in own_bridges(system))
 

@@ -90,9 +90,13 @@ class PolicyView:
     def grants(self) -> tuple[Grant, ...]:
         """What the node may do."""
         names: dict[_Use, set[str]] = {use: set() for use in _USES}
-        for use, found in _uses(self.element):
-            names[use] |= set(map(self._full, found))
-        return tuple(Grant(*use, tuple(sorted(found))) for use, found in names.items() if found)
+        for use, used_names in _uses(self.element):
+            names[use] |= set(map(self._full, used_names))
+        return tuple(
+            Grant(*use, tuple(sorted(full_names)))
+            for use, full_names in names.items()
+            if full_names
+        )
 
     def _full(self, name: str) -> str:
         return resolve_topic(name, self.element.namespace or "", self.name)

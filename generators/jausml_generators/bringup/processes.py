@@ -151,15 +151,15 @@ class ConfigView:
         # A launch argument says it for all nodes, which a value in their own files would undo.
         first = ParameterLine("use_sim_time", value=False, is_comment=True)
         plain = [ParameterLine(*pair) for pair in self.process.parameters.items()]
-        found = []
+        lines = []
         for parameter_line in (first, *plain, *self.process.bridge_parameters):
             about = " ".join(printable(parameter_line.about).split())
-            found += [f"# {about}"] if about else []
-            found.append(
+            lines += [f"# {about}"] if about else []
+            lines.append(
                 f"{'# ' * parameter_line.is_comment}{_yaml_key(parameter_line.name)}: "
                 f"{_yaml(parameter_line.value)}"
             )
-        return tuple(found)
+        return tuple(lines)
 
 
 def _yaml_key(name: str) -> str:

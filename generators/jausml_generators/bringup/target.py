@@ -63,7 +63,7 @@ def processes(model: Model) -> list[Mapping[str, Any]]:
 
 def bringup_view(model: Model) -> BringupView:
     """Returns the view of the bring-up package of a valid model."""
-    return BringupView(system_of(model), source_of(model), model.made(bridge_views))
+    return BringupView(system_of(model), source_of(model), model.derived(bridge_views))
 
 
 def _entry(bringup: BringupView, process: ProcessView) -> Mapping[str, Any]:

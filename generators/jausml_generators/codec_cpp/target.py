@@ -73,12 +73,12 @@ class HeaderView:
     @property
     def cases(self) -> tuple[str, ...]:
         """What a visitor gets, by the codes of the messages."""
-        found: dict[str, list[str]] = defaultdict(list)
+        structs_by_code: dict[str, list[str]] = defaultdict(list)
         for message in self.messages:
-            found[message.code_text].append(self.codec.structs[message.class_name].cpp)
+            structs_by_code[message.code_text].append(self.codec.structs[message.class_name].cpp)
         lines = (
             f"    case {code}: return jausml::visit<{', '.join(names)}>(data, size, visitor);"
-            for code, names in found.items()
+            for code, names in structs_by_code.items()
         )
         return tuple(laid_out(lines))
 

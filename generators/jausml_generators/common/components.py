@@ -202,14 +202,14 @@ def _address_book(system: System, host: Host | None) -> list[str]:
     transport = "judp" if host is None else host.transport.name
     if transport == "nodeManager":
         return []
-    found = []
+    entries = []
     for element in _elements(system):
         where = host_of(system, element)
         place = endpoint_of(system, element)
         is_told = element.external if where is None else transport == "jtcp" and where is not host
         if is_told and place is not None:
-            found.append(f"{element.address}={place[0]}:{place[1]}")
-    return found
+            entries.append(f"{element.address}={place[0]}:{place[1]}")
+    return entries
 
 
 def _elements(system: System) -> list[jaus.Component]:
@@ -275,9 +275,11 @@ def used_services(model: Model) -> list[jaus.Service]:
     The core services come last; every component has some of them from the runtime.
     """
     system = system_of(model)
-    found = list(dict.fromkeys(services_of((*system.components, *system.bridges), system.bridges)))
-    own = [service for service in with_inherited(found) if not _is_core(service)]
-    old = [service for service in with_inherited(found) if _is_core(service)]
+    services = list(
+        dict.fromkeys(services_of((*system.components, *system.bridges), system.bridges))
+    )
+    own = [service for service in with_inherited(services) if not _is_core(service)]
+    old = [service for service in with_inherited(services) if _is_core(service)]
     return [*own, *library_services(NEWEST_SET), *old]
 
 

@@ -119,20 +119,20 @@ class Core:
         try:
             source, target = self._structs(ends)
             joins = {join_name: self._struct(what) for join_name, what in ends.joins.items()}
-            found = self._printed(steps, ends)
+            translation = self._printed(steps, ends)
         except UnprintableError as error:
             self.left.setdefault(name, str(error))
             return None
-        function = self._function(name, found, ends, source, target, joins)
+        function = self._function(name, translation, ends, source, target, joins)
         self.inputs.setdefault(function, (steps, ends))
         self._types |= dict.fromkeys(self._roots(ends))
         return Compiled(
             function,
-            found.quantities,
-            found.texts,
+            translation.quantities,
+            translation.texts,
             tuple(joins),
-            found.needs_clock,
-            found.unknown,
+            translation.needs_clock,
+            translation.unknown,
         )
 
     def printed_of(self, function: str, steps: Iterable[Step]) -> tuple[str, ...]:
@@ -202,14 +202,14 @@ class Core:
     def _function(
         self,
         name: str,
-        found: Printed,
+        translation: Printed,
         ends: Ends,
         source: Struct,
         target: Struct,
         joins: Mapping[str, Struct],
     ) -> str:
         # Functions of the same text are one, whatever their maps are called.
-        key = (found.lines, source, target, *joins.values())
+        key = (translation.lines, source, target, *joins.values())
         if key in self._known:
             return self._known[key]
         own, count = name, 2
@@ -222,14 +222,14 @@ class Core:
             f"jausml::{how}<{struct.cpp}>(live->joins[{at}], check);"
             for at, (join_name, struct) in enumerate(joins.items())
         ]
-        text = "\n".join([*body, *found.lines])
+        text = "\n".join([*body, *translation.lines])
         # A compiler warns of parameters that are not used.
         live, parameters = " live" if "live->" in text else "", []
         for kind, parameter in _PARAMETERS:
             parameters.append(
                 f"{kind} {parameter}" if re.search(rf"\b{parameter}\b", text) else kind
             )
-        lines = [*body, *found.lines]
+        lines = [*body, *translation.lines]
         way = "jaus_to_ros" if ends.to_ros else "ros_to_jaus"
         self.functions[own] = (
             f"JAUSML_EXPORT std::int64_t {own}(",

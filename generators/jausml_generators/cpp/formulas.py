@@ -142,10 +142,10 @@ def _call(function: str, arguments: Sequence[str]) -> str:
     if function in _PARTIAL:
         return f"check.valued({_PARTIAL[function]}({', '.join(arguments)}))"
     if function in _FOLDED:
-        made = arguments[0]
+        text = arguments[0]
         for argument in arguments[1:]:
-            made = f"{_FOLDED[function]}({made}, {argument})"
-        return made
+            text = f"{_FOLDED[function]}({text}, {argument})"
+        return text
     # CPython computes the length of a vector by an algorithm of its own.
     raise UnprintableError(f"the function {function}")
 
@@ -165,8 +165,8 @@ def conversion_lines(conversion: Conversion) -> tuple[str, ...]:
     for name, value in definition.steps.items():
         lines.append(f"const double {names[name]} = {number(value, names)};")
     results = [number(result, names) for result in definition.results]
-    kind, made = _result(conversion, results)
-    text = "\n".join([*lines, *made])
+    kind, return_lines = _result(conversion, results)
+    text = "\n".join([*lines, *return_lines])
     # Unused parameters stay without a name, or compilers warn.
     check = "jausml::Check& check" if "check." in text else "jausml::Check&"
     template = (
@@ -176,7 +176,7 @@ def conversion_lines(conversion: Conversion) -> tuple[str, ...]:
         *template,
         f"inline {kind} {conversion.name}({', '.join([check, *parameters])}) {{",
         *(f"    {line}" for line in lines),
-        *(f"    {line}" for line in made),
+        *(f"    {line}" for line in return_lines),
         "}",
     ]
     return tuple(laid_out(lines))
@@ -198,14 +198,14 @@ def _parameters(
     lines: list[str] = []
     types: list[str] = []
     kinds = [*conversion.inputs, *([TIME] if conversion.needs_clock else [])]
-    given = len(conversion.arguments)
+    argument_count = len(conversion.arguments)
     for at, kind in enumerate(kinds):
         is_near = conversion.needs_clock and at == len(kinds) - 1
         if is_near:
             # Arguments stand before the instant, as in the signature of Python.
-            numbers, rest = rest[:given], rest[given:]
+            numbers, rest = rest[:argument_count], rest[argument_count:]
             parameters += [f"double {cpp_name(parameter)}" for parameter in numbers]
-            given = 0
+            argument_count = 0
         if kind not in PARTS:
             parameters.append(f"double {cpp_name(rest.pop(0))}")
             continue
@@ -231,5 +231,5 @@ def _result(conversion: Conversion, results: Sequence[str]) -> tuple[str, list[s
     # Parts of times are integers in the structs.
     if kind in {TIME, TIME_STAMP}:
         results = [f"jausml::to_integer({result})" for result in results]
-    made = STRUCTS.get(kind, f"std::array<double, {len(conversion.outputs)}>")
-    return made, ["return {", *(f"    {result}," for result in results), "};"]
+    result_type = STRUCTS.get(kind, f"std::array<double, {len(conversion.outputs)}>")
+    return result_type, ["return {", *(f"    {result}," for result in results), "};"]

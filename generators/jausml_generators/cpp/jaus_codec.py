@@ -73,9 +73,9 @@ class JausCodec:
 
     def add(self, message: MessageView) -> None:
         """Adds a message."""
-        made = _Message(message, is_bounded=self.is_bounded)
-        self.structs |= made.structs
-        self.lines += ["", *made.lines] if self.lines else made.lines
+        message_codec = _Message(message, is_bounded=self.is_bounded)
+        self.structs |= message_codec.structs
+        self.lines += ["", *message_codec.lines] if self.lines else message_codec.lines
 
 
 class _Message:
@@ -108,8 +108,8 @@ class _Message:
         return tuple(f"// {line}" for line in lines)
 
     def _declared(self, path: str) -> Struct:
-        made = self.structs[path] = Struct("jaus::" + "_".join(map(cpp_class, path.split("."))))
-        return made
+        struct = self.structs[path] = Struct("jaus::" + "_".join(map(cpp_class, path.split("."))))
+        return struct
 
     # -- classes ---------------------------------------------------------------------------------
 
@@ -248,8 +248,8 @@ class _Message:
             kind = self._type(value).cpp
             if self._is_bounded:
                 element = self._type(value.element).cpp
-                made = f" = jausml::filled<{element}, {value.count}>({inner})"
-                return made if inner not in {"", "0", "0.0"} else "{}"
+                initializer = f" = jausml::filled<{element}, {value.count}>({inner})"
+                return initializer if inner not in {"", "0", "0.0"} else "{}"
             more = f", {inner}" if inner else ""
             return f" = {kind}({value.count}{more})"
         return ""
@@ -298,8 +298,8 @@ class _Message:
     def _read_variant(self, value: VariantValue, target: str) -> list[str]:
         lines = [f"switch (in.bits<{NUMBERS[value.tag_format]}>()) {{"]
         for index in range(len(value.options)):
-            made = target if len(value.options) == 1 else f"{target}.emplace<{index}>()"
-            lines += [f"case {index}: {made}.read(in); break;"]
+            option = target if len(value.options) == 1 else f"{target}.emplace<{index}>()"
+            lines += [f"case {index}: {option}.read(in); break;"]
         return [*lines, f"default: in.fail({_NO_OPTION});", "}"]
 
     def _writing(self, member: View, name: str) -> list[str]:
@@ -310,34 +310,34 @@ class _Message:
         return _if_there(f"{name}.has_value()", [f"presence |= 0x{member.bit:X};", *lines])
 
     def _write_value(self, value: Value, text: str) -> list[str]:
-        given = text.strip("()")
+        bare_text = text.strip("()")
         match value:
             case Bits():
                 kind = NUMBERS[value.format]
                 return [f"out.raw(static_cast<{kind}>({text}.to_bits(out)));"]
             case Fixed() if value.format.endswith("s"):
-                return [f"out.padded({given}, {value.size});"]
+                return [f"out.padded({bare_text}, {value.size});"]
             case Fixed():
-                return [write_number(value, given, self._type(value))]
+                return [write_number(value, bare_text, self._type(value))]
             case Blob():
                 bounds = f"{value.lower}, {unsigned(value.upper)}"
-                return [f"out.counted<{NUMBERS[value.count_format]}>({given}, {bounds});"]
+                return [f"out.counted<{NUMBERS[value.count_format]}>({bare_text}, {bounds});"]
             case PartValue():
                 return [f"{text}.write(out);"]
             case VariantValue():
                 return self._write_variant(value, text)
             case ListValue():
                 count = NUMBERS[value.count_format]
-                first = f"out.count<{count}>({given}, 0, {unsigned(value.upper)});"
+                first = f"out.count<{count}>({bare_text}, 0, {unsigned(value.upper)});"
             case ArrayValue():
                 first = (
                     f"out.require({text}.size() == {value.count}, jausml::Status::count_not_legal);"
                 )
         octet = self._octet(value.element)
         if octet is not None and isinstance(value, ListValue):
-            return [first, write_octets(octet, given)]
+            return [first, write_octets(octet, bare_text)]
         inner = self._write_value(value.element, "item")
-        loop = [f"for (const auto& item : {given}) {{", *(f"{_INDENT}{e}" for e in inner), "}"]
+        loop = [f"for (const auto& item : {bare_text}) {{", *(f"{_INDENT}{e}" for e in inner), "}"]
         return [first, *loop]
 
     def _write_variant(self, value: VariantValue, text: str) -> list[str]:

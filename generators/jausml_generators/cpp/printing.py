@@ -101,8 +101,8 @@ class _Printer(Values):
         outer, self._lines = self._lines, []
         for step in steps:
             self._step(step)
-        made, self._lines = self._lines, outer
-        return made
+        lines, self._lines = self._lines, outer
+        return lines
 
     def _step(self, step: Step) -> None:
         match step:
@@ -157,29 +157,29 @@ class _Printer(Values):
     def _write(self, place: Place, value: Expression, remark: str = "") -> None:
         if not place.steps and place.root == "target":
             return  # it is made before
-        found = self.at(place)
+        slot = self.at(place)
         # A backslash at the end of a comment would join the next line to it.
         is_plain = remark.isascii() and remark.isprintable() and "\\" not in remark
         comment = f"  // {remark}" if remark and is_plain else ""
-        if value.kind in {values.QUATERNION, values.TIME} and isinstance(found.type, Struct):
-            target = found.value
+        if value.kind in {values.QUATERNION, values.TIME} and isinstance(slot.type, Struct):
+            target = slot.value
             self._lines.append(f"jausml::set_{value.kind}({target}, {self.text(value)});{comment}")
             return
         if isinstance(value, values.NewList):
-            how = f"{found.text}.emplace()" if found.is_optional else f"{found.text}.clear()"
+            how = f"{slot.text}.emplace()" if slot.is_optional else f"{slot.text}.clear()"
             self._lines.append(f"{how};")
             return
         if isinstance(value, New) and not value.parts:
             kind = find(self.classes, value.class_name)
-            self._lines.append(f"{found.text} = {kind.cpp}{{}};")
-            if isinstance(found.type, Choice):
+            self._lines.append(f"{slot.text} = {kind.cpp}{{}};")
+            if isinstance(slot.type, Choice):
                 self.options[place] = kind
             return
-        if isinstance(value, Limit) and found.is_optional and self._may_be_unknown(value):
+        if isinstance(value, Limit) and slot.is_optional and self._may_be_unknown(value):
             text = self._known(value)
         else:
-            text = self._fitting(value, found.type, is_element=found.is_element)
-        self._lines.append(f"{found.text} = {text};{comment}")
+            text = self._fitting(value, slot.type, is_element=slot.is_element)
+        self._lines.append(f"{slot.text} = {text};{comment}")
 
     def _may_be_unknown(self, value: Limit) -> bool:
         """Whether a field is left out, and counted, where its value is no number."""
@@ -189,17 +189,17 @@ class _Printer(Values):
         return value.drops_field and is_real and has_room
 
     def _known(self, value: Limit) -> str:
-        given = [self.text(value.value), *map(self.text, value.bounds), str(len(self.unknown))]
+        arguments = [self.text(value.value), *map(self.text, value.bounds), str(len(self.unknown))]
         self.unknown.append(value.path)
-        return f"check.known({', '.join(given)})"
+        return f"check.known({', '.join(arguments)})"
 
     def _fitting(self, value: Expression, kind: Type, *, is_element: bool) -> str:
         """A value as a place of a type takes it."""
         if isinstance(kind, Elements):
             if is_element:
                 return self._fitting_one(value, kind.of)
-            given = self.type(value)
-            if given.cpp != kind.cpp and not (given is OCTETS and _are_octets(kind)):
+            value_type = self.type(value)
+            if value_type.cpp != kind.cpp and not (value_type is OCTETS and _are_octets(kind)):
                 raise UnprintableError(f"{kind.cpp} of another list")
             return self.text(value)
         return self._fitting_one(value, kind) if is_element else self.text(value)
@@ -230,7 +230,7 @@ class _Printer(Values):
         is_plain = isinstance(kind.of, Plain) and bool(kind.of.element) and not kind.may_lack
         bound = f"const {kind.of.cpp} {item}" if is_plain else f"const auto& {item}"
         element = self.claim(step.element, target.type.of)
-        made = self._element(step, element, target.type.of)
+        element_lines = self._element(step, element, target.type.of)
         # A value of its own, so that a list that an optional holds is complete when it is there.
         fresh = f"{target.text}.emplace()" if target.is_optional else f"{target.text} = {{}}"
         self._lines += [f"{fresh};"] if step.is_fresh and not target.type.count else []
@@ -245,7 +245,7 @@ class _Printer(Values):
         )
         self._lines += [
             f"for (std::size_t {index} = 0, size = {size}; {index} < size; ++{index}) {{",
-            *_indented([f"{bound} = {items}[{index}];", *made, put]),
+            *_indented([f"{bound} = {items}[{index}];", *element_lines, put]),
             "}",
         ]
 
@@ -255,8 +255,8 @@ class _Printer(Values):
         items, target = self.type(step.items), self.at(step.place)
         if limit is None or not isinstance(items, Elements):
             return False
-        taken, made = _octet(items), _octet(target.type)
-        if not taken or not made:
+        taken, target_octet = _octet(items), _octet(target.type)
+        if not taken or not target_octet:
             return False
         table, octet = self.name("table"), Local("octet")
         self.claim(octet, INTEGER)

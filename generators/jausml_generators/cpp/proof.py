@@ -110,18 +110,18 @@ def _bytes(text: str) -> str:
 
 def _sweeps(core: Core, functions: Mapping[bool, Compiled]) -> dict[str, tuple[str, ...]]:
     """The functions that sweep numbers of the JAUS message alone, by their paths."""
-    found: dict[str, tuple[str, ...]] = {}
+    sweeps: dict[str, tuple[str, ...]] = {}
     to_ros, to_jaus = functions[True].function, functions[False].function
     for path, member in core.inputs[to_ros][1].message.body.by_jaus_name.items():
         value = member.value
         if not isinstance(value, Fixed) or isinstance(value, Bits) or value.size != _SIZE:
             continue
         try:
-            made = _lines(core, f"sweep_{len(found)}", to_ros, to_jaus, member)
-            found[path] = tuple(laid_out(made))
+            lines = _lines(core, f"sweep_{len(sweeps)}", to_ros, to_jaus, member)
+            sweeps[path] = tuple(laid_out(lines))
         except (_NoSweepError, UnprintableError):
             continue
-    return found
+    return sweeps
 
 
 def _lines(core: Core, name: str, to_ros: str, to_jaus: str, view: View) -> list[str]:
@@ -200,16 +200,16 @@ def _kept(
     steps: tuple[Step, ...], known: set[Place | Local], reached: set[Place]
 ) -> dict[int, Step]:
     """The steps that depend on what is known to be swept, by their number."""
-    found: dict[int, Step] = {}
+    kept_steps: dict[int, Step] = {}
     for at, step in enumerate(steps):
         match step:
             case Let(locals=locals_, value=value) if _depends(value, known):
                 known.update(locals_)
-                found[at] = step
+                kept_steps[at] = step
             case Write(place=place, value=value) if _depends(value, known):
                 known.add(place)
                 reached.add(place)
-                found[at] = step
+                kept_steps[at] = step
             case Choose(conditions=alternatives, steps=inner):
                 kept = _kept(inner, known, reached)
                 tests = [test for one in alternatives for test in one]
@@ -217,26 +217,26 @@ def _kept(
                 if any(_decides(test, known) for test in tests):
                     raise _NoSweepError
                 if kept:
-                    found[at] = replace(step, steps=tuple(_with_needed(inner, kept)))
+                    kept_steps[at] = replace(step, steps=tuple(_with_needed(inner, kept)))
             case Require(condition=condition) if _decides(condition, known):
                 raise _NoSweepError
             case Let() | Write() | Require():
                 continue
             case _ if _depends(step, known):
                 raise _NoSweepError
-    return found
+    return kept_steps
 
 
 def _with_needed(steps: tuple[Step, ...], kept: dict[int, Step]) -> list[Step]:
     """Adds the variables that kept steps use."""
-    found = dict(kept)
+    needed_steps = dict(kept)
     # From the last to the first, since a variable may need another one before it.
     for at in range(len(steps) - 1, -1, -1):
         step = steps[at]
-        used = {variable for one in found.values() for variable in _locals(one)}
-        if at not in found and isinstance(step, Let) and used & set(step.locals):
-            found[at] = step
-    return [found[at] for at in sorted(found)]
+        used = {variable for one in needed_steps.values() for variable in _locals(one)}
+        if at not in needed_steps and isinstance(step, Let) and used & set(step.locals):
+            needed_steps[at] = step
+    return [needed_steps[at] for at in sorted(needed_steps)]
 
 
 def _decides(condition: object, known: set[Place | Local]) -> bool:
@@ -279,8 +279,8 @@ def _passed(core: Core, to_ros: str, struct: Struct, places: Iterable[Place]) ->
     type_ = core.inputs[to_ros][1].type
     names = Places({}, {"target": struct}, {})
     for place in places:
-        found = names.at(place)
-        if found.is_element:
+        slot = names.at(place)
+        if slot.is_element:
             continue  # it lies as on the wire
         layout = _layout(type_, place)
         if layout.message is not None:
@@ -294,20 +294,20 @@ def _passed(core: Core, to_ros: str, struct: Struct, places: Iterable[Place]) ->
         else:
             how = "real" if layout.primitive.code in "fd" else "integer"
             number = NUMBERS[layout.primitive.code]
-            yield f"{found.text} = cell.{how}<{number}>({found.text});"
+            yield f"{slot.text} = cell.{how}<{number}>({slot.text});"
 
 
 def _layout(type_: ros.MessageType, place: Place) -> FieldLayout:
-    found: FieldLayout | None = None
+    layout: FieldLayout | None = None
     for step in place.steps:
         if isinstance(step, int):
             continue
-        inside = type_ if found is None else found.message
+        inside = type_ if layout is None else layout.message
         if inside is None:
             raise _NoSweepError
-        found = next((field for field in fields_of(inside) if field.name == step), None)
-        if found is None:
+        layout = next((field for field in fields_of(inside) if field.name == step), None)
+        if layout is None:
             raise _NoSweepError
-    if found is None:
+    if layout is None:
         raise _NoSweepError
-    return found
+    return layout

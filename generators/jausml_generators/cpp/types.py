@@ -248,11 +248,11 @@ def _broken(line: str) -> Iterator[str]:
 
 def _depths(line: str) -> list[int]:
     """How many brackets are open at each character."""
-    depth, found = 0, []
+    depth, depths = 0, []
     for character in line:
         depth += (character in "([{") - (character in ")]}")
-        found.append(depth)
-    return found
+        depths.append(depth)
+    return depths
 
 
 JAUS = "jaus.hpp"
@@ -328,14 +328,14 @@ class Places:
     def at(self, place: Place) -> Found:
         """Returns what stands at a place."""
         root = place.root
-        found = self.root(root) if isinstance(root, str) else self.locals[root]
+        slot = self.root(root) if isinstance(root, str) else self.locals[root]
         for at, step in enumerate(place.steps):
             # Behind a test for an option, its place is that option.
             option = self.options.get(replace(place, steps=place.steps[:at]))
-            if isinstance(found.type, Choice) and option is not None:
-                found = Found(f"std::get<{option.cpp}>({found.value})", option)
-            found = self._inner(found, step)
-        return found
+            if isinstance(slot.type, Choice) and option is not None:
+                slot = Found(f"std::get<{option.cpp}>({slot.value})", option)
+            slot = self._inner(slot, step)
+        return slot
 
     def root(self, name: str) -> Found:
         """Returns a parameter of the method."""
@@ -344,38 +344,38 @@ class Places:
         return self._roots[name]
 
     @staticmethod
-    def _inner(found: Found, step: str | int) -> Found:
-        kind = found.type
+    def _inner(slot: Found, step: str | int) -> Found:
+        kind = slot.type
         if isinstance(step, int):
             if not isinstance(kind, Elements):
                 raise UnprintableError(f"an element of {kind.cpp}")
             # What is not there is no usual case: the library throws.
             inner = f"[{step}]" if step < kind.count else f".at({step})"
-            return Found(f"{found.value}{inner}", kind.of, is_element=True)
+            return Found(f"{slot.value}{inner}", kind.of, is_element=True)
         if not isinstance(kind, Struct) or step not in kind.members:
             raise UnprintableError(f"{step} of {kind.cpp}")
         member = kind.members[step]
-        dot = "->" if found.is_optional else "."
-        text = f"{found.text}{dot}{member.name}"
+        dot = "->" if slot.is_optional else "."
+        text = f"{slot.text}{dot}{member.name}"
         return Found(text, member.type, member.is_optional, is_element=member.is_octet)
 
     def holds(self, condition: Condition) -> str:
         """Returns the test that a condition holds."""
-        found = self.at(condition.place)
+        slot = self.at(condition.place)
         match condition:
             case places.There():
                 # What is no optional is always there: the item of a list, a struct in a struct.
-                return f"{found.text}.has_value()" if found.is_optional else "true"
+                return f"{slot.text}.has_value()" if slot.is_optional else "true"
             case places.Longer(than=than):
-                return f"{found.value}.size() > {than}"
+                return f"{slot.value}.size() > {than}"
             case places.Chosen(index=index):
-                return f"{found.value}.index == {index}"
+                return f"{slot.value}.index == {index}"
             case places.IsOption(class_name=name):
                 option = find(self.classes, name)
                 self.options[condition.place] = option
-                return f"std::holds_alternative<{option.cpp}>({found.value})"
+                return f"std::holds_alternative<{option.cpp}>({slot.value})"
             case places.Equal(number=value):
-                return f"{found.value} == {value}"
+                return f"{slot.value} == {value}"
             case places.AsLongAs(names=names):
-                return f"{found.value}.size() >= {self.root(names).text}.size()"
+                return f"{slot.value}.size() >= {self.root(names).text}.size()"
         raise UnprintableError(f"the condition {type(condition).__name__}")

@@ -199,11 +199,11 @@ class Values(Places):
             case New(class_name=name, parts=parts):
                 struct = find(self.classes, name)
                 return f"{struct.cpp}{{{', '.join(map(self.text, parts))}}}"
-            case values.IfKept(made=made):
-                return self.text(made)
+            case values.IfKept(made=value):
+                return self.text(value)
             case values.ByName(names=names, keys=keys, items=items):
-                given = (self.root(names).text, self.text(keys), self.text(items))
-                return f"jausml::by_name({', '.join(given)})"
+                arguments = (self.root(names).text, self.text(keys), self.text(items))
+                return f"jausml::by_name({', '.join(arguments)})"
             case values.FirstOf(items=items, names=names):
                 return f"jausml::first_of({self.text(items)}, {self.root(names).text}.size())"
             case values.NamesOf(names=names, items=place):
@@ -227,14 +227,14 @@ class Values(Places):
         return kind.of
 
     def _read(self, place: Place) -> str:
-        found = self.at(place)
-        kind = found.type
+        slot = self.at(place)
+        kind = slot.type
         element = getattr(kind, "element", "")
-        if not found.is_element or not element or element == kind.cpp:
-            return found.value
+        if not slot.is_element or not element or element == kind.cpp:
+            return slot.value
         if kind.cpp == TRUTH.cpp:
-            return f"({found.value} != 0)"
-        return f"static_cast<{kind.cpp}>({found.value})"
+            return f"({slot.value} != 0)"
+        return f"static_cast<{kind.cpp}>({slot.value})"
 
     def _operand(self, value: Expression) -> str:
         text = self.text(value)
@@ -255,19 +255,19 @@ class Values(Places):
 
     def _convert(self, value: values.Convert) -> str:
         known = CONVERSIONS[value.name]
-        given = ["check"]
+        arguments = ["check"]
         for operand, kind in zip(value.inputs, known.inputs, strict=True):
             # Reals cannot hold all 64-bit integers, so these must not pass through a double.
             if kind not in PARTS and operand.kind == values.INTEGER and known.keeps_integers:
                 return self._of_integers(value)
             if kind in PARTS and operand.kind != _KINDS[kind]:
                 raise UnprintableError(f"{operand.kind} as {kind}")
-            given.append(self.text(operand) if kind in PARTS else self._operand(operand))
+            arguments.append(self.text(operand) if kind in PARTS else self._operand(operand))
         self._used.conversion(value.name)
-        given += map(self._operand, value.arguments)
+        arguments += map(self._operand, value.arguments)
         if value.near is not None:
-            given.append(self.text(value.near))
-        return f"{value.name}({', '.join(given)})"
+            arguments.append(self.text(value.near))
+        return f"{value.name}({', '.join(arguments)})"
 
     def _of_integers(self, value: values.Convert) -> str:
         """Conversions that keep integers: what has 63 bits of them has an opposite."""

@@ -177,12 +177,12 @@ def _key(component: jaus.Component) -> tuple[int, ...]:
 def _networks(texts: Iterable[str]) -> tuple[str, ...]:
     """Returns addresses and networks, sorted, none within another."""
     all_of_them = {ipaddress.IPv4Network(text) for text in texts}
-    found = [
+    networks = [
         network
         for network in sorted(all_of_them)
         if not any(network != other and network.subnet_of(other) for other in all_of_them)
     ]
-    return tuple(str(network).removesuffix("/32") for network in found)
+    return tuple(str(network).removesuffix("/32") for network in networks)
 
 
 NEIGHBOURS_OFFSET = 50_000

@@ -363,8 +363,8 @@ def _view(model: Model) -> DeploymentView:
 
 def _packages_apart(model: Model) -> tuple[str, ...]:
     own = model.instances(ros.InterfacePackage, library=False)
-    made = declared_packages(model)
-    return tuple(sorted({str(package.name) for package in own if package not in made}))
+    declared = declared_packages(model)
+    return tuple(sorted({str(package.name) for package in own if package not in declared}))
 
 
 TARGET = Target(

@@ -265,11 +265,11 @@ def _quantity(report: MessageView) -> str:
 
 def _keep(message: MessageView, report: MessageView) -> str:
     """Returns the statement for what both have and mean alike, empty when that is nothing."""
-    told = {member.attribute: _meaning(member.value) for member in message.body.members}
+    meanings = {member.attribute: _meaning(member.value) for member in message.body.members}
     alike = (
         member.attribute
         for member in report.body.members
-        if not _is_stamp(member) and told.get(member.attribute) == _meaning(member.value)
+        if not _is_stamp(member) and meanings.get(member.attribute) == _meaning(member.value)
     )
     arguments = [f"{attribute}=message.{attribute}" for attribute in alike]
     return call("self.simulation.keep", report.class_name, *arguments) if arguments else ""

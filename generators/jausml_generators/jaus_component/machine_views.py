@@ -209,8 +209,8 @@ def _arrow(machine: Machine, keys: dict[str, str], path: str, transition: jaus.T
     if transition.actions:
         label += " / " + ", ".join(a.name.rpartition(".")[2] for a in transition.actions)
     kind = transition.kind.name
-    stays = kind == "internal" or (kind == "simple" and not transition.target)
-    label += " (stays)" if stays else {"push": " (push)", "pop": " (pop)"}.get(kind, "")
+    is_staying = kind == "internal" or (kind == "simple" and not transition.target)
+    label += " (stays)" if is_staying else {"push": " (push)", "pop": " (pop)"}.get(kind, "")
     target = machine.resolve(path, transition.target) if transition.target else path
     return f"{keys[path]} --> {keys[target or path]} : {label}"
 
@@ -251,25 +251,25 @@ def walks(machine: Machine, transitions: Listed) -> list[Walk]:
 
     The way to a state tells what its pushes have remembered, and so where a pop leads.
     """
-    found: list[Walk] = []
+    routes: list[Walk] = []
     reached: set[str] = set()
     pending: deque[tuple[Walk, _Place]] = deque()
     if machine.extends_core:
         for leaf in machine.core.leaves:
             state = machine.innermost(leaf)
             pending.append(((Step(leaf, 0, state),), _Place(state)))
-            found.append(pending[-1][0])
+            routes.append(pending[-1][0])
     else:
         pending.append(((), _Place(machine.innermost(""))))
-    while pending and len(found) < LONGEST:
+    while pending and len(routes) < LONGEST:
         way, place = pending.popleft()
         if place.state in reached:
             continue
         reached.add(place.state)
         for step, after in _steps(machine, place, transitions):
-            found.append((*way, step))
-            pending.append((found[-1], after))
-    return found[:LONGEST]
+            routes.append((*way, step))
+            pending.append((routes[-1], after))
+    return routes[:LONGEST]
 
 
 def _steps(machine: Machine, place: _Place, transitions: Listed) -> Iterator[tuple[Step, _Place]]:

@@ -185,25 +185,25 @@ class Machines:
         if use.report is None:
             text = sentence(use.documentation or f"do what {clean(use.name)} means")
             return MachineMethod(name, use.parameters, "None", text, _NAME_ALONE)
-        made = f"return {use.report.jaus_name} to send, or None to send nothing"
+        instruction = f"return {use.report.jaus_name} to send, or None to send nothing"
         return MachineMethod(
             name,
             use.parameters,
             f"{use.report.class_name} | None",
-            sentence(use.documentation or made),
+            sentence(use.documentation or instruction),
             _NAME_ALONE,
         )
 
     @functools.cached_property
     def views(self) -> tuple[MachineView, ...]:
         """The machines."""
-        found = []
+        views = []
         for machine in self._machines:
             name = self._scope.claim(_attribute(machine))
             displays = tuple(self._states(machine))
             walks = tuple(self._walks(machine))
-            found.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays, walks))
-        return tuple(found)
+            views.append(MachineView(machine, name, self._scope.claim(f"_{name}"), displays, walks))
+        return tuple(views)
 
     @functools.cached_property
     def events(self) -> tuple[EventView, ...]:
@@ -269,8 +269,10 @@ class Machines:
                 ("defaults=", generated_defaults(node)),
             ):
                 if transitions:
-                    found = [self._on(machine, node.path, transition) for transition in transitions]
-                    items.append(argument + tuple_of(*found))
+                    transition_texts = [
+                        self._on(machine, node.path, transition) for transition in transitions
+                    ]
+                    items.append(argument + tuple_of(*transition_texts))
             if len(items) > 1 or not is_core:
                 yield call("State", *items)
 
@@ -337,7 +339,7 @@ class Machines:
 
 def messages_of(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
     """Returns the messages that trigger transitions of services or that actions send."""
-    found: dict[jaus.MessageDef | None, None] = {}
+    messages: dict[jaus.MessageDef | None, None] = {}
     for machine in machines_of(services):
         for state in (state for node in machine.nodes.values() for state in node.elements):
             transitions = [*state.transitions, *state.defaults]
@@ -345,21 +347,21 @@ def messages_of(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
             for transition in transitions:
                 if not is_core_trigger(transition):
                     actions += transition.actions
-                    found[transition.message] = None
-            found.update(dict.fromkeys(action.sends for action in actions))
-    return [message for message in found if message is not None]
+                    messages[transition.message] = None
+            messages.update(dict.fromkeys(action.sends for action in actions))
+    return [message for message in messages if message is not None]
 
 
 def generated_transitions(node: StateNode) -> list[jaus.Transition]:
     """Returns the transitions of a state that are generated: those that the runtime leaves."""
-    found = (transition for state in node.elements for transition in state.transitions)
-    return [transition for transition in found if not is_core_trigger(transition)]
+    transitions = (transition for state in node.elements for transition in state.transitions)
+    return [transition for transition in transitions if not is_core_trigger(transition)]
 
 
 def generated_defaults(node: StateNode) -> list[jaus.Transition]:
     """Returns the default transitions of a state that are generated."""
-    found = (default for state in node.elements for default in state.defaults)
-    return [transition for transition in found if not is_core_trigger(transition)]
+    defaults = (default for state in node.elements for default in state.defaults)
+    return [transition for transition in defaults if not is_core_trigger(transition)]
 
 
 def _attribute(machine: Machine) -> str:

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 def tasks(model: Model) -> list[Task]:
     """Returns the files of every component."""
-    system, messages = system_of(model), model.made(SystemMessages)
-    views = model.made(component_views)
+    system, messages = system_of(model), model.derived(SystemMessages)
+    views = model.derived(component_views)
     packages = [
         view.package_view(
             system, view.documentation, dependencies=(FACE, *messages.needed_by(view))

@@ -197,13 +197,15 @@ class ComponentView(ProgramView):
     @property
     def machine_registrations(self) -> tuple[str, ...]:
         """Statements of the constructor that give messages to the machines."""
-        found: dict[int, str] = {}
+        registrations: dict[int, str] = {}
         for service in self._services:
             for message in service.inputs:
                 code = self._messages[message].code
                 if self._machines.takes(code):
-                    found[code] = self._machines.registration(message, service, self._provided)
-        return tuple(found.values())
+                    registrations[code] = self._machines.registration(
+                        message, service, self._provided
+                    )
+        return tuple(registrations.values())
 
     @property
     def is_simulated(self) -> bool:
@@ -259,16 +261,16 @@ class ComponentView(ProgramView):
         return Handler(view, method, condition(message, guard))
 
     def _answer(self, query: jaus.MessageDef, report: jaus.MessageDef) -> Answer:
-        asked, told = self._messages[query], self._messages[report]
-        stem = names.snake_case(told.class_name).removeprefix("report_")
+        asked, report_view = self._messages[query], self._messages[report]
+        stem = names.snake_case(report_view.class_name).removeprefix("report_")
         method = Method(
             self._methods.claim(f"report_{stem}"),
             (("query", asked.class_name), ("sender", "JausAddress")),
-            f"{told.class_name} | None",
+            f"{report_view.class_name} | None",
             documented(report, f"return {clean(report.name)}, or None while there is none"),
             asked.code_text,
         )
-        return Answer(asked, told, method)
+        return Answer(asked, report_view, method)
 
     def _received(self, connection: jaus.ServiceConnection) -> Received:
         view = self._messages[connection.message]
@@ -406,7 +408,7 @@ class ComponentView(ProgramView):
 
 
 def component_views(model: Model) -> tuple[ComponentView, ...]:
-    """Returns the components of the system that is generated; `model.made` shares them."""
+    """Returns the components of the system that is generated; `model.derived` shares them."""
     system, source = system_of(model), source_of(model)
     return tuple(
         ComponentView(component, system, source)

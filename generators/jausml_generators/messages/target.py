@@ -69,8 +69,8 @@ class SystemMessages:
         self.name = package_name(f"{system.name}_messages")
         self.element_id = f"messages:{system.name}"
         self.users: tuple[BridgeView | ComponentView, ...] = (
-            *model.made(component_views),
-            *model.made(bridge_views),
+            *model.derived(component_views),
+            *model.derived(bridge_views),
         )
         self._views = build_message_map(
             element for user in self.users for element in user.message_map
@@ -85,10 +85,10 @@ class SystemMessages:
     @property
     def modules(self) -> tuple[MessagesModule, ...]:
         """The modules of the package, one for each service that has messages."""
-        found: dict[str, list[MessageView]] = defaultdict(list)
+        views_by_module: dict[str, list[MessageView]] = defaultdict(list)
         services: dict[str, jaus.Service] = {}
         for view, (module, service) in self._homes.items():
-            found[module].append(view)
+            views_by_module[module].append(view)
             services[module] = service
         return tuple(
             MessagesModule(
@@ -98,7 +98,7 @@ class SystemMessages:
                 source=self.source,
                 element_id=f"{self.element_id}/{module}",
             )
-            for module, views in sorted(found.items())
+            for module, views in sorted(views_by_module.items())
         )
 
     def path(self, module: MessagesModule) -> str:
@@ -138,7 +138,7 @@ def _homes(
 
 def tasks(model: Model) -> list[Task]:
     """Returns the files of the package `<system>_messages`; none without messages."""
-    messages = model.made(SystemMessages)
+    messages = model.derived(SystemMessages)
     if not messages.modules:
         return []
     package = package_view(

@@ -128,8 +128,8 @@ class _Writer:
         return _within(f"{left} {sign} {right}", own, binding)
 
     def _call(self, function: str, arguments: Sequence[Expression]) -> str:
-        given = ", ".join(self.number(argument, _CHOICE) for argument in arguments)
-        return f"arithmetic.{function}({given})"
+        argument_text = ", ".join(self.number(argument, _CHOICE) for argument in arguments)
+        return f"arithmetic.{function}({argument_text})"
 
     def _literal(self, value: float, binding: int) -> str:
         if not math.isfinite(value):

@@ -75,8 +75,8 @@ class DefinitionFile:
     @property
     def packages(self) -> set[str]:
         """The other packages whose types it uses."""
-        found = {name for section in self.sections for name in section.packages}
-        return found - {self.package}
+        package_names = {name for section in self.sections for name in section.packages}
+        return package_names - {self.package}
 
 
 def comment_lines(text: str) -> list[str]:

@@ -135,17 +135,17 @@ class InterfacesView:
     @property
     def dependencies(self) -> list[str]:
         """The packages whose types its definitions use, sorted."""
-        found = {name for file in self.files for name in file.packages}
+        package_names = {name for file in self.files for name in file.packages}
         if any(file.kind == "action" for file in self.files):
-            found.add("action_msgs")
-        return sorted(found)
+            package_names.add("action_msgs")
+        return sorted(package_names)
 
 
 def declared_packages(model: Model) -> list[ros.InterfacePackage]:
     """Returns the interface packages that stand in the files that the user named."""
     packages = model.instances(ros.InterfacePackage, library=False)
     documents = [(package, model.document_of(package)) for package in packages]
-    return [package for package, place in documents if place is not None and place.given]
+    return [package for package, place in documents if place is not None and place.is_input]
 
 
 def all_messages(model: Model) -> list[jaus.MessageDef]:
@@ -169,11 +169,11 @@ def unmapped_messages(model: Model) -> list[jaus.MessageDef]:
 
 def _messages(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
     """Returns the messages of services, each once, those of one name and code by the first."""
-    found: dict[tuple[str, str], jaus.MessageDef] = {}
+    messages: dict[tuple[str, str], jaus.MessageDef] = {}
     for service in dict.fromkeys(services):
         for message in (*service.inputs, *service.outputs):
-            found.setdefault((str(message.name), str(message.code)), message)
-    return list(found.values())
+            messages.setdefault((str(message.name), str(message.code)), message)
+    return list(messages.values())
 
 
 def _used_services(model: Model) -> Iterator[jaus.Service]:

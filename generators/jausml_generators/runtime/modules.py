@@ -61,13 +61,13 @@ class Module:
     @property
     def foreign(self) -> set[str]:
         """What it imports of others, as packages."""
-        found: set[str] = set()
+        packages: set[str] = set()
         for node in self._statements:
             if isinstance(node, ast.Import):
-                found.update(alias.name.partition(".")[0] for alias in node.names)
+                packages.update(alias.name.partition(".")[0] for alias in node.names)
             elif isinstance(node, ast.ImportFrom) and not node.level:
-                found.add(str(node.module).partition(".")[0])
-        return found
+                packages.add(str(node.module).partition(".")[0])
+        return packages
 
     @functools.cached_property
     def passes_on(self) -> Mapping[str, str]:
@@ -80,12 +80,12 @@ class Module:
 @functools.cache
 def runtime_modules() -> Mapping[str, Module]:
     """Returns the modules of the runtime by name."""
-    found: dict[str, Module] = {}
+    modules: dict[str, Module] = {}
     for file in sorted(_FOLDER.rglob("*.py")):
         path = file.relative_to(_FOLDER).as_posix()
         name = path.removesuffix(".py").replace("/", ".").removesuffix("__init__").rstrip(".")
-        found[name] = Module(name, path, file.read_text(encoding="utf-8"))
-    return found
+        modules[name] = Module(name, path, file.read_text(encoding="utf-8"))
+    return modules
 
 
 def needed(code: Mapping[str, str]) -> dict[str, str]:
@@ -95,7 +95,7 @@ def needed(code: Mapping[str, str]) -> dict[str, str]:
         code: Python by path.
     """
     known = runtime_modules()
-    found: dict[str, str] = {}
+    reasons: dict[str, str] = {}
     read: set[str] = set()
     for path, text in sorted(code.items()):
         asked = _asked(text) if FACE in text else []
@@ -103,13 +103,13 @@ def needed(code: Mapping[str, str]) -> dict[str, str]:
             name = _origin(*asked.pop())
             parts = name.split(".")
             for module in ("", *(".".join(parts[:end]) for end in range(1, len(parts) + 1))):
-                found.setdefault(module, path)
+                reasons.setdefault(module, path)
                 # A package on the way passes on what is needed for other reasons, no more.
                 is_read = module == name or not known[module].passes_on
                 if is_read and module not in read:
                     read.add(module)
                     asked += known[module].imports
-    return found
+    return reasons
 
 
 def copied(module: Module, kept: Mapping[str, str]) -> str:
@@ -134,8 +134,8 @@ def copied(module: Module, kept: Mapping[str, str]) -> str:
 def _asked(text: str) -> list[tuple[str, str]]:
     """Returns what code imports of the runtime, whatever older runs or somebody's hand left."""
     with suppress(*CANNOT_PARSE):
-        found = _imports(_statements(ast.parse(text)), "")
-        return [(module, name) for module, name in found if module in runtime_modules()]
+        imports = _imports(_statements(ast.parse(text)), "")
+        return [(module, name) for module, name in imports if module in runtime_modules()]
     return []
 
 

@@ -106,14 +106,14 @@ class DissectorView:
 
 def message_tables(services: Iterable[jaus.Service]) -> list[MessageTable]:
     """Returns the messages of some services, equal ones once, in the order of their codes."""
-    found: dict[int, list[MessageTable]] = {}
+    tables_by_code: dict[int, list[MessageTable]] = {}
     filters: dict[str, dict[str, str]] = {}
     for service in services:
         identity = label(f"{service.urn} {service.version}")
         for element in (*service.inputs, *service.outputs):
-            of_code = found.setdefault(int(str(element.code), 16), [])
+            of_code = tables_by_code.setdefault(int(str(element.code), 16), [])
             _add(element, identity, of_code, filters)
-    return [message for code in sorted(found) for message in found[code]]
+    return [message for code in sorted(tables_by_code) for message in tables_by_code[code]]
 
 
 def _add(

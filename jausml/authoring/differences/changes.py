@@ -162,14 +162,14 @@ class Change:
 def breaks(kind: Kind, table: ClassTable, feature: str, *, is_lost: bool) -> tuple[Breaks, ...]:
     """Returns whom a change may break."""
     classes = {supertype.qualified_name for supertype in table.supertypes}
-    found = []
+    breakages = []
     if _breaks_peers(kind, classes, feature, is_lost=is_lost):
-        found.append(Breaks.PEERS)
+        breakages.append(Breaks.PEERS)
     if kind in (Kind.REMOVED, Kind.RENAMED) and classes & set(_NAMED_IN_CODE):
-        found.append(Breaks.CODE)
+        breakages.append(Breaks.CODE)
     if feature == "method" and is_lost:
-        found.append(Breaks.CODE)
-    return tuple(found)
+        breakages.append(Breaks.CODE)
+    return tuple(breakages)
 
 
 def _breaks_peers(kind: Kind, classes: set[str], feature: str, *, is_lost: bool) -> bool:
@@ -284,10 +284,12 @@ def statement(obj: EObject) -> str:
 
 def conversion(obj: bridge.Conversion) -> str:
     """Returns a conversion with what it is given."""
-    given = [f"{argument:.10g}" for argument in obj.arguments]
-    given += [str(text) for text in (obj.expression, obj.method, obj.units) if text]
-    given += [value_text(operand) for operand in (obj.table, obj.quantity) if operand is not None]
-    return f"{obj.kind.name}({', '.join(given)})" if given else str(obj.kind.name)
+    arguments = [f"{argument:.10g}" for argument in obj.arguments]
+    arguments += [str(text) for text in (obj.expression, obj.method, obj.units) if text]
+    arguments += [
+        value_text(operand) for operand in (obj.table, obj.quantity) if operand is not None
+    ]
+    return f"{obj.kind.name}({', '.join(arguments)})" if arguments else str(obj.kind.name)
 
 
 def is_sign_change(old: EObject, new: EObject) -> bool:

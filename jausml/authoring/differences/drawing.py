@@ -38,21 +38,21 @@ class Drawn:
     root: Path
 
 
-def compared(old: Drawn, new: Drawn, matching: Matching, found: Sequence[Change]) -> Graph:
+def compared(old: Drawn, new: Drawn, matching: Matching, changes: Sequence[Change]) -> Graph:
     """Returns the graph of the new state with what was added, removed and changed."""
     same: dict[Ref, Ref] = {}
     for before, after in matching.news.items():
         same[refs.ref_of(before, old.model, old.root)] = refs.ref_of(after, new.model, new.root)
-    return _Comparison(old.graph, new.graph, same, _texts(old, new, same, found)).graph()
+    return _Comparison(old.graph, new.graph, same, _texts(old, new, same, changes)).graph()
 
 
 def _texts(
-    old: Drawn, new: Drawn, same: Mapping[Ref, Ref], found: Iterable[Change]
+    old: Drawn, new: Drawn, same: Mapping[Ref, Ref], changes: Iterable[Change]
 ) -> dict[Ref, list[str]]:
     """Returns what changed in words, by the references of the parts of the new state."""
     shown = {part.element for part in _parts(new.graph) if part.element}
     texts: dict[Ref, list[str]] = defaultdict(list)
-    for change in found:
+    for change in changes:
         obj: EObject | None = change.new_element
         side = new
         if change.kind is Kind.REMOVED:
@@ -113,16 +113,16 @@ class _Comparison:
                 by_element[getattr(node, "kind", ""), node.element].append(node)
             else:
                 by_key[node.key or node.id] = node
-        found: dict[str, PartT] = {}
+        pairs: dict[str, PartT] = {}
         for part in old:
             if part.element:
                 ref = self._same.get(part.element, part.element)
                 waiting = by_element.get((getattr(part, "kind", ""), ref))
                 if waiting:
-                    found[part.id] = waiting.pop(0)
+                    pairs[part.id] = waiting.pop(0)
             elif (part.key or part.id) in by_key:
-                found[part.id] = by_key.pop(part.key or part.id)
-        return found
+                pairs[part.id] = by_key.pop(part.key or part.id)
+        return pairs
 
     def _state(self, part: PartT | Edge, known: set[str]) -> str:
         if part.id not in known:
@@ -132,27 +132,27 @@ class _Comparison:
     def _united_groups(self) -> list[Group]:
         pairs = self._pairs(self._old.groups, self._new.groups)
         known = {pair.id for pair in pairs.values()}
-        found = [_signed_group(group, self._state(group, known)) for group in self._new.groups]
+        groups = [_signed_group(group, self._state(group, known)) for group in self._new.groups]
         for group in self._old.groups:
             new = pairs.get(group.id)
             self._groups[group.id] = new.id if new is not None else f"{_OLD}{group.id}"
             if new is None:
                 parent = self._groups[group.parent]
                 gone = replace(group, id=f"{_OLD}{group.id}", parent=parent)
-                found.append(_signed_group(gone, REMOVED))
-        return found
+                groups.append(_signed_group(gone, REMOVED))
+        return groups
 
     def _united_nodes(self) -> list[Node]:
         pairs = self._pairs(self._old.nodes, self._new.nodes)
         olds = {new.id: self._old.by_id[old] for old, new in pairs.items()}
-        found = [self._node(olds.get(node.id), node, set(olds)) for node in self._new.nodes]
+        nodes = [self._node(olds.get(node.id), node, set(olds)) for node in self._new.nodes]
         for node in self._old.nodes:
             if node.id not in pairs:
                 gone = replace(node, id=f"{_OLD}{node.id}", group=self._groups[node.group])
                 for port in ("", *(port.id for port in node.ports)):
                     self._ends[End(node.id, port)] = End(gone.id, port)
-                found.append(_signed_node(gone, REMOVED, ()))
-        return found
+                nodes.append(_signed_node(gone, REMOVED, ()))
+        return nodes
 
     def _node(self, old: Node | None, new: Node, known: set[str]) -> Node:
         state = self._state(new, known)
@@ -194,17 +194,17 @@ class _Comparison:
             )
             element = self._same.get(edge.element, edge.element)
             left[_signature(moved, element)].append(moved)
-        found = []
+        edges = []
         for edge in self._new.edges:
             waiting = left.get(_signature(edge, edge.element))
             if waiting:
                 waiting.pop(0)
             state = self._state(edge, {edge.id} if waiting is not None else set())
-            found.append(_signed_edge(edge, state, self._details(edge)))
+            edges.append(_signed_edge(edge, state, self._details(edge)))
             if waiting == []:
                 del left[_signature(edge, edge.element)]
         gone = (edge for rest in left.values() for edge in rest)
-        return [*found, *(_signed_edge(edge, REMOVED, ()) for edge in gone)]
+        return [*edges, *(_signed_edge(edge, REMOVED, ()) for edge in gone)]
 
 
 def _signature(edge: Edge, element: Ref) -> tuple[object, ...]:

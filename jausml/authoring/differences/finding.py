@@ -138,11 +138,11 @@ class _Finding:
         missing = [self._lost.get((element, feature.name), []) for element in (one, other)]
         ours = [
             *ours,
-            *(_found(lost_reference, theirs, self._new) for lost_reference in missing[0]),
+            *(_counterpart(lost_reference, theirs, self._new) for lost_reference in missing[0]),
         ]
         theirs = [
             *theirs,
-            *(_found(lost_reference, ours, self._old) for lost_reference in missing[1]),
+            *(_counterpart(lost_reference, ours, self._old) for lost_reference in missing[1]),
         ]
         known = [
             self._matching.news.get(value, value) if address(value) else value for value in ours
@@ -177,7 +177,7 @@ class _Finding:
     def _users(self, provider: EObject, services: list[Any]) -> list[str]:
         """Returns who in the old state uses services of a provider."""
         lost = {address(service) for service in services}
-        found = []
+        users = []
         for component in self._old.instances(jaus.Component, library=False):
             connected = any(
                 line.provider is provider and address(line.message.eContainer()) in lost
@@ -187,8 +187,8 @@ class _Finding:
             if component is not provider and (
                 connected or any(address(u) in lost for u in component.uses)
             ):
-                found.append(str(component.name))
-        return found
+                users.append(str(component.name))
+        return users
 
     def _assignment(self, one: EObject, other: EObject) -> Iterator[Change]:
         if self._matching.facts(one) == self._matching.facts(other):
@@ -247,16 +247,16 @@ class _Finding:
         )
 
 
-def _holds(found: list[Any], value: Any) -> bool:
+def _holds(candidates: list[Any], value: Any) -> bool:
     """Tells whether a value, or an element at the same names, is among others."""
     where = address(value)
     return any(
         value is candidate or (address(candidate) == where if where else candidate == value)
-        for candidate in found
+        for candidate in candidates
     )
 
 
-def _found(missing: _Missing, others: list[Any], model: Model) -> Any:
+def _counterpart(missing: _Missing, others: list[Any], model: Model) -> Any:
     """Returns the element that the other state finds by the same fragment, else what is missing."""
     for other in others:
         if address(other) and missing.fragment in (model.identifier(other), model.path_of(other)):

@@ -55,10 +55,10 @@ class Matching:
             yield from (pair for pair in zip(ours, theirs, strict=False) if _same_class(*pair))
             return
         for key in (self._identifier, self._name, self._key, self._content):
-            found = list(_by_key(ours, theirs, key))
-            yield from found
-            ours = [element for element in ours if not any(element is one for one, _ in found)]
-            theirs = [element for element in theirs if not any(element is one for _, one in found)]
+            pairs = list(_by_key(ours, theirs, key))
+            yield from pairs
+            ours = [element for element in ours if not any(element is one for one, _ in pairs)]
+            theirs = [element for element in theirs if not any(element is one for _, one in pairs)]
         if len(ours) <= _MOST and len(theirs) <= _MOST:
             yield from self._renamed(ours, theirs)
 
@@ -156,8 +156,8 @@ def _by_key(
     for element in theirs:
         waiting[key(element)].append(element)
     for one in ours:
-        found = key(one)
-        rest = waiting.get(found) if found is not None else None
+        key_value = key(one)
+        rest = waiting.get(key_value) if key_value is not None else None
         if rest and _same_class(one, rest[0]):
             yield one, rest.pop(0)
 
@@ -173,11 +173,11 @@ def paired_roots(
     """
     before, after = _files(old, old_folder), _files(new, new_folder)
     unread = {*_unread(old, old_folder), *_unread(new, new_folder)}
-    given = [[name for name, entry in files.items() if entry[1]] for files in (before, after)]
-    if len(given[0]) == len(given[1]) == 1:
-        if not unread.isdisjoint((given[0][0], given[1][0])):
+    given_files = [[name for name, entry in files.items() if entry[1]] for files in (before, after)]
+    if len(given_files[0]) == len(given_files[1]) == 1:
+        if not unread.isdisjoint((given_files[0][0], given_files[1][0])):
             return []
-        before[given[1][0]] = before.pop(given[0][0])
+        before[given_files[1][0]] = before.pop(given_files[0][0])
     pairs: list[tuple[EObject | None, EObject | None]] = []
     for name in [*after, *(old_name for old_name in before if old_name not in after)]:
         if name in unread:
@@ -191,8 +191,8 @@ def paired_roots(
 
 def _files(model: Model, folder: Path) -> dict[str, tuple[Sequence[EObject], bool]]:
     """Returns the roots of files that were given or are users' own, and whether one was given."""
-    own = (document for document in model.documents if document.given or not document.is_library)
-    return {_name(document, folder): (document.roots, document.given) for document in own}
+    own = (document for document in model.documents if document.is_input or not document.is_library)
+    return {_name(document, folder): (document.roots, document.is_input) for document in own}
 
 
 def _unread(model: Model, folder: Path) -> list[str]:

@@ -66,10 +66,10 @@ class Applying:
             self._move(command)
 
     def _copy(self, ref: Ref) -> ElementCopy:
-        found, _ = self._find(ref)
-        if isinstance(found, str):
+        copy, _ = self._find(ref)
+        if isinstance(copy, str):
             raise EditError(f"{ref} cannot be changed")
-        return found
+        return copy
 
     def _set(self, command: Set) -> None:
         copy = self._copy(command.element)
@@ -121,12 +121,12 @@ class Applying:
 
     def _add(self, command: Add) -> None:
         owner = self._copy(command.owner)
-        made = self._made(owner.file, command)
-        self._own(owner, command.feature, made, command.position)
+        copy = self._copy_of(owner.file, command)
+        self._own(owner, command.feature, copy, command.position)
         self.steps.append(command)
-        self.created.append(made)
+        self.created.append(copy)
 
-    def _made(self, file: str, command: Add | Child) -> ElementCopy:
+    def _copy_of(self, file: str, command: Add | Child) -> ElementCopy:
         table = self._metamodels.classes.get(command.kind)
         if table is None or table.abstract:
             what = "abstract" if table is not None else "unknown"
@@ -140,7 +140,7 @@ class Applying:
             else:
                 self._give(copy, feature_of(table, name), tuple(values))
         for child in command.children:
-            self._own(copy, child.feature, self._made(file, child), None)
+            self._own(copy, child.feature, self._copy_of(file, child), None)
         # What is new is written as a whole, not as a change.
         self.changed.pop(copy, None)
         return copy
@@ -218,14 +218,14 @@ class Applying:
 
     def _orphaned(self, gone: set[ElementCopy], going: set[ElementCopy]) -> Sequence[ElementCopy]:
         """Returns what cannot be without something that goes."""
-        found = []
+        orphans = []
         for copy, name in self._working_copy.referrers(gone):
             feature = copy.table.features[name]
             is_needed = feature.lower > 0 and not feature.many
             if copy not in going and is_needed and copy.owner is not None:
-                found.append(_whole(copy))
+                orphans.append(_whole(copy))
         lost = orphaned_transitions(going, self._working_copy)
-        return [*found, *(transition for transition in lost if transition not in going)]
+        return [*orphans, *(transition for transition in lost if transition not in going)]
 
     def _unlink(self, going: set[ElementCopy]) -> None:
         for copy, name in list(self._working_copy.referrers(going)):
@@ -268,19 +268,19 @@ def converted(texts: Values, feature: FeatureTable) -> list[Any]:
     """Returns the values of an attribute that texts stand for."""
     if len(texts) > 1 and not feature.many:
         raise EditError(f"{feature.name} takes one value")
-    found = []
+    values = []
     for text in texts:
         value, fault = convert(text, cast("DataTypeTable", feature.data_type))
         if fault is not None:
             hint = f"; {fault.hint}" if fault.hint else ""
             raise EditError(f"{feature.name}: {fault.reason}{hint}")
-        found.append(value)
-    return found
+        values.append(value)
+    return values
 
 
 def canonical(values: Values, feature: FeatureTable) -> tuple[str, ...]:
     """Returns values of an attribute as EMF writes them; none where the default need not stand."""
-    found = [lexical(value, feature) for value in converted(values, feature)]
-    if feature.many or feature.unsettable or found != [default_text(feature)]:
-        return tuple(dict.fromkeys(found)) if feature.unique else tuple(found)
+    texts = [lexical(value, feature) for value in converted(values, feature)]
+    if feature.many or feature.unsettable or texts != [default_text(feature)]:
+        return tuple(dict.fromkeys(texts)) if feature.unique else tuple(texts)
     return ()

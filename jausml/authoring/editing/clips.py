@@ -91,12 +91,12 @@ def read_clip(text: str, root: Path, files: Mapping[str, bytes], known: Collecti
         contents={root / _FILE: text.encode(), **{root / file: files[file] for file in files}},
     )
     model, own = result.model, result.model.documents[0]
-    found = [
+    errors = [
         diagnostic
         for diagnostic in result.diagnostics
         if diagnostic.location.path == own.display and diagnostic.severity is Severity.ERROR
     ]
-    fault = next((diagnostic for diagnostic in found if diagnostic.rule in _UNREADABLE), None)
+    fault = next((diagnostic for diagnostic in errors if diagnostic.rule in _UNREADABLE), None)
     if fault is not None:
         where = f"line {fault.location.line}: " if fault.location.line else ""
         raise EditError(f"what is in the clipboard cannot be read: {where}{fault.message}")
@@ -105,7 +105,7 @@ def read_clip(text: str, root: Path, files: Mapping[str, bytes], known: Collecti
         raise EditError("what is in the clipboard has no element of a model")
     left_out = [
         _left_out(model, refs.find(f"{_FILE}#{diagnostic.fragment}", model, root), diagnostic)
-        for diagnostic in found
+        for diagnostic in errors
         if diagnostic.rule != _MISSING
     ]
 
@@ -136,17 +136,17 @@ def _elements(model: Model, features: Sequence[str]) -> Iterator[tuple[EObject, 
             yield root, next(said)
 
 
-def _left_out(model: Model, obj: EObject | None, found: Diagnostic) -> LeftOut:
+def _left_out(model: Model, obj: EObject | None, diagnostic: Diagnostic) -> LeftOut:
     """Notes what is left out, at the nearest element of which a decision may be open."""
     around = obj
     while around is not None and not isinstance(around, bridge.DecisionOwner):
         around = around.eContainer()
     if isinstance(around, bridge.DecisionOwner):
         decision = new_object(model.metamodels.classes["bridge.OpenDecision"])
-        decision.text = f"say what is meant where this was pasted: {found.message}"
+        decision.text = f"say what is meant where this was pasted: {diagnostic.message}"
         decisions = model.metamodels.class_of(around).features["openDecisions"]
         set_values(around, decisions, [*around.openDecisions, decision])
-    return LeftOut(name_of(obj) if obj is not None else "", found.message)
+    return LeftOut(name_of(obj) if obj is not None else "", diagnostic.message)
 
 
 class _Notation(Ros2Jaus):

@@ -150,7 +150,7 @@ def with_created(command: ElementCommand, known: Callable[[Ref], Ref]) -> Elemen
     return replace(_inside(command, known), owner=known(command.owner))
 
 
-def _inside(made: AddedT, known: Callable[[Ref], Ref]) -> AddedT:
-    values = {name: tuple(map(known, value)) for name, value in made.values.items()}
-    children = tuple(_inside(child, known) for child in made.children)
-    return replace(made, values=values, children=children)
+def _inside(addition: AddedT, known: Callable[[Ref], Ref]) -> AddedT:
+    values = {name: tuple(map(known, value)) for name, value in addition.values.items()}
+    children = tuple(_inside(child, known) for child in addition.children)
+    return replace(addition, values=values, children=children)

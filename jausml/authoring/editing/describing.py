@@ -59,7 +59,7 @@ class _Describing:
         }
         self._waiting = dict.fromkeys([*roots, *(path for path in self._elements if path in parts)])
         self._numbers: dict[_Path, int] = {}
-        self._made: list[Add | Set] = []
+        self._commands: list[Add | Set] = []
         self._later: list[tuple[_Path, FeatureTable]] = []
 
     def commands(self) -> tuple[Add | Set, ...]:
@@ -68,8 +68,8 @@ class _Describing:
             self._add(self._next())
         for path, feature in self._later:
             values = tuple(self._value(path, target) for target in self._targets(path, feature))
-            self._made.append(Set(self._address(path), feature.name, values))
-        return tuple(self._made)
+            self._commands.append(Set(self._address(path), feature.name, values))
+        return tuple(self._commands)
 
     def _note(self, path: _Path, obj: EObject, model: Model) -> None:
         self._elements[path] = obj, model
@@ -109,13 +109,13 @@ class _Describing:
     def _add(self, part: _Path) -> None:
         del self._waiting[part]
         obj, _ = self._elements[part]
-        made = self._child(part, part)
+        child = self._child(part, part)
         owner, feature, position = "", obj.eContainmentFeature(), None
         if len(part) > 1:
             owner, position = self._address(part[:-1]), self._position(part)
         name = feature.name if feature is not None else ""
         self._numbers[part] = len(self._numbers)
-        self._made.append(Add(owner, name, made.kind, made.values, made.children, position))
+        self._commands.append(Add(owner, name, child.kind, child.values, child.children, position))
 
     def _child(self, path: _Path, part: _Path) -> Child:
         """Returns an element of a part without what is added later."""
@@ -162,15 +162,15 @@ class _Describing:
     def _address(self, path: _Path) -> Ref:
         """Returns the ref of a copy that is there, by the part that it was added with."""
         length = next(n for n in range(len(path), 0, -1) if path[:n] in self._numbers)
-        found = f"{NEW}{self._numbers[path[:length]]}"
+        ref = f"{NEW}{self._numbers[path[:length]]}"
         for end in range(length + 1, len(path) + 1):
             step = path[end - 1]
-            found += (
+            ref += (
                 f"/@{step.feature}.{self._index(path[:end])}"
                 if step.is_many
                 else f"/@{step.feature}"
             )
-        return found
+        return ref
 
     def _index(self, path: _Path) -> int:
         """Returns which of its siblings a copy is among those that are there."""
@@ -225,10 +225,10 @@ def pasted(
 ) -> tuple[Add | Set, ...]:
     """Returns descriptions as commands that add to an owner, with names that are free there."""
     taken: dict[EObject, set[str]] = {}
-    found: list[Add | Set] = []
+    pasted_commands: list[Add | Set] = []
     for command in commands:
         if isinstance(command, Set) or command.owner.startswith(NEW):
-            found.append(command)
+            pasted_commands.append(command)
             continue
         owner, feature = _place(command, chosen, model)
         if owner not in taken:
@@ -239,8 +239,10 @@ def pasted(
             values[_NAME] = (name,)
             taken[owner].add(name)
         ref = ref_of(owner, model)
-        found.append(replace(command, owner=ref, feature=feature, values=values, position=None))
-    return tuple(found)
+        pasted_commands.append(
+            replace(command, owner=ref, feature=feature, values=values, position=None)
+        )
+    return tuple(pasted_commands)
 
 
 def _place(command: Add, chosen: EObject, model: Model) -> tuple[EObject, str]:
@@ -268,8 +270,8 @@ def numbered_name(name: str, taken: set[str]) -> str:
     """Returns a name that is not taken: itself, else with the next number behind it."""
     match = _NUMBERED.fullmatch(name)
     stem, number = (match[1], int(match[2])) if match and len(match[2]) < 9 else (name, 1)
-    found = name
-    while found in taken:
+    candidate = name
+    while candidate in taken:
         number += 1
-        found = f"{stem}_{number}"
-    return found
+        candidate = f"{stem}_{number}"
+    return candidate

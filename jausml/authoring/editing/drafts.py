@@ -89,10 +89,10 @@ class Draft:
     def element(self, ref: Ref) -> tuple[EObject, Model]:
         """Returns an element, and the model of its own file."""
         model = self.read(self.editable(ref)).model
-        found = refs.find(ref, model, self.root)
-        if found is None:
+        element = refs.find(ref, model, self.root)
+        if element is None:
             raise EditError(f"there is no element {ref} any more", conflict=True)
-        return found, model
+        return element, model
 
     def locate(self, ref: Ref) -> tuple[EObject, Model]:
         """Returns an element, be it one of the library, and a model that has it."""
@@ -103,10 +103,10 @@ class Draft:
             model = self.read(file).model
         else:
             raise EditError(f"{file or ref!r} is no model file of the opened folder")
-        found = refs.find(ref, model, self.root)
-        if found is None:
+        element = refs.find(ref, model, self.root)
+        if element is None:
             raise EditError(f"there is no element {ref}", conflict=not is_library(file))
-        return found, model
+        return element, model
 
     def apply(self, file: str, data: bytes) -> None:
         """Gives a file the bytes that commands have led to."""
@@ -215,11 +215,11 @@ def check_new_file(file: str, draft: Draft) -> None:
 
 
 def _fill(root: object, feature: FeatureTable, texts: Values) -> None:
-    found = converted(texts, feature)
+    values = converted(texts, feature)
     if feature.many:
-        set_values(root, feature, found)
-    elif found:
-        set_value(root, feature, found[0])
+        set_values(root, feature, values)
+    elif values:
+        set_value(root, feature, values[0])
 
 
 @dataclass(frozen=True)

@@ -242,10 +242,14 @@ class _Work:
         if isinstance(command, Set) and command.feature not in _NAMING:
             return files
         # Other files name elements by position or by name, and must follow.
-        found = dict.fromkeys(f for file in files for f in self._draft.referring(file))
+        concerned_files = dict.fromkeys(f for file in files for f in self._draft.referring(file))
         if isinstance(command, Set | Rename):
-            return [f for f in found if f in files or names_elements(f, self._draft.files[f].data)]
-        return list(found)
+            return [
+                f
+                for f in concerned_files
+                if f in files or names_elements(f, self._draft.files[f].data)
+            ]
+        return list(concerned_files)
 
     def _find(self, ref: Ref) -> tuple[ElementCopy | Ref, ClassTable]:
         if refs.split(ref)[0] in self._working_copy.models:
@@ -290,11 +294,11 @@ def renewed(
     """
     read = WorkingCopy(models, wanted.folder)
     for file, roots in wanted.roots.items():
-        found = models[file].documents[0].roots
-        if len(roots) != len(found):
-            raise _different(file, f"{len(roots)} and {len(found)} roots")
+        read_roots = models[file].documents[0].roots
+        if len(roots) != len(read_roots):
+            raise _different(file, f"{len(roots)} and {len(read_roots)} roots")
         read.roots[file] = roots
-        pending = list(zip(roots, found, strict=True))
+        pending = list(zip(roots, read_roots, strict=True))
         while pending:
             copy, obj = pending.pop()
             _renew(copy, obj, file, wanted, read, is_changed=copy in changed)
@@ -354,19 +358,21 @@ def _stated(
 
 def _children(copy: ElementCopy, read: WorkingCopy) -> list[tuple[ElementCopy, EObject]]:
     """Returns what a copy owns, and the elements that were read of it."""
-    found = read.owned_by(copy)
-    if not found and not copy.owned:
+    elements_by_feature = read.owned_by(copy)
+    if not elements_by_feature and not copy.owned:
         return []
     names = {name for name, child_list in copy.owned.items() if child_list}
-    if names != found.keys():
-        raise _different(copy, f"owns {list(found)}, not {sorted(names)}")
+    if names != elements_by_feature.keys():
+        raise _different(copy, f"owns {list(elements_by_feature)}, not {sorted(names)}")
     # In the order of the metamodel, whatever the command has added last.
-    copy.owned = {name: copy.owned[name] for name in found}
+    copy.owned = {name: copy.owned[name] for name in elements_by_feature}
     pairs: list[tuple[ElementCopy, EObject]] = []
     for name, children in copy.owned.items():
-        if len(children) != len(found[name]):
-            raise _different(copy, f"has {len(found[name])} {name}, not {len(children)}")
-        pairs += zip(children, found[name], strict=True)
+        if len(children) != len(elements_by_feature[name]):
+            raise _different(
+                copy, f"has {len(elements_by_feature[name])} {name}, not {len(children)}"
+            )
+        pairs += zip(children, elements_by_feature[name], strict=True)
     return pairs
 
 
@@ -376,9 +382,9 @@ def _compare_references(copy: ElementCopy, read: WorkingCopy) -> None:
     if meant == copy.references:
         return
     for name in (*meant, *copy.references):
-        wanted, found = meant.get(name, []), copy.references.get(name, [])
-        if wanted != found:
-            raise _different(copy, f"refers by {name} to {found}, not {wanted}")
+        wanted, targets = meant.get(name, []), copy.references.get(name, [])
+        if wanted != targets:
+            raise _different(copy, f"refers by {name} to {targets}, not {wanted}")
 
 
 def _different(where: ElementCopy | str, what: str) -> EditError:

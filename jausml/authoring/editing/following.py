@@ -97,12 +97,12 @@ def _named_targets(machine: ElementCopy, working_copy: WorkingCopy) -> Iterator[
 
 def _put_together(machine: ElementCopy, gone: Collection[ElementCopy] = ()) -> Machine:
     """Returns the paths of a machine with those that it extends, without what goes."""
-    made = Machine(machine.name)
+    united_machine = Machine(machine.name)
     for copy in _extended(machine):
         for path, state in _states(copy):
             if state not in gone:
-                made.enter(path)
-    return made
+                united_machine.enter(path)
+    return united_machine
 
 
 def _extended(machine: ElementCopy) -> Iterator[ElementCopy]:
@@ -173,8 +173,8 @@ def paths_through(join: ElementCopy, name: str) -> Iterator[tuple[ElementCopy, s
             )
     for vector in join.owner.owned.get("vectors", ()):
         if vector.values.get("direction", ("jausToRos",)) == (direction,):
-            for given in vector.owned.get("given", ()):
-                yield from _changed(given, _PATH, join.name, name, is_nested=False)
+            for vector_value in vector.owned.get("given", ()):
+                yield from _changed(vector_value, _PATH, join.name, name, is_nested=False)
 
 
 def _changed(
@@ -186,11 +186,11 @@ def _changed(
     # Within a list only paths from outside of it begin with a join.
     lead = "/" if is_nested else ""
     paths = text.split(", ")
-    found = [
+    new_paths = [
         f"{lead}{new}{path[len(lead + old) :]}"
         if path == lead + old or path.startswith(f"{lead}{old}.")
         else path
         for path in paths
     ]
-    if found != paths:
-        yield copy, feature, ", ".join(found)
+    if new_paths != paths:
+        yield copy, feature, ", ".join(new_paths)

@@ -94,13 +94,13 @@ def renamed(layout: Layout, new_name: Callable[[LayoutKey], LayoutKey | None]) -
 
 
 def _renamed(boxes: Positions, new_name: Callable[[LayoutKey], LayoutKey | None]) -> Positions:
-    found: Positions = {}
+    positions: Positions = {}
     for key, position in boxes.items():
         # A box may be named by several elements, or by one and what it shows of it.
         parts = [_renamed_part(word, new_name) for word in key.split("!")]
         if None not in parts:
-            found["!".join(map(str, parts))] = position
-    return found
+            positions["!".join(map(str, parts))] = position
+    return positions
 
 
 def _renamed_part(part: str, new_name: Callable[[LayoutKey], LayoutKey | None]) -> LayoutKey | None:
@@ -138,7 +138,7 @@ def followed(layout: Layout, file: str, before: WorkingCopy, after: WorkingCopy)
     """Returns the layout of a file after an edit: what was renamed keeps its place."""
     old, new = before.models[file], after.models[file]
     elements = {after.copies[obj]: obj for obj in new.elements() if obj in after.copies}
-    old_keys, new_keys = old.made(Keys), new.made(Keys)
+    old_keys, new_keys = old.derived(Keys), new.derived(Keys)
     names: dict[str, str | None] = {}
     for obj in old.elements():
         copy = before.copies.get(obj)

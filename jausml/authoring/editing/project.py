@@ -150,9 +150,9 @@ class Project:
             models = [model_file for model_file in self._files if not is_layout(model_file)]
             for model_file in models if is_library(file) else [self._known(file).file]:
                 model = self.model(model_file).model
-                found = refs.find(ref, model, self.root)
-                if found is not None:
-                    return found, model
+                element = refs.find(ref, model, self.root)
+                if element is not None:
+                    return element, model
         raise EditError(f"there is no element {ref}", conflict=True)
 
     def preview(self, commands: Sequence[Command], base: int | None = None) -> Preview:
@@ -295,14 +295,14 @@ class Project:
             if not elements:
                 raise EditError("nothing was chosen that could be copied")
             model = self._draft().locate(elements[0])[1]
-            found = [refs.find(element, model, self.root) for element in elements]
+            objects = [refs.find(element, model, self.root) for element in elements]
             missing = [
-                reference for reference, obj in zip(elements, found, strict=True) if obj is None
+                reference for reference, obj in zip(elements, objects, strict=True) if obj is None
             ]
             if missing:
                 raise EditError(f"{missing[0]} is of another model: copy it by itself")
             return clip_text(
-                [element for element in found if element is not None], model, self.root
+                [element for element in objects if element is not None], model, self.root
             )
 
     def clip(self, text: str, owner: Ref) -> Clip:
@@ -330,10 +330,10 @@ class Project:
             return read_layout(held.data).get(view, {}) if held is not None else {}
 
     def _known(self, file: str) -> Stored:
-        found = self._files.get(file)
-        if found is None or is_layout(file):
+        stored_file = self._files.get(file)
+        if stored_file is None or is_layout(file):
             raise EditError(f"{file} is no model file of the opened folder")
-        return found
+        return stored_file
 
     def _draft(self) -> Draft:
         return Draft(self.root, self._files, self._reader, self._revision + 1)
@@ -383,8 +383,8 @@ class Project:
             data = self._data(change.file) or b""
             for step in change.steps:
                 data = applied(data, step)
-            made = stored(change.file, data, self._revision + 1, known)
-            new[change.file] = made if change.after else None
+            stored_file = stored(change.file, data, self._revision + 1, known)
+            new[change.file] = stored_file if change.after else None
         files = dict(self._files)
         self._write(new)
         is_known = self._rebasing.note_again(self._revision, entry, back=back)
@@ -395,20 +395,20 @@ class Project:
     def _refreshed(self, file: str) -> Change | None:
         known = self._files.get(file)
         try:
-            found = self._disk.read(file)
+            content = self._disk.read(file)
         except EditError:
             return None  # it is left alone until it can be read again
-        if found == self._data(file):
+        if content == self._data(file):
             return None
-        old, new = self._data(file) or b"", found or b""
-        is_conflict = takes_back(self._log.last, known, found)
+        old, new = self._data(file) or b"", content or b""
+        is_conflict = takes_back(self._log.last, known, content)
         self._revision += 1
         files = dict(self._files)
         after = ""
-        if found is None:
+        if content is None:
             del self._files[file]
         else:
-            self._files[file] = stored(file, found, self._revision, known)
+            self._files[file] = stored(file, content, self._revision, known)
             after = self._files[file].digest
         step = tuple(difference(file, old, new))
         change = FileChange(file, (step,), known.digest if known is not None else "", after)

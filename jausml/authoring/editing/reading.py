@@ -134,13 +134,13 @@ class Reader:
             read = read_models(
                 [path], project_root=self._root, notations=NOTATIONS, contents={path: held.data}
             )
-            found = (
+            diagnostics = (
                 diagnostic
                 for diagnostic in read.diagnostics
                 if diagnostic.location.path == str(path)
             )
             errors = tuple(
-                diagnostic for diagnostic in found if diagnostic.severity is Severity.ERROR
+                diagnostic for diagnostic in diagnostics if diagnostic.severity is Severity.ERROR
             )
             known = self._known_faults[file] = (held.digest, errors)
         return known[1]

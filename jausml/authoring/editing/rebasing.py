@@ -232,10 +232,10 @@ def _unique(
     """Yields the pairs of copies that nothing else has the mark of, on either side."""
     sides: list[dict[Hashable, list[ElementCopy]]] = []
     for copies in (before, after):
-        found = defaultdict(list)
+        copies_by_mark = defaultdict(list)
         for copy in copies:
-            found[mark(copy)].append(copy)
-        sides.append(found)
+            copies_by_mark[mark(copy)].append(copy)
+        sides.append(copies_by_mark)
     old, new = sides
     for key, copies in old.items():
         others = new.get(key, ())

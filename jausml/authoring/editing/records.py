@@ -210,11 +210,11 @@ class Log:
         if last is not None and (last.number, last.files) == (number, (new.file,)) and is_fluent:
             [old] = last.changes
             change = replace(new, steps=(*old.steps, *new.steps), before=old.before)
-            made = self._entries[self._at - 1] = replace(last, changes=(change,))
+            entry = self._entries[self._at - 1] = replace(last, changes=(change,))
         else:
-            made = self.add(label, changes)
-        self._typed = made.number, now
-        return made
+            entry = self.add(label, changes)
+        self._typed = entry.number, now
+        return entry
 
     def step(self, by: int) -> None:
         """Notes that the next entry was done again, or for -1, that the last one was undone."""

@@ -63,12 +63,12 @@ def applied(data: bytes, splices: Sequence[Splice]) -> bytes:
 
 def inverted(splices: Sequence[Splice]) -> list[Splice]:
     """Returns the splices that make of the result of one step what was there before."""
-    found = []
+    inverses = []
     shift = 0
     for splice in splices:
-        found.append(Splice(splice.file, splice.start + shift, splice.new, splice.old))
+        inverses.append(Splice(splice.file, splice.start + shift, splice.new, splice.old))
         shift += len(splice.new) - len(splice.old)
-    return found
+    return inverses
 
 
 def difference(file: str, old: bytes, new: bytes) -> list[Splice]:

@@ -141,19 +141,19 @@ class WorkingCopy:
 
     def paths(self) -> dict[ElementCopy, str]:
         """Returns the paths of copies by features, as they stand now."""
-        found: dict[ElementCopy, str] = {}
+        paths: dict[ElementCopy, str] = {}
         for roots in self.roots.values():
             for index, root in enumerate(roots):
                 pending = [(root, f"/{index if len(roots) > 1 else ''}")]
                 while pending:
                     copy, path = pending.pop()
-                    found[copy] = path
+                    paths[copy] = path
                     for name, children in copy.owned.items():
                         if copy.table.features[name].many:
                             pending += [(c, f"{path}/@{name}.{i}") for i, c in enumerate(children)]
                         else:
                             pending += [(child, f"{path}/@{name}") for child in children]
-        return found
+        return paths
 
     def ref(self, copy: ElementCopy, fragments: Mapping[ElementCopy, str] | None = None) -> Ref:
         """Returns the ref of a copy as it stands now."""
@@ -183,10 +183,10 @@ class WorkingCopy:
         while pending:
             copy = pending.pop()
             for name, children in self.owned_by(copy).items():
-                made = copy.owned[name] = [self._copy(child, file) for child in children]
-                for child in made:
+                copies = copy.owned[name] = [self._copy(child, file) for child in children]
+                for child in copies:
                     child.owner, child.feature = copy, name
-                pending += made
+                pending += copies
         return root
 
     def _copy(self, obj: EObject, file: str) -> ElementCopy:
@@ -224,14 +224,14 @@ class WorkingCopy:
         """Returns what the element of a copy owns of its own file, by the name of the feature."""
         model = self.models[copy.file]
         document = model.documents[0]
-        found = {}
+        elements_by_feature = {}
         for feature in copy.table.contained:
             children = contents(copy.obj, feature)
             # Others are roots of another file, which this one refers to.
             own = [child for child in children if model.document_of(child) is document]
             if own:
-                found[feature.name] = own
-        return found
+                elements_by_feature[feature.name] = own
+        return elements_by_feature
 
     def pair(self) -> None:
         """Finds the copies of elements that were read once more, with another file."""
@@ -255,7 +255,7 @@ class WorkingCopy:
         """Returns what the element of a copy refers to, when all copies are there."""
         obj: Any = copy.obj
         model = self.models[copy.file]
-        found = {}
+        targets_by_feature = {}
         for name, feature in references_of(copy.table):
             if name not in obj.__dict__:
                 continue
@@ -264,8 +264,8 @@ class WorkingCopy:
                 owned = {child.obj for child in copy.owned.get(name, ())}
                 targets = [target for target in targets if target not in owned]
             if targets:
-                found[name] = [self._target(target, model) for target in targets]
-        return found
+                targets_by_feature[name] = [self._target(target, model) for target in targets]
+        return targets_by_feature
 
     def _target(self, obj: EObject, model: Model) -> ElementCopy | Ref:
         copy = self.copies.get(obj)

@@ -171,8 +171,8 @@ def _member(bench: Workbench, path: Path, context: Context) -> Iterator[Completi
         return
     sides = sides_at(bench, path, context)
     for field in fields_of(sides.target if end.is_jaus else sides.source):
-        found = sides.follow(field.name, is_source=not end.is_jaus)
-        detail = ", ".join(facts(found.attribute())) if found is not None else ""
+        path_place = sides.follow(field.name, is_source=not end.is_jaus)
+        detail = ", ".join(facts(path_place.attribute())) if path_place is not None else ""
         yield Completion(written_word(field.name), Kind.Field, detail)
 
 
@@ -188,8 +188,8 @@ def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
     before, _, _ = context.word.rpartition(".")
     for field in fields_of(sides.follow(before or ".", is_source=is_source)):
         name = f"{before}.{field.name}" if before else field.name
-        found = sides.follow(name, is_source=is_source)
-        detail = ", ".join(facts(found.attribute())) if found is not None else ""
+        path_place = sides.follow(name, is_source=is_source)
+        detail = ", ".join(facts(path_place.attribute())) if path_place is not None else ""
         said = field.documentation or ""
         yield Completion(written_path(name), Kind.Field, detail, said)
 
@@ -318,11 +318,11 @@ def services(bench: Workbench, path: Path) -> Iterator[Candidate]:
     named: dict[str, list[jaus.Service]] = {}
     for element in bench.elements(path, jaus.Service):
         named.setdefault(element.name or "", []).append(element)
-    for name, found in named.items():
-        module_of = bench.module_of if len(found) > 1 else bench.file_of
-        modules = [module_of(path, candidate) for candidate in found]
-        known = [pair for pair in zip(found, modules, strict=True) if pair[1] in {"", *imported}]
-        for service, module in known[:1] or zip(found, modules, strict=True):
+    for name, versions in named.items():
+        module_of = bench.module_of if len(versions) > 1 else bench.file_of
+        modules = [module_of(path, candidate) for candidate in versions]
+        known = [pair for pair in zip(versions, modules, strict=True) if pair[1] in {"", *imported}]
+        for service, module in known[:1] or zip(versions, modules, strict=True):
             detail = f"{qualified_name(service)} {service.version or ''}".strip()
             yield Candidate(name, detail, "" if known else module)
 

@@ -102,12 +102,14 @@ def feature_named(
 
 def contained_classes(owner: ClassTable) -> list[ClassTable]:
     """Returns the classes of what an element of a class can own."""
-    found: dict[ClassTable, None] = {}
+    classes: dict[ClassTable, None] = {}
     for feature in owner.features.values():
         if feature.kind is FeatureKind.CONTAINMENT and feature.target is not None:
             concrete = [subtype for subtype in feature.target.subtypes if not subtype.abstract]
-            found.update(dict.fromkeys(sorted(concrete, key=lambda class_table: class_table.name)))
-    return list(found)
+            classes.update(
+                dict.fromkeys(sorted(concrete, key=lambda class_table: class_table.name))
+            )
+    return list(classes)
 
 
 _WORD_AT_END = re.compile(r"[\w./`\[\]]*\Z")
@@ -174,8 +176,8 @@ class Context:
 
     def around(self, kind: type[Item]) -> Item | None:
         """Returns the innermost item of a kind around the place."""
-        found = (level.item for level in reversed(self.levels) if isinstance(level.item, kind))
-        return next(found, None)
+        items = (level.item for level in reversed(self.levels) if isinstance(level.item, kind))
+        return next(items, None)
 
     @property
     def map(self) -> Element | None:
@@ -189,16 +191,16 @@ class Context:
     def end_of_map(self, *, is_jaus: bool) -> End | None:
         """Returns an end of the map around the place."""
         items = self.map.items if self.map is not None else []
-        found = (item for item in items if isinstance(item, End) and item.is_jaus == is_jaus)
-        return next(found, None)
+        ends = (item for item in items if isinstance(item, End) and item.is_jaus == is_jaus)
+        return next(ends, None)
 
 
 def context_at(text: str, parsed: Parsed, place: Place) -> Context:
     """Returns where a place is."""
     line = _line_of(text, place.line)
     before = line[: place.column - 1]
-    found = _WORD_AT_END.search(before)
-    word = found.group() if found is not None else ""
+    match = _WORD_AT_END.search(before)
+    word = match.group() if match is not None else ""
     rest = _REST_OF_WORD.match(line, place.column - 1)
     start = Place(place.line, place.column - len(word))
     end = Place(place.line, rest.end() + 1 if rest is not None else place.column)

@@ -90,18 +90,18 @@ def fields_of(place: PathPlace | None) -> list[attributes.Part]:
 
 def facts(attribute: Attribute) -> list[str]:
     """Returns what is known of an attribute: kind, unit, range, resolution, axes, presence."""
-    found = [attribute.name]
+    details = [attribute.name]
     if attribute.units:
-        found.append(f"unit {attribute.units}")
+        details.append(f"unit {attribute.units}")
     if attribute.lower is not None and attribute.upper is not None:
-        found.append(f"{attribute.lower:.12g} to {attribute.upper:.12g}")
+        details.append(f"{attribute.lower:.12g} to {attribute.upper:.12g}")
     if attribute.step is not None and not attribute.integral:
-        found.append(f"steps of {attribute.step:.3g}")
+        details.append(f"steps of {attribute.step:.3g}")
     if attribute.frame != UNSTATED:
-        found.append(f"frame {attribute.frame}")
+        details.append(f"frame {attribute.frame}")
     if attribute.optional:
-        found.append("may be left out")
-    return found
+        details.append("may be left out")
+    return details
 
 
 def _nested(sides: Sides, context: Context) -> Sides:
@@ -124,8 +124,8 @@ def _declared_element(place: PathPlace | None) -> PathPlace | None:
 
 
 def _follow(place: PathPlace | None, path: str) -> PathPlace | None:
-    found = place.follow(path) if place is not None else None
-    return found if isinstance(found, (JausPlace, RosPlace)) else None
+    path_place = place.follow(path) if place is not None else None
+    return path_place if isinstance(path_place, (JausPlace, RosPlace)) else None
 
 
 def _joins(bench: Workbench, path: Path, context: Context, keyword: str) -> dict[str, PathPlace]:
@@ -175,8 +175,8 @@ class Definition:
 def word_at(text: str, place: Place) -> Token | None:
     """Returns the word or text at a place; the place behind its last character counts."""
     tokens = parsed_text(text).tokens
-    found = (t for t in tokens if t.end_line == place.line and is_within(span_of(t), place))
-    return next((token for token in found if token.type not in _PUNCTUATION), None)
+    candidates = (t for t in tokens if t.end_line == place.line and is_within(span_of(t), place))
+    return next((token for token in candidates if token.type not in _PUNCTUATION), None)
 
 
 def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
@@ -196,8 +196,8 @@ def define(bench: Workbench, path: Path, place: Place) -> Definition | None:
     if token is None or context.part not in (Part.SOURCE, Part.TARGET):
         return None
     sides = sides_at(bench, path, context)
-    found = sides.follow(word_text(token), is_source=context.part is Part.SOURCE)
-    return _element(bench, path, found.field) if found is not None else None
+    path_place = sides.follow(word_text(token), is_source=context.part is Part.SOURCE)
+    return _element(bench, path, path_place.field) if path_place is not None else None
 
 
 def declaration_at(bench: Workbench, path: Path, place: Place) -> tuple[Path, Declaration] | None:

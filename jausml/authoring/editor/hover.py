@@ -62,10 +62,10 @@ def _path(bench: Workbench, path: Path, context: Context, token: Token) -> str:
     if context.part not in (Part.SOURCE, Part.TARGET):
         return ""
     is_source = context.part is Part.SOURCE
-    found = sides_at(bench, path, context).follow(_name(token), is_source=is_source)
-    if found is None:
+    path_place = sides_at(bench, path, context).follow(_name(token), is_source=is_source)
+    if path_place is None:
         return ""
-    attribute = found.attribute()
+    attribute = path_place.attribute()
     said: list[Any] = [f"**{_name(token)}**: {', '.join(facts(attribute))}"]
     field = attribute.field
     said += map(in_words, getattr(field, "markers", ()))
@@ -107,10 +107,10 @@ def _literal(bench: Workbench, path: Path, context: Context, token: Token) -> st
 
 
 def _named(bench: Workbench, path: Path, context: Context, token: Token) -> str:  # noqa: ARG001
-    found = declaration_at(bench, path, _place(token))
-    if found is None:
+    declared = declaration_at(bench, path, _place(token))
+    if declared is None:
         return ""
-    _, declaration = found
+    _, declaration = declared
     kind = snake_case(declaration.table.name)
     said: list[Any] = [f"{kind} **{declaration.name.text}**", declaration.item.documentation]
     if isinstance(declaration.item, Element) and declaration.table is table("bridge.AttributeMap"):
@@ -149,12 +149,12 @@ def described_map(block: Element) -> str:
         for item in block.items
         if isinstance(item, End)
     ]
-    ways = [
+    directions = [
         "JAUS->ROS" if item.to_ros else "ROS->JAUS"
         for item in block.items
         if isinstance(item, Direction)
     ]
-    return _joined(", ".join(ends), ", ".join(dict.fromkeys(ways)))
+    return _joined(", ".join(ends), ", ".join(dict.fromkeys(directions)))
 
 
 def _head(element: EObject, *facts: str | None) -> str:

@@ -83,12 +83,12 @@ class Names:
 
     def declared_at(self, place: Place) -> Declaration | None:
         """Returns the declaration whose name is at a place."""
-        found = (
+        matches = (
             declaration
             for declaration in self.declarations
             if is_within(declaration.name.span, place)
         )
-        return next(found, None)
+        return next(matches, None)
 
     def reference_at(self, place: Place) -> Reference | None:
         """Returns the reference at a place."""
@@ -221,8 +221,8 @@ class _Collector:
 
 def _joins_in(element: Element) -> dict[str, set[str]]:
     """Returns the names of the joins in a map, by keyword."""
-    found: dict[str, set[str]] = {keyword: set() for keyword, _ in _JOINS.values()}
+    names_by_keyword: dict[str, set[str]] = {keyword: set() for keyword, _ in _JOINS.values()}
     for item in element.items:
         if isinstance(item, Element) and item.keyword is not None and item.name is not None:
-            found.get(item.keyword.text, set()).add(item.name.text)
-    return found
+            names_by_keyword.get(item.keyword.text, set()).add(item.name.text)
+    return names_by_keyword

@@ -225,8 +225,8 @@ class _Handlers:
 
     async def completion(self, params: types.CompletionParams) -> types.CompletionList:
         path, place = self._at(params)
-        found = await asyncio.to_thread(complete, self._bench, path, place)
-        start, end = found.start, found.end
+        completion_list = await asyncio.to_thread(complete, self._bench, path, place)
+        start, end = completion_list.start, completion_list.end
         span = Span(start.line, start.column, end.line, end.column)
         replaced = _range(self._columns(path), span)
         items = [
@@ -238,38 +238,40 @@ class _Handlers:
                 filter_text=completion.label,
                 sort_text=f"{0 if completion.is_first else 1}{completion.label}",
                 text_edit=types.TextEdit(replaced, completion.text or completion.label),
-                additional_text_edits=self._import(path, found, completion),
+                additional_text_edits=self._import(path, completion_list, completion),
             )
-            for completion in found.completions
+            for completion in completion_list.completions
         ]
         return types.CompletionList(is_incomplete=False, items=items)
 
     def _import(
-        self, path: Path, found: CompletionList, completion: Completion
+        self, path: Path, completion_list: CompletionList, completion: Completion
     ) -> list[types.TextEdit] | None:
         """Returns the edit that imports what a completion needs."""
         if not completion.module:
             return None
         module = completion.module
         module = module if module.startswith('"') else word(module)
-        line, column = found.imports_end.line, found.imports_end.column
+        line, column = completion_list.imports_end.line, completion_list.imports_end.column
         where = _range(self._columns(path), Span(line, column, line, column))
         return [types.TextEdit(where, f"import {module}\n")]
 
     async def hover(self, params: types.HoverParams) -> types.Hover | None:
         path, place = self._at(params)
-        found = await asyncio.to_thread(hover, self._bench, path, place)
-        if found is None:
+        explanation = await asyncio.to_thread(hover, self._bench, path, place)
+        if explanation is None:
             return None
-        content = types.MarkupContent(types.MarkupKind.Markdown, found.text)
-        return types.Hover(content, _range(self._columns(path), span_of(found.token)))
+        content = types.MarkupContent(types.MarkupKind.Markdown, explanation.text)
+        return types.Hover(content, _range(self._columns(path), span_of(explanation.token)))
 
     async def definition(self, params: types.DefinitionParams) -> types.Location | None:
         path, place = self._at(params)
-        found = await asyncio.to_thread(define, self._bench, path, place)
-        if found is None:
+        definition = await asyncio.to_thread(define, self._bench, path, place)
+        if definition is None:
             return None
-        return types.Location(self._uri(found.path), _range(self._columns(found.path), found.span))
+        return types.Location(
+            self._uri(definition.path), _range(self._columns(definition.path), definition.span)
+        )
 
     def prepare_rename(self, params: types.PrepareRenameParams) -> types.Range | None:
         path, place = self._at(params)
@@ -300,8 +302,8 @@ class _Handlers:
             return []
         lines = range(params.range.start.line + 1, params.range.end.line + 2)
         path = _path(params.text_document.uri)
-        found = await asyncio.to_thread(lambda: list(fixes(self._bench, path, lines)))
-        return [self._code_action(fix, shown) for fix in found]
+        quick_fixes = await asyncio.to_thread(lambda: list(fixes(self._bench, path, lines)))
+        return [self._code_action(fix, shown) for fix in quick_fixes]
 
     def _code_action(self, fix: Fix, shown: Iterable[types.Diagnostic]) -> types.CodeAction:
         rule, line = fix.finding.rule, fix.finding.location.line - 1

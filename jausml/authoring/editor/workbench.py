@@ -99,8 +99,8 @@ class Workbench:
             self._models[path] = result.model
             self._read_beside(path, contents)
         shown = result.model.documents[0].display
-        found = checked(result, is_wanted)
-        return [diagnostic for diagnostic in found if diagnostic.location.path == shown]
+        diagnostics = checked(result, is_wanted)
+        return [diagnostic for diagnostic in diagnostics if diagnostic.location.path == shown]
 
     def _read_beside(self, path: Path, held: Mapping[Path, bytes]) -> None:
         """Reads the other files of the project of a text, which a text can name by an import."""
@@ -167,22 +167,22 @@ class Workbench:
 
     def imports(self, path: Path) -> list[Path]:
         """Returns the files that a text imports, whether they are there or not."""
-        found = (
+        files = (
             imported_file(import_statement, path)
             for import_statement in imports_of(self.tree(path))
         )
-        return [file for file in found if file is not None]
+        return [file for file in files if file is not None]
 
     def related(self, path: Path) -> list[Path]:
         """Returns a text, the open ones, and all texts that these import."""
-        found: dict[Path, None] = {}
+        paths: dict[Path, None] = {}
         pending = [*self.texts, path]
         while pending:
             text_path = pending.pop()
-            if text_path.suffix == SUFFIX and text_path not in found:
-                found[text_path] = None
+            if text_path.suffix == SUFFIX and text_path not in paths:
+                paths[text_path] = None
                 pending += self.imports(text_path)
-        return list(found)
+        return list(paths)
 
 
 def imports_of(tree: SyntaxTree) -> list[Import]:

@@ -117,7 +117,7 @@ def changed_words(old: str, new: str) -> _Words | None:
         None where more differs than words and layout.
     """
     lines = new.split("\n")
-    found: _Words = []
+    words: _Words = []
     pending: list[tuple[Any, Any]] = [(parsed_text(old).document, parsed_text(new).document)]
     while pending:
         one, other = pending.pop()
@@ -126,7 +126,7 @@ def changed_words(old: str, new: str) -> _Words | None:
         if isinstance(one, Name | Number | Text | Href):
             if one.text != other.text:
                 line, column, _, end = other.span
-                found.append((one.span, lines[line - 1][column - 1 : end - 1]))
+                words.append((one.span, lines[line - 1][column - 1 : end - 1]))
         elif isinstance(one, list | tuple):
             if len(one) != len(other):
                 return None
@@ -136,7 +136,7 @@ def changed_words(old: str, new: str) -> _Words | None:
             pending += ((getattr(one, name), getattr(other, name)) for name in names)
         elif one != other:
             return None
-    return sorted(found)
+    return sorted(words)
 
 
 _LAYOUT = frozenset({"span", "comments", "trailing", "spaced", "closing"})
@@ -198,10 +198,10 @@ def rename(bench: Workbench, path: Path, place: Place, name: str) -> list[Edit]:
     `name`: the new name, without back quotes. `RenameError`: no text of the user declares what is
     at the place, the name is taken or empty, or a text that would change cannot be read.
     """
-    found = declaration_at(bench, path, place)
-    if found is None:
+    declared = declaration_at(bench, path, place)
+    if declared is None:
         raise RenameError("only what a text declares can be renamed here")
-    home, declaration = found
+    home, declaration = declared
     if home not in bench.texts and is_shipped(home):
         raise RenameError(f"'{declaration.name.text}' belongs to the shipped library")
     if not name.strip() or any(not character.isprintable() for character in name):

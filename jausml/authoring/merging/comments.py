@@ -38,8 +38,8 @@ def comments_of(text: str, *, is_xmi: bool) -> list[Comment]:
     """Returns the comments of a text."""
     if is_xmi:
         return [Comment(match.group(), *match.span()) for match in _COMMENT.finditer(text)]
-    found = scan(text).comments
-    return [Comment(str(e), e.start_pos or 0, e.end_pos or 0) for e in found]
+    tokens = scan(text).comments
+    return [Comment(str(e), e.start_pos or 0, e.end_pos or 0) for e in tokens]
 
 
 def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xmi: bool) -> str:
@@ -62,8 +62,8 @@ def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xm
         begin = theirs.rfind("\n", 0, comment.start) + 1
         line, column = theirs.count("\n", 0, comment.start) + 1, comment.start - begin + 1
         is_behind = bool(theirs[begin : comment.start].strip())
-        found = line_of(line, column, is_behind)
-        at = starts[found - 1] if found is not None else len(merged)
+        line_number = line_of(line, column, is_behind)
+        at = starts[line_number - 1] if line_number is not None else len(merged)
         indentation = re.match(r"[ \t]*", merged[at:])
         margin = indentation.group() if indentation is not None else ""
         edits.append((at, at, f"{margin}{comment.written}\n"))

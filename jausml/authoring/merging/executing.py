@@ -108,11 +108,18 @@ class Execution:
 
     def _add(self, addition: Addition) -> None:
         feature = addition.feature
-        made = self._described(addition.element, feature.name, addition.owner)
+        description = self._described(addition.element, feature.name, addition.owner)
         owner = self.where[addition.owner]
         before = addition.before
         position = self._position(before) if before is not None else None
-        add = Add(owner, feature.name, made.kind, made.values, made.children, position)
+        add = Add(
+            owner,
+            feature.name,
+            description.kind,
+            description.values,
+            description.children,
+            position,
+        )
         try:
             (created,) = self._do(add)
         except EditError:
@@ -142,11 +149,11 @@ class Execution:
             if own_feature.kind is FeatureKind.ATTRIBUTE:
                 texts = tuple(text for text in tokens if isinstance(text, str))
             elif own_feature.kind is FeatureKind.CROSS_REFERENCE:
-                found = [self._ref(token) for token in tokens]
-                if None in found:
+                targets = [self._ref(token) for token in tokens]
+                if None in targets:
                     self._later.append((obj, own_feature, owner))
                     continue
-                texts = tuple(filter(None, found))
+                texts = tuple(filter(None, targets))
             else:
                 owned = self._added(obj, own_feature)
                 children += [self._described(one, own_feature.name, owner) for one in owned]
@@ -189,14 +196,14 @@ class Execution:
             texts = tuple(text for text in values if isinstance(text, str))
             self._do(Set(self.where[element], feature.name, texts))
             return
-        found = [self._ref(value) for value in values]
-        if None in found:
+        targets = [self._ref(value) for value in values]
+        if None in targets:
             what = f"{words(feature.name)} is to refer to an element that we removed"
             name = feature.name if place is element else ""
             self.conflicts.append(Conflict(LOST_TARGET, place, what, name))
-        texts = tuple(ref for ref in found if ref is not None)
+        texts = tuple(ref for ref in targets if ref is not None)
         # With no target left the feature keeps its value, as the conflict says.
-        if texts or None not in found:
+        if texts or None not in targets:
             self._do(Set(self.where[element], feature.name, texts))
 
     def _ref(self, value: Value) -> Ref | None:

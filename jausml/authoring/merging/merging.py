@@ -188,10 +188,10 @@ class _Merge:
         encodings = [state.documents[0].encoding for state in states]
         parts = zip((self._data[0], data, self._data[2]), encodings, strict=True)
         base, now, theirs = (content.decode(encoding, "replace") for content, encoding in parts)
-        made = with_comments(now, base, theirs, self._lines(model), is_xmi=is_xmi)
-        if made == now:
+        commented_text = with_comments(now, base, theirs, self._lines(model), is_xmi=is_xmi)
+        if commented_text == now:
             return data, []
-        written = made.encode(encodings[1], "xmlcharrefreplace")
+        written = commented_text.encode(encodings[1], "xmlcharrefreplace")
         # Read once more: in a wrong place, the text of a comment could become part of the model.
         files = {**self.files, self._file: stored(self._file, written, 0)}
         again = self._reader.read(self._file, files).model
@@ -202,8 +202,8 @@ class _Merge:
         known = {
             comment.said for text in (base, now) for comment in comments_of(text, is_xmi=is_xmi)
         }
-        found = [comment.said for comment in comments_of(theirs, is_xmi=is_xmi)]
-        return data, [comment for comment in found if comment not in known]
+        comments = [comment.said for comment in comments_of(theirs, is_xmi=is_xmi)]
+        return data, [comment for comment in comments if comment not in known]
 
     def _lines(self, model: Model) -> LineOf:
         """Returns what finds lines of the merge by places of theirs."""
@@ -227,9 +227,11 @@ class _Merge:
 def _files(root: Path, known: Mapping[str, bytes | None]) -> dict[str, Stored]:
     """Returns the model files of a folder, of some of them what is known to be our side."""
     paths = {model_file: root / model_file for model_file in model_files(root)}
-    found = {n: stored(n, read_input(path), 0) for n, path in paths.items() if path.is_file()}
+    stored_files = {
+        n: stored(n, read_input(path), 0) for n, path in paths.items() if path.is_file()
+    }
     ours = {n: stored(n, data, 0) for n, data in known.items() if data is not None}
-    return {**found, **ours}
+    return {**stored_files, **ours}
 
 
 def _whole(name: str, result: ReadResult, root: Path, others: Container[Path]) -> Model:
@@ -261,11 +263,11 @@ def _elsewhere(one: _Merge, file: str, merged_too: Iterable[str]) -> list[Confli
 
 def _findings(conflicts: list[Conflict], execution: Execution, file: str) -> tuple[Diagnostic, ...]:
     model = execution.model()
-    found = []
+    diagnostics = []
     for conflict in conflicts:
         severity = MERGE_RULES[conflict.rule].severity
         if conflict.file:
-            found.append(
+            diagnostics.append(
                 Diagnostic(conflict.rule, severity, Location(conflict.file), conflict.message)
             )
             continue
@@ -273,10 +275,10 @@ def _findings(conflicts: list[Conflict], execution: Execution, file: str) -> tup
         obj = obj if obj is not None else model.documents[0].roots[0]
         place = replace(model.location(obj, conflict.feature or None), path=file)
         path, fragment = model.element_path(obj), model.fragment(obj)
-        found.append(
+        diagnostics.append(
             Diagnostic(conflict.rule, severity, place, conflict.message, "", path, fragment)
         )
-    return tuple(sorted(set(found)))
+    return tuple(sorted(set(diagnostics)))
 
 
 def with_places(merged: bytes, base: bytes, ours: bytes, theirs: bytes) -> bytes:
@@ -297,8 +299,8 @@ def with_places(merged: bytes, base: bytes, ours: bytes, theirs: bytes) -> bytes
 
 def _places(data: bytes) -> dict[bytes, bytes]:
     """Returns the places of metamodels by namespace."""
-    found = _PLACES.search(data)
-    words = found.group().split() if found is not None else []
+    match = _PLACES.search(data)
+    words = match.group().split() if match is not None else []
     return dict(zip(words[::2], words[1::2], strict=False))
 
 
@@ -318,9 +320,9 @@ def placeholders(lost: Iterable[LostReference], metamodels: Metamodels) -> dict[
             elements.setdefault(path, {}).setdefault(reference.fragment, table)
     uris = {package.name: package.ns_uri for package in metamodels.packages.values()}
     return {
-        path: b"\n".join([_XMI, _present(path), *(_line(*e, uris) for e in found.items())])
+        path: b"\n".join([_XMI, _present(path), *(_line(*e, uris) for e in tables_by_id.items())])
         + b"\n</xmi:XMI>\n"
-        for path, found in elements.items()
+        for path, tables_by_id in elements.items()
     }
 
 

@@ -219,10 +219,12 @@ class _Planner:
         # Only when all additions are known can one of them be the element that is missing.
         new = [e for addition in self.plan.additions for e in sides.all_of(addition.element)]
         for base, ours in self._gone:
-            found = next((element for element in new if self._is_moved(base, element)), None)
-            if found is not None:
-                self.plan.moved.add(found)
-            owner = found.eContainer() if found is not None else None
+            moved_element = next(
+                (element for element in new if self._is_moved(base, element)), None
+            )
+            if moved_element is not None:
+                self.plan.moved.add(moved_element)
+            owner = moved_element.eContainer() if moved_element is not None else None
             did = "removed" if owner is None else f"moved to {self._label(owner)}"
             difference = self._difference(base, ours)
             what = f"{self._label(ours)} was {did} by them and changed by us: {difference}"
@@ -247,7 +249,7 @@ class _Planner:
             if element in self._theirs.olds:
                 continue
             twin = self._twin(element, new)
-            if twin is None and not feature.many and self._stays(ours, feature):
+            if twin is None and not feature.many and self._is_taken(ours, feature):
                 self._clash(ours, feature.name, f"{self._label(element)} was added by them")
             elif twin is None:
                 before = self._following(there[position + 1 :])
@@ -289,15 +291,15 @@ class _Planner:
                     left.remove(twin)
                     self._paired(twin, content)
 
-    def _stays(self, ours: EObject, feature: FeatureTable) -> bool:
+    def _is_taken(self, ours: EObject, feature: FeatureTable) -> bool:
         """Tells whether our side has something where there is room for one alone."""
         return any(content not in self.plan.replaced for content in contents(ours, feature))
 
     def _following(self, siblings: Sequence[EObject]) -> EObject | None:
         """Returns the next sibling of theirs that our side has too."""
         known = (self._theirs.olds.get(sibling) for sibling in siblings)
-        found = (self._ours.news.get(element) for element in known if element is not None)
-        return next((element for element in found if element is not None), None)
+        counterparts = (self._ours.news.get(element) for element in known if element is not None)
+        return next((element for element in counterparts if element is not None), None)
 
     def _ordered(
         self, base: EObject, ours: EObject, theirs: EObject, feature: FeatureTable

@@ -143,12 +143,12 @@ class Sides:
     def difference(self, one: EObject, old: Side | None, other: EObject, new: Side) -> str:
         """Returns in words what makes another element of one."""
         before = self.base if old is None else old.model
-        found = changes(before, new.model, [(one, other)])
+        differences = changes(before, new.model, [(one, other)])
         texts = [
             change.text
             if change.new_element is other
             else f"{change.element} {change.path}: {change.text}"
-            for change in found
+            for change in differences
         ]
         if not texts:
             return "documentation, ids or the order of parts"
@@ -159,14 +159,14 @@ class Sides:
 def _roots_of(old: Model, new: Model, paths: Container[Path]) -> list[tuple[EObject, EObject]]:
     """Returns pairs of the roots of other files."""
     there = {document.path: document.roots for document in new.documents[1:]}
-    found = [
+    documents = [
         document
         for document in old.documents[1:]
         if document.path in paths and document.path in there
     ]
     return [
         pair
-        for document in found
+        for document in documents
         for pair in zip(document.roots, there[document.path], strict=False)
     ]
 

@@ -48,8 +48,8 @@ def add(
     except BaseException:
         at.forget()
         raise
-    made = (path.relative_to(place.root).as_posix() for path in at.made)
-    return tuple(dict.fromkeys((*made, *entry.files)))
+    new_files = (path.relative_to(place.root).as_posix() for path in at.created)
+    return tuple(dict.fromkeys((*new_files, *entry.files)))
 
 
 def add_bridge(
@@ -66,7 +66,7 @@ def add_bridge(
     files that were written, relative to the folder of the project.
     """
 
-    def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
+    def new_commands(at: Opened, scope: Scope, crossings: Sequence[Crossing]) -> Sequence[Command]:
         whole = at.system
         if name in [name_of(system_bridge) for system_bridge in whole.bridges]:
             raise ProjectError(
@@ -75,9 +75,11 @@ def add_bridge(
             )
         check_name(name, whole)
         space = namespace.strip("/")
-        return new_bridge(scope, whole, name, ways, topics=topics, address=address, namespace=space)
+        return new_bridge(
+            scope, whole, name, crossings, topics=topics, address=address, namespace=space
+        )
 
-    return _carry(place, f"Add bridge {name}", chosen, made)
+    return _carry(place, f"Add bridge {name}", chosen, new_commands)
 
 
 def add_connections(
@@ -89,17 +91,17 @@ def add_connections(
     relative to the folder of the project.
     """
 
-    def made(at: Opened, scope: Scope, ways: Sequence[Crossing]) -> Sequence[Command]:
+    def new_commands(at: Opened, scope: Scope, crossings: Sequence[Crossing]) -> Sequence[Command]:
         owner = bridge_in(at, name)
-        for crossing in ways:
+        for crossing in crossings:
             if _carries(owner, crossing):
                 used = name_of(crossing.map)
                 raise ProjectError(
                     f"{name_of(owner)} carries {crossing.topic.name} by {used} already"
                 )
-        return new_connections(scope, owner, ways, topics)
+        return new_connections(scope, owner, crossings, topics)
 
-    return _carry(place, "Add connections", chosen, made)
+    return _carry(place, "Add connections", chosen, new_commands)
 
 
 def _carries(owner: bridge.Bridge, crossing: Crossing) -> bool:
@@ -115,7 +117,7 @@ def _carry(
     place: Place,
     label: str,
     chosen: Sequence[Crossing],
-    made: Callable[[Opened, Scope, Sequence[Crossing]], Sequence[Command]],
+    command_factory: Callable[[Opened, Scope, Sequence[Crossing]], Sequence[Command]],
 ) -> tuple[str, ...]:
     """Adds what carries topics by ready maps; returns the files that were written.
 
@@ -129,7 +131,9 @@ def _carry(
 
     def commands(at: Opened) -> Sequence[Command]:
         scope = at.scope
-        return made(at, scope, [_present(crossing, scope, copies) for crossing in chosen])
+        return command_factory(
+            at, scope, [_present(crossing, scope, copies) for crossing in chosen]
+        )
 
     try:
         files = add(place, label, commands)
@@ -199,13 +203,13 @@ def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Cros
 
 def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
     """Returns the texts of the library that ways use, by the files that hold them as XMI."""
-    found: dict[Path, Path] = {}
+    texts_by_file: dict[Path, Path] = {}
     for crossing in chosen:
         document = library().document_of(crossing.map)
         if document is None or document.is_xml or crossing.has_own_map:
             continue
-        found[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
-    return found
+        texts_by_file[place.path.parent / MAPPINGS / f"{document.path.stem}.xmi"] = document.path
+    return texts_by_file
 
 
 def check_map_name(name: str, owner: bridge.Bridge) -> None:
@@ -229,14 +233,16 @@ def bridge_in(at: Opened, name: str) -> bridge.Bridge:
         if isinstance(one, system.System)
         for system_bridge in one.bridges
     )
-    found = list(dict.fromkeys((*bridges_of(at.scope), *apart)))
-    chosen = [candidate for candidate in found if name in ("", name_of(candidate))]
+    bridges = list(dict.fromkeys((*bridges_of(at.scope), *apart)))
+    chosen = [candidate for candidate in bridges if name in ("", name_of(candidate))]
     if len(chosen) == 1:
         return chosen[0]
-    if not found:
+    if not bridges:
         raise ProjectError(f"{at.place.file} has no bridge; `jausml new bridge` makes one")
     which = f"no bridge {name!a}" if name else "not one bridge"
-    raise ProjectError(f"{at.place.file} has {which}; there are: {', '.join(map(name_of, found))}")
+    raise ProjectError(
+        f"{at.place.file} has {which}; there are: {', '.join(map(name_of, bridges))}"
+    )
 
 
 def namespace_of(place: Place, name: str) -> str:

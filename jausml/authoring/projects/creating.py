@@ -131,14 +131,14 @@ def _contents(wish: Wish) -> dict[str, bytes]:
         autoescape=False,  # noqa: S701 - names are checked, and no file is HTML
     )
     beside = f"../{METAMODELS}"
-    found = {wish.model: model_text(wish.origin, wish.name, beside, is_text=wish.is_text)}
+    files = {wish.model: model_text(wish.origin, wish.name, beside, is_text=wish.is_text)}
     for path, template in TEMPLATES.items():
         text = environment.get_template(template).render(wish=wish, version=__version__)
-        found[path] = text.encode()
+        files[path] = text.encode()
     for folder, copies in copies_for().items():
-        found |= {f"{folder}/{path}": data for path, data in copies.items()}
-        found[f"{folder}/{SUMS}"] = sums_of(copies)
-    return found
+        files |= {f"{folder}/{path}": data for path, data in copies.items()}
+        files[f"{folder}/{SUMS}"] = sums_of(copies)
+    return files
 
 
 def copies_for() -> dict[str, dict[str, bytes]]:
@@ -195,10 +195,10 @@ def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, byte
     wanted: dict[str, bytes] = {}
     kept = []
     for path, data in contents.items():
-        found = read_input(folder / path) if (folder / path).is_file() else None
-        if found == data:
+        current_data = read_input(folder / path) if (folder / path).is_file() else None
+        if current_data == data:
             continue
-        if found is None or _digest(found) == known.get(path):
+        if current_data is None or _digest(current_data) == known.get(path):
             wanted[path] = data
         else:
             kept.append(path)
@@ -242,9 +242,9 @@ def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> lis
 
     def commands(at: Opened) -> Sequence[Command]:
         scope = at.scope
-        made = at.project.model(services.relative_to(folder).as_posix()).model
-        services_made = _outermost(made.documents[0].roots)  # type: ignore[arg-type]
-        provided = tuple(at.project.ref(service, made) for service in services_made)
+        model = at.project.model(services.relative_to(folder).as_posix()).model
+        services_made = _outermost(model.documents[0].roots)  # type: ignore[arg-type]
+        provided = tuple(at.project.ref(service, model) for service in services_made)
         values = {
             "name": (f"{wish.name}_component",),
             "address": (free_address(scope.model),),
@@ -253,8 +253,8 @@ def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> lis
         return [Add(scope.ref(at.system), "components", "jaus.Component", values)]
 
     files = add(place, "Add a component", commands)
-    found = services.relative_to(folder).as_posix()
-    return list(dict.fromkeys((*written, found, *files)))
+    services_path = services.relative_to(folder).as_posix()
+    return list(dict.fromkeys((*written, services_path, *files)))
 
 
 def _begin(folder: Path, wish: Wish) -> list[str]:

@@ -207,7 +207,7 @@ class Opened:
 
     place: Place
     project: Project
-    made: tuple[Path, ...] = ()
+    created: tuple[Path, ...] = ()
 
     @property
     def scope(self) -> Scope:
@@ -229,10 +229,10 @@ class Opened:
     @property
     def system(self) -> system.System:
         """The system of the file."""
-        found = self._root(system.System)
-        if found is None:
+        root = self._root(system.System)
+        if root is None:
             raise ProjectError(f"{self.place.file} has no system that could have new elements")
-        return found
+        return root
 
     def _root(self, kind: type[RootT]) -> RootT | None:
         read = self.project.model(self.place.file)
@@ -244,7 +244,7 @@ class Opened:
 
     def forget(self) -> None:
         """Takes away the files that were made."""
-        for path in self.made:
+        for path in self.created:
             path.unlink(missing_ok=True)
 
 

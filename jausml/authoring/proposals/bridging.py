@@ -128,20 +128,20 @@ class Draft:
 
     def commands(self, scope: Scope, owner: EObject) -> list[Command]:
         """Returns what makes it."""
-        made: list[Command] = []
+        changes: list[Command] = []
         if isinstance(owner, bridge.Bridge):
             place = scope.ref(owner)
-            made += with_service(scope, owner, self.offer)
+            changes += with_service(scope, owner, self.offer)
         else:
             place = f"{NEW}{0}"
-            made.append(_new_bridge(scope, owner, self.offer))
+            changes.append(_new_bridge(scope, owner, self.offer))
         used = scope.ref(self.map)
         if self.map is None:
-            used = f"{NEW}{sum(isinstance(change, Add) for change in made)}"
-            made.append(self._new_map(scope, owner, place))
+            used = f"{NEW}{sum(isinstance(change, Add) for change in changes)}"
+            changes.append(self._new_map(scope, owner, place))
         siblings = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
-        made.append(self.connection(scope, place, used, siblings))
-        return made
+        changes.append(self.connection(scope, place, used, siblings))
+        return changes
 
     def _new_map(self, scope: Scope, owner: EObject, place: str) -> Add:
         maps = owner.maps if isinstance(owner, bridge.Bridge) else ()
@@ -244,14 +244,16 @@ def peer_of(scope: Scope, offer: Offer) -> jaus.Component | None:
 def bridges_of(scope: Scope) -> list[bridge.Bridge]:
     """Returns the bridges of the file that was asked for."""
     own = scope.model.documents[0]
-    found = scope.model.instances(bridge.Bridge, library=False)
-    return [model_bridge for model_bridge in found if scope.model.document_of(model_bridge) is own]
+    bridges = scope.model.instances(bridge.Bridge, library=False)
+    return [
+        model_bridge for model_bridge in bridges if scope.model.document_of(model_bridge) is own
+    ]
 
 
 def system_of(scope: Scope) -> system.System | None:
     """Returns the system of the file that was asked for."""
-    found = (root for root in scope.model.documents[0].roots if isinstance(root, system.System))
-    return next(found, None)
+    systems = (root for root in scope.model.documents[0].roots if isinstance(root, system.System))
+    return next(systems, None)
 
 
 def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
@@ -323,11 +325,11 @@ def between(
 
     One of the library gives way to one of its name in the project, which is mostly a copy.
     """
-    ways = (fitting(scope, message, kind, to_ros=way) for way in (True, False))
-    found = dict.fromkeys(attribute_map for way in ways for attribute_map in way)
+    fitting_maps = (fitting(scope, message, kind, to_ros=way) for way in (True, False))
+    attribute_maps = dict.fromkeys(attribute_map for way in fitting_maps for attribute_map in way)
     by_name: dict[str, bridge.AttributeMap] = {}
     for attribute_map in scope.instances(bridge.AttributeMap):
-        if attribute_map in found:
+        if attribute_map in attribute_maps:
             by_name.setdefault(name_of(attribute_map), attribute_map)
     return list(by_name.values())
 

@@ -90,25 +90,25 @@ def call_of(
     owner = message.eContainer()
     if not isinstance(owner, jaus.Service) or message not in owner.inputs:
         raise AnswerError(f"no service takes {name_of(message)}, so nobody asks by it")
-    found = list(responses(message, owner)) if is_command(message) else []
+    replies = list(responses(message, owner)) if is_command(message) else []
     outputs = [output for one in lineage(owner) for output in one.outputs]
-    confirming = [response for response in found if not is_rejection(response)]
+    confirming = [response for response in replies if not is_rejection(response)]
     if answer is None and not is_command(message):
         answer = next((e for e in outputs if query_name(e) == name_of(message)), None)
     if answer is None:
         answer = next(iter(confirming), None)
     elif named(name_of(answer), outputs) is None:
         raise AnswerError(f"{name_of(owner)} does not send {name_of(answer)}")
-    rejecting = tuple(response for response in found if is_rejection(response))
+    rejecting = tuple(response for response in replies if is_rejection(response))
     return Call(service, kind, message, to_ros, answer, rejecting)
 
 
 def halves(scope: Scope, call: Call) -> list[Half]:
     """Returns the halves of calls that need a map, or for which one is ready."""
-    found = [_half(scope, call, REQUEST, call.message, to_ros=call.to_ros)]
+    optional_halves = [_half(scope, call, REQUEST, call.message, to_ros=call.to_ros)]
     if call.answer is not None:
-        found.append(_half(scope, call, RESPONSE, call.answer, to_ros=not call.to_ros))
-    return [half for half in found if half is not None]
+        optional_halves.append(_half(scope, call, RESPONSE, call.answer, to_ros=not call.to_ros))
+    return [half for half in optional_halves if half is not None]
 
 
 def _half(
@@ -125,8 +125,8 @@ def _needs_map(
     call: Call, message: jaus.MessageDef, part: ros.MessageType, *, to_ros: bool
 ) -> bool:
     """Tells whether a half carries anything but that it came, and how the call ended."""
-    told = (call.success, call.reason) if part is call.type.response else ()
-    members = [field for field in part.fields if field.name not in told]
+    outcome_members = (call.success, call.reason) if part is call.type.response else ()
+    members = [field for field in part.fields if field.name not in outcome_members]
     fields = attributes(message)
     if to_ros:
         return bool(members)
@@ -158,21 +158,21 @@ def connection_commands(
     scope: Scope,
     owner: bridge.Bridge,
     call: Call,
-    made: Mapping[str, Sequence[Command]],
+    map_commands: Mapping[str, Sequence[Command]],
     name: str,
 ) -> list[Command]:
     """Returns what makes the connection of calls, the service for it and its maps.
 
-    `made`: what makes the maps of halves, by `request` and `response`; the first command of each
+    `map_commands`: what makes the maps of halves, by `request` and `response`; the first of each
     makes the map itself.
     """
     offer = offer_of(call.message, to_ros=call.to_ros)
-    found: list[Command] = [] if offer is None else with_service(scope, owner, offer)
+    commands: list[Command] = [] if offer is None else with_service(scope, owner, offer)
     used: dict[str, str] = {}
     for half in halves(scope, call):
-        if half.kind in made:
-            used[half.kind] = f"{NEW}{_count(found)}"
-            found += shifted(made[half.kind], _count(found))
+        if half.kind in map_commands:
+            used[half.kind] = f"{NEW}{_count(commands)}"
+            commands += shifted(map_commands[half.kind], _count(commands))
         elif half.ready is not None:
             used[half.kind] = scope.ref(half.ready)
     values: dict[str, tuple[str, ...]] = {"name": (name,)}
@@ -192,7 +192,7 @@ def connection_commands(
     place = scope.ref(owner)
     inner = (*open_decisions(opens_of(call)), *search)
     return [
-        *found,
+        *commands,
         Add(place, "serviceConnections", "bridge.RosServiceConnection", values, inner),
     ]
 
@@ -241,27 +241,27 @@ def _count(commands: Iterable[Command]) -> int:
 
 def opens_of(call: Call) -> list[OpenPoint]:
     """Returns what a person has to decide about calls, besides what is open in their maps."""
-    found = []
+    open_points = []
     response = ros_name(call.type.response)
     bools = members_of(call.type.response, ("bool",))
     if not call.success and bools:
         text = f"name the bool of {response} that tells whether a call succeeded: "
         text += f"successMember ({', '.join(bools)})"
-        found.append(OpenPoint(text, "JML473"))
+        open_points.append(OpenPoint(text, "JML473"))
     elif not call.success and not call.to_ros:
         text = f"{response} tells of no failure: a call that fails has no response"
-        found.append(OpenPoint(text, "JML473"))
+        open_points.append(OpenPoint(text, "JML473"))
     elif not call.success:
         text = f"{response} tells of no failure: each response counts as done"
-        found.append(OpenPoint(text))
+        open_points.append(OpenPoint(text))
     if call.answer is None and is_command(call.message):
         consequence = "who asks learns of no failure"
         if not call.to_ros:
             consequence = "a call is done when it is sent"
-        found.append(OpenPoint(f"{name_of(call.message)} has no confirmation: {consequence}"))
+        open_points.append(OpenPoint(f"{name_of(call.message)} has no confirmation: {consequence}"))
     elif (
         call.to_ros and call.answer is not None and not call.rejections and is_command(call.message)
     ):
         text = f"{name_of(call.message)} has no rejection: a call that fails has no answer"
-        found.append(OpenPoint(text))
-    return found
+        open_points.append(OpenPoint(text))
+    return open_points

@@ -66,13 +66,13 @@ class Scope:
 
     def find(self, ref: str) -> EObject:
         """Returns the element of a text, which may be one that the model does not use yet."""
-        found = refs.find(ref, self.model, self._top)
-        if found is None:
+        target = refs.find(ref, self.model, self._top)
+        if target is None:
             others = (self.library,) if ref.startswith(refs.LIBRARY) else self._rest
             tried = (refs.find(ref, other, self._top) for other in others)
-            found = next((element for element in tried if element is not None), None)
-        if found is not None:
-            return found
+            target = next((element for element in tried if element is not None), None)
+        if target is not None:
+            return target
         raise AnswerError(f"there is no element {ref!a} any more")
 
     def model_of(self, element: EObject | None) -> Model:
@@ -140,18 +140,18 @@ def service_of(scope: Scope, word: str) -> jaus.Service:
 
     `AnswerError`: there is none, or services of several URNs have the name.
     """
-    found = [
+    services = [
         service
         for service in scope.instances(jaus.Service)
         if word in (name_of(service), service.urn)
     ]
-    urns = sorted({str(service.urn) for service in found})
+    urns = sorted({str(service.urn) for service in services})
     if len(urns) > 1:
         raise AnswerError(f"several services are named {word}: say which ({', '.join(urns)})")
-    if not found:
+    if not services:
         known = map(name_of, scope.instances(jaus.Service))
         raise _missing("service", word, known, f"'jausml new service {word}' makes one")
-    return max(found, key=version_of)
+    return max(services, key=version_of)
 
 
 def message_of(scope: Scope, word: str) -> jaus.MessageDef:
@@ -197,8 +197,10 @@ RosTypeT = TypeVar("RosTypeT", ros.MessageType, ros.ServiceType, ros.ActionType)
 def _ros_type(scope: Scope, kind: type[RosTypeT], word: str, what: str) -> RosTypeT:
     types = scope.instances(kind)
     name = plain_type(word)
-    found = next((message_type for message_type in types if ros_name(message_type) == name), None)
-    if found is None:
+    ros_type = next(
+        (message_type for message_type in types if ros_name(message_type) == name), None
+    )
+    if ros_type is None:
         package = name.partition("/")[0]
         near = [
             type_name
@@ -208,7 +210,7 @@ def _ros_type(scope: Scope, kind: type[RosTypeT], word: str, what: str) -> RosTy
         # Of a package that is known nowhere, the names of others only lead astray.
         way = f"'jausml import ros {package}' brings that package into the project"
         raise _missing(f"ROS {what}", name, near, "" if near else way)
-    return found
+    return ros_type
 
 
 def plain_type(word: str) -> str:
@@ -285,12 +287,12 @@ def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tupl
         find = _NARROW.get(f"{cls.qualified_name}.{feature.name}")
         if find is not None and (narrow := find(element)) is not None:
             return _choices(scope, narrow)
-    found = everywhere(scope, feature.target, element)
+    choices = everywhere(scope, feature.target, element)
     if feature.name == "query":
         used = getattr(element, "query", None)
         own = scope.ref(used) if used is not None else ""
-        return tuple(choice for choice in found if _is_query(choice) or choice.value == own)
-    return found
+        return tuple(choice for choice in choices if _is_query(choice) or choice.value == own)
+    return choices
 
 
 def _is_query(choice: Choice) -> bool:
@@ -321,15 +323,15 @@ def library_choices(target: ClassTable) -> tuple[Choice, ...]:
 
 
 def _choices(scope: Scope, elements: Iterable[EObject]) -> tuple[Choice, ...]:
-    found = [(label_of(element), element) for element in elements]
-    counts = Counter(label for label, _ in found)
+    labelled_elements = [(label_of(element), element) for element in elements]
+    counts = Counter(label for label, _ in labelled_elements)
     choices = [
         Choice(
             scope.ref(element),
             f"{label} ({_file(scope, element)})" if counts[label] > 1 else label,
             _first_sentence(str(getattr(element, "documentation", None) or "")),
         )
-        for label, element in found
+        for label, element in labelled_elements
     ]
     return tuple(
         sorted(choices, key=lambda choice: (choice.label.lower(), choice.label, choice.value))
@@ -351,8 +353,12 @@ def _system_of(element: EObject | None) -> system.System | None:
 
 def _of_map(element: EObject, feature: str) -> list[EObject] | None:
     """What the map has that an element stands in, or that its connection uses."""
-    found: Any = around(element, bridge.AttributeMap, bridge.Connection)
-    used = found.map if isinstance(found, bridge.Connection) else found
+    map_or_connection: Any = around(element, bridge.AttributeMap, bridge.Connection)
+    used = (
+        map_or_connection.map
+        if isinstance(map_or_connection, bridge.Connection)
+        else map_or_connection
+    )
     return None if used is None else list(getattr(used, feature))
 
 

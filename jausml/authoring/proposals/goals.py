@@ -108,7 +108,7 @@ def list_ways(
         if (messages := driver_messages(service)) is not None
         and messages.is_single is bool(singles)
     ]
-    found: dict[tuple[str, str, str], ListWay] = {}
+    candidates_by_key: dict[tuple[str, str, str], ListWay] = {}
     for member, element in ends or singles:
         for used in maps:
             if used.message is None or used.type is None or are_examples(used):
@@ -120,8 +120,8 @@ def list_ways(
             for driver in known:
                 if _has_elements(driver, used.message):
                     key = (member, name_of(used), str(driver.urn))
-                    found.setdefault(key, ListWay(driver, used, member))
-    return list(found.values())
+                    candidates_by_key.setdefault(key, ListWay(driver, used, member))
+    return list(candidates_by_key.values())
 
 
 def _has_elements(driver: jaus.Service, message: jaus.MessageDef) -> bool:
@@ -133,10 +133,10 @@ def _has_elements(driver: jaus.Service, message: jaus.MessageDef) -> bool:
 
 def ways_for(scope: Scope, kind: ros.ActionType, *, to_ros: bool) -> list[ListWay]:
     """Returns the ways for an action with all maps and services, the usual ones first."""
-    ways = list_ways(
+    candidates = list_ways(
         scope.instances(bridge.AttributeMap), scope.instances(jaus.Service), kind, to_ros=to_ros
     )
-    return sorted(ways, key=lambda way: not way.is_usual)
+    return sorted(candidates, key=lambda way: not way.is_usual)
 
 
 def progress_of(kind: ros.ActionType) -> tuple[str, str]:
@@ -166,14 +166,14 @@ def action_commands(
 ) -> list[Command]:
     """Returns what makes the connection of an action, with the driver and the map that it needs."""
     place = scope.ref(owner)
-    found: list[Command] = []
+    commands: list[Command] = []
     feature = "provides" if to_ros else "uses"
     known = list(getattr(owner, feature))
     if str(way.driver.urn) not in {str(service.urn) for service in with_inherited(known)}:
         refs = tuple(map(scope.ref, (*known, way.driver)))
-        found.append(Set(place, feature, refs))
+        commands.append(Set(place, feature, refs))
     copy = own_copy(scope, owner, way.map)
-    found += copy or ()
+    commands += copy or ()
     values: dict[str, tuple[str, ...]] = {"name": (name,)}
     if not to_ros:
         values["direction"] = ("rosToJaus",)
@@ -195,7 +195,7 @@ def action_commands(
         peers, search = peers_of(scope, driver_messages(way.driver).execute, way.driver)  # type: ignore[union-attr]
         inner += search
         values |= peers | ({"speed": (f"{speed:g}",)} if speed else {})
-    return [*found, Add(place, "actionConnections", "bridge.RosActionConnection", values, inner)]
+    return [*commands, Add(place, "actionConnections", "bridge.RosActionConnection", values, inner)]
 
 
 def why_none(kind: ros.ActionType, *, to_ros: bool) -> str:
@@ -232,23 +232,23 @@ def opens_of(
     kind: ros.ActionType, way: ListWay, name: str, *, to_ros: bool, speed: float
 ) -> list[OpenPoint]:
     """Returns what a person has to decide about a connection of an action."""
-    found = []
+    open_points = []
     messages = driver_messages(way.driver)
     if not to_ros and not speed and messages is not None and knows_speed(messages):
         text = "state the speed at which peers execute lists: speed, or --speed"
-        found.append(OpenPoint(text, "JML486"))
+        open_points.append(OpenPoint(text, "JML486"))
     is_list = messages is not None and not messages.is_single
     if is_list and not progress_of(kind)[0]:
         numbers = members_of(kind.feedback, ("int", "uint"))
         text = "nothing tells which element is active: "
         if numbers:
-            found.append(pending(f"{text}progressMember ({', '.join(numbers)})"))
+            open_points.append(pending(f"{text}progressMember ({', '.join(numbers)})"))
         else:
-            found.append(OpenPoint(f"{text}its feedback has no number"))
+            open_points.append(OpenPoint(f"{text}its feedback has no number"))
     others = [
         str(field.name) for field in kind.goal.fields if field.name != way.member.partition(".")[0]
     ]
     if to_ros and others:
         text = f"defaults are sent in {', '.join(others)} of the goal, unless goal_{name} of the "
-        found.append(pending(f"{text}skeleton sets them"))
-    return found
+        open_points.append(pending(f"{text}skeleton sets them"))
+    return open_points

@@ -24,9 +24,9 @@ FRAME_IDS = ("frame_id", "child_frame_id")
 
 def names_in(used: bridge.AttributeMap) -> list[str]:
     """Returns the names by which a map knows the elements of lists; none for most maps."""
-    found = (name for assignment in (*used.toRos, *used.toJaus) for name in _names(assignment))
+    names = (name for assignment in (*used.toRos, *used.toJaus) for name in _names(assignment))
     places = named_places(used)
-    return list(dict.fromkeys(found if places is None else places.names))
+    return list(dict.fromkeys(names if places is None else places.names))
 
 
 def _names(assignment: bridge.Assignment) -> Iterator[str]:
@@ -45,9 +45,9 @@ def names_for(used: bridge.AttributeMap, known: Sequence[str]) -> tuple[str, ...
     places = named_places(used)
     if places is None:
         return tuple(known)
-    found = _bearers(places, known)
-    if all(len(name_list) == 1 for name_list in found):
-        return tuple(name for (name,) in found)
+    bearers = _bearers(places, known)
+    if all(len(name_list) == 1 for name_list in bearers):
+        return tuple(name for (name,) in bearers)
     return tuple(known) if len(known) == len(places.names) else ()
 
 
@@ -61,9 +61,12 @@ def are_named(used: bridge.AttributeMap, known: Sequence[str]) -> bool:
 
 def _bearers(places: NamedPlaces, known: Sequence[str]) -> list[list[str]]:
     """Returns for each place the names of a robot that have its name as a word."""
-    told = {robot_name: [word.lower() for word in words(robot_name)] for robot_name in known}
+    words_by_name = {
+        robot_name: [word.lower() for word in words(robot_name)] for robot_name in known
+    }
     return [
-        [robot_name for robot_name, own in told.items() if name in own] for name in places.names
+        [robot_name for robot_name, own in words_by_name.items() if name in own]
+        for name in places.names
     ]
 
 
@@ -74,8 +77,8 @@ def are_examples(used: bridge.AttributeMap) -> bool:
 
 def frames_in(used: bridge.AttributeMap) -> list[str]:
     """Returns the frames that a map names in what it publishes."""
-    found = (name for assignment in used.toRos for name in _frames(assignment))
-    return list(dict.fromkeys(found))
+    frames = (name for assignment in used.toRos for name in _frames(assignment))
+    return list(dict.fromkeys(frames))
 
 
 def _frames(assignment: bridge.Assignment) -> Iterator[str]:
@@ -109,15 +112,19 @@ def copied_with_names(
     joints = [f"{', '.join(names)}: by these names in ROS, in this order in JAUS."] if names else []
     said = [f"The frame {old} is {new} here." for old, new in frames.items()]
     about = "\n\n".join((*joints, *said, f"Made of the ready map {name_of(used)}."))
-    made = copied(scope, place, used, name, first=first)
+    commands = copied(scope, place, used, name, first=first)
     if names:
-        made = [_with_names(change, names) if _is_map(change) else change for change in made]
-    made = [_with_frames(change, frames) if isinstance(change, Add) else change for change in made]
+        commands = [
+            _with_names(change, names) if _is_map(change) else change for change in commands
+        ]
+    commands = [
+        _with_frames(change, frames) if isinstance(change, Add) else change for change in commands
+    ]
     return [
         replace(change, values={**change.values, "documentation": (about,)})
         if _is_map(change)
         else change
-        for change in made
+        for change in commands
     ]
 
 
@@ -125,27 +132,27 @@ def _is_map(command: Command) -> TypeGuard[Add]:
     return isinstance(command, Add) and command.kind == "bridge.AttributeMap"
 
 
-def _with_frames(made: AddedT, frames: Mapping[str, str]) -> AddedT:
-    values = dict(made.values)
+def _with_frames(addition: AddedT, frames: Mapping[str, str]) -> AddedT:
+    values = dict(addition.values)
     (path,) = values.get("target") or values.get("path") or ("",)
     if _is_frame(path) and "value" in values:
         values["value"] = tuple(frames.get(frame, frame) for frame in values["value"])
-    children = tuple(_with_frames(child, frames) for child in made.children)
-    return replace(made, values=values, children=children)
+    children = tuple(_with_frames(child, frames) for child in addition.children)
+    return replace(addition, values=values, children=children)
 
 
-def _with_names(made: AddedT, names: Sequence[str]) -> AddedT:
-    values = dict(made.values)
+def _with_names(addition: AddedT, names: Sequence[str]) -> AddedT:
+    values = dict(addition.values)
     if "names" in values:
         values["names"] = tuple(names)
     place = named_by(*values.get("target", ("",)))
     if place is not None and "value" in values:
         values["value"] = (names[place],)
-    kept = [child for child in made.children if child.feature != "vectors"]
-    if made.kind == "bridge.Stop":
-        return replace(made, children=tuple(_stopping(kept, names)))
+    kept = [child for child in addition.children if child.feature != "vectors"]
+    if addition.kind == "bridge.Stop":
+        return replace(addition, children=tuple(_stopping(kept, names)))
     children = tuple(_with_names(child, names) for child in kept)
-    return replace(made, values=values, children=children)
+    return replace(addition, values=values, children=children)
 
 
 def _stopping(values: Sequence[AddedT], names: Sequence[str]) -> Iterator[AddedT]:
@@ -159,9 +166,9 @@ def _stopping(values: Sequence[AddedT], names: Sequence[str]) -> Iterator[AddedT
         if is_element:
             is_name = not _is_number(*value.values["value"])
             for at, name in enumerate(names):
-                told = {"target": (f"{before}[{at}]{behind}",)}
-                told |= {"value": (name,)} if is_name else {}
-                yield replace(value, values={**value.values, **told})
+                overrides = {"target": (f"{before}[{at}]{behind}",)}
+                overrides |= {"value": (name,)} if is_name else {}
+                yield replace(value, values={**value.values, **overrides})
         elif not _ELEMENT.search(path):
             yield value
 

@@ -43,8 +43,8 @@ def new_bridge(
         services = [offer.service for offer in _offers(chosen) if offer.is_provided is is_used]
         if services:
             values[feature] = tuple(dict.fromkeys(map(scope.ref, services)))
-    made = Add(scope.ref(whole), "bridges", "bridge.Bridge", values)
-    return [made, *_connections(scope, f"{NEW}0", chosen, topics, first=1)]
+    bridge_command = Add(scope.ref(whole), "bridges", "bridge.Bridge", values)
+    return [bridge_command, *_connections(scope, f"{NEW}0", chosen, topics, first=1)]
 
 
 def new_connections(
@@ -52,15 +52,15 @@ def new_connections(
 ) -> list[Command]:
     """Returns what adds a connection for each chosen way to a bridge, and the services of them."""
     place = scope.ref(owner)
-    made: list[Command] = []
+    commands: list[Command] = []
     for feature, is_used in (("provides", False), ("uses", True)):
         known = list(getattr(owner, feature))
         wanted = [offer for offer in _offers(chosen) if offer.is_provided is is_used]
         missing = [offer.service for offer in wanted if not has_message(known, offer.message)]
         if missing:
             refs = (scope.ref(service) for service in (*known, *missing))
-            made.append(Set(place, feature, tuple(dict.fromkeys(refs))))
-    return [*made, *_connections(scope, place, chosen, topics, owner)]
+            commands.append(Set(place, feature, tuple(dict.fromkeys(refs))))
+    return [*commands, *_connections(scope, place, chosen, topics, owner)]
 
 
 def _offers(chosen: Sequence[Crossing]) -> list[Offer]:
@@ -82,7 +82,7 @@ def _connections(
     `owner`: the bridge at the place, None for a new one. `first`: the number of elements that are
     made before.
     """
-    found: list[Command] = []
+    commands: list[Command] = []
     names = (
         [name_of(bridge_connection) for bridge_connection in owner.bridgeConnections]
         if owner is not None
@@ -94,9 +94,9 @@ def _connections(
         used = scope.ref(crossing.map)
         if crossing.has_own_map:
             maps.append(free_name(f"{crossing.topic.name}_{name_of(crossing.map)}", maps))
-            before = first + sum(isinstance(one, Add) for one in found)
+            before = first + sum(isinstance(one, Add) for one in commands)
             used = f"{NEW}{before}"
-            found += copied_with_names(
+            commands += copied_with_names(
                 scope, place, crossing.map, maps[-1], crossing.names, crossing.frames, first=before
             )
         names.append(free_name(_connection_name(crossing, chosen, names), names))
@@ -112,8 +112,8 @@ def _connections(
             crossing.hold_reason,
             crossing.is_own,
         )
-        found.append(draft.connection(scope, place, used))
-    return found
+        commands.append(draft.connection(scope, place, used))
+    return commands
 
 
 def _connection_name(crossing: Crossing, chosen: Sequence[Crossing], taken: Sequence[str]) -> str:

@@ -50,22 +50,22 @@ class TopicName:
         """Splits the name of a topic, or of a join, into words."""
         own = _split("_".join(_LONG.get(word, word) for word in _lower(name)))
         self._all = {*own, *(_MEANT[word] for word in own if word in _MEANT)}
-        self._told = _told(own)
+        self._distinctive = _distinctive(own)
         self.commands = not _COMMANDING.isdisjoint(own) and not {"current", "applied"} & {*own}
 
     def distance(self, used: bridge.AttributeMap) -> tuple[bool, int, int, int]:
         """Returns how far a map is from what the name says; the least is the likeliest."""
         own = _of_map(used)
-        missing = self._told - {*own}
+        missing = self._distinctive - {*own}
         return not self.names(used), -len(self._all & {*own}), len(missing), len(own)
 
     def names(self, used: bridge.AttributeMap) -> bool:
         """Tells whether the name says what the name of a map does, and nothing else."""
-        return self._told == _told(_of_map(used))
+        return self._distinctive == _distinctive(_of_map(used))
 
     def feeds(self, join: bridge.Join) -> bool:
         """Tells whether the name has all words of a join."""
-        return _told(_split(name_of(join).lower())) <= self._told
+        return _distinctive(_split(name_of(join).lower())) <= self._distinctive
 
 
 def is_bare(kind: str) -> bool:
@@ -99,6 +99,6 @@ def _split(name: str) -> list[str]:
     return [word for word in name.split("_") if word]
 
 
-def _told(own: list[str]) -> set[str]:
+def _distinctive(own: list[str]) -> set[str]:
     """Returns the words that say which thing is meant; all where none does."""
     return {word for word in own if word not in _IDLE} or {*own}

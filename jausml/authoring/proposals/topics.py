@@ -146,9 +146,9 @@ def crossings(topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -
         is_named = are_named(crossing.map, topic.names)
         return moves is not said.commands, not is_named, *said.distance(crossing.map)
 
-    found = sorted(_possible(topic, maps, is_vehicle=side == VEHICLE), key=rank)
+    ranked_crossings = sorted(_possible(topic, maps, is_vehicle=side == VEHICLE), key=rank)
     is_open = topic.maps or not is_bare(topic.type)
-    return [crossing for crossing in found if is_open or said.names(crossing.map)]
+    return [crossing for crossing in ranked_crossings if is_open or said.names(crossing.map)]
 
 
 def why_not(wanted: str, topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str) -> str:
@@ -224,7 +224,7 @@ def robots_in(topics: Sequence[TopicEnd]) -> list[str]:
             spaces[end].add("/".join(parts[:at]))
             if topic.to_ros:
                 heard.add(end)
-    shared = {end: found for end, found in spaces.items() if len(found) > 1}
+    shared = {end: namespaces for end, namespaces in spaces.items() if len(namespaces) > 1}
     are_several = len(shared) > 1 or not heard.isdisjoint(shared)
     return sorted(set().union(*shared.values())) if are_several else []
 
@@ -246,13 +246,13 @@ def clashes(chosen: Sequence[Crossing]) -> list[tuple[Crossing, Crossing]]:
     two things.
     """
     first: dict[tuple[int, bool], Crossing] = {}
-    found = []
+    repetitions = []
     for crossing in chosen:
         before = first.setdefault((code(crossing.offer.message), crossing.offer.to_ros), crossing)
         is_same = before.topic is crossing.topic or crossing.map.message.moves is False
         if before is not crossing and not is_same and not crossing.topic.maps:
-            found.append((crossing, before))
-    return found
+            repetitions.append((crossing, before))
+    return repetitions
 
 
 def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) -> dict[str, str]:
@@ -260,9 +260,9 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
 
     `taken`: the names of topics that joins have already; those that are found are added.
     """
-    found: dict[str, str] = {}
+    topics_by_join: dict[str, str] = {}
     if crossing.offer.to_ros:
-        return found
+        return topics_by_join
     for join in crossing.map.joins:
         free = [topic for topic in topics if topic.name not in taken | {crossing.topic.name}]
         fitting = [end for end in free if feeds(end, join)]
@@ -271,9 +271,9 @@ def joins_of(crossing: Crossing, topics: Sequence[TopicEnd], taken: set[str]) ->
             (end for end in fitting if TopicName(end.name).feeds(join)),
             next(iter(fitting), None),
         ):
-            found[name_of(join)] = best.name
+            topics_by_join[name_of(join)] = best.name
             taken.add(best.name)
-    return found
+    return topics_by_join
 
 
 def feeds(topic: TopicEnd, join: bridge.Join) -> bool:
@@ -302,10 +302,10 @@ def unanswered_queries(chosen: Sequence[Crossing]) -> dict[str, list[str]]:
         if codes.count(code(command)) == 1
     )
     sent.update(code(answer.report) for answer in answers if answer is not None)
-    found = {name_of(service): unanswered(service, sent) for service in services}
+    queries_by_service = {name_of(service): unanswered(service, sent) for service in services}
     return {
         service: [name_of(query) for query in queries]
-        for service, queries in found.items()
+        for service, queries in queries_by_service.items()
         if queries
     }
 
@@ -359,8 +359,8 @@ def is_worth_reading(name: str) -> bool:
 def says(name: str, value: Any) -> str:
     """Returns what a parameter means for a model; empty for one that means nothing as it is."""
     if name == _DESCRIPTION:
-        found = ",".join(described_joints(value))
-        return f"movable joints {found}; --joints TOPIC={found} states them" if found else ""
+        joints = ",".join(described_joints(value))
+        return f"movable joints {joints}; --joints TOPIC={joints} states them" if joints else ""
     if value in (False, "", None):
         return ""
     return _meaning(name)
@@ -374,8 +374,8 @@ def frame_role(name: str) -> str:
 
 def described_joints(description: Any) -> list[str]:
     """Returns the joints of a URDF that move, in its order."""
-    found = (dict(_ATTRIBUTE.findall(match)) for match in _JOINT.findall(str(description)))
-    return [joint["name"] for joint in found if joint.get("type") in _MOVABLE and "name" in joint]
+    joints = (dict(_ATTRIBUTE.findall(match)) for match in _JOINT.findall(str(description)))
+    return [joint["name"] for joint in joints if joint.get("type") in _MOVABLE and "name" in joint]
 
 
 def _meaning(name: str) -> str:

@@ -208,14 +208,14 @@ class Faults(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keeps a record."""
-        made = {
+        entry = {
             "time": record.created,
             "level": record.levelname.lower(),
             "text": record.getMessage(),
             "details": self._format.formatException(record.exc_info) if record.exc_info else "",
         }
         with self._lock:
-            self._records.append(made)
+            self._records.append(entry)
 
 
 @dataclass
@@ -284,14 +284,14 @@ class StudioContext:
         """
         self.notify_outside(self.project.refresh(files))
 
-    def notify_outside(self, found: Sequence[Change]) -> None:
+    def notify_outside(self, changes: Sequence[Change]) -> None:
         """Tells of changes by other programs."""
-        for change in found:
+        for change in changes:
             event = "conflict" if change.is_conflict else "outside"
             is_gone = all(held.path != change.file for held in self.project.files)
-            told = {"file": change.file, "diff": change.diff, "gone": is_gone}
-            self.subscribers.notify(event, told)
-        if found:
+            parameters = {"file": change.file, "diff": change.diff, "gone": is_gone}
+            self.subscribers.notify(event, parameters)
+        if changes:
             log = reversed(self.project.log)
             self.changed(next((entry for entry in log if entry.is_outside), None), by="outside")
 

@@ -47,8 +47,10 @@ def live_values(state: SystemState, places: Places) -> dict[str, Any]:
         values["components"], state.components.values(), strict=True
     ):
         component_entry["box"] = places.boxes.get(component_entry["id"], "")
-        for told, machine in zip(component_entry["machines"], component.machines, strict=True):
-            told["known"] = is_known(machine, places.machines)
+        for machine_entry, machine in zip(
+            component_entry["machines"], component.machines, strict=True
+        ):
+            machine_entry["known"] = is_known(machine, places.machines)
     edges, boxes = _edges(state, places), _boxes(state, places)
     return {
         **values,
@@ -69,14 +71,15 @@ def _closed(
     for name, status in (*boxes.items(), *edges.items()):
         for frame in places.frames.get(name, ()):
             inside[frame].append(status)
-    return {frame: _worst(found) for frame, found in inside.items()}
+    return {frame: _worst(statuses) for frame, statuses in inside.items()}
 
 
-def _worst(found: Sequence[dict[str, Any]]) -> dict[str, Any]:
+def _worst(statuses: Sequence[dict[str, Any]]) -> dict[str, Any]:
     level = max(
-        (Level(status["level"]) for status in found), key=lambda status_level: status_level.weight
+        (Level(status["level"]) for status in statuses),
+        key=lambda status_level: status_level.weight,
     )
-    counts = Counter("gone" if status["gone"] else status["level"] for status in found)
+    counts = Counter("gone" if status["gone"] else status["level"] for status in statuses)
     return {
         "level": level.value,
         "gone": bool(counts["gone"]),
@@ -87,13 +90,13 @@ def _worst(found: Sequence[dict[str, Any]]) -> dict[str, Any]:
 
 
 def _edges(state: SystemState, places: Places) -> dict[str, Any]:
-    found = {}
+    edges_by_id = {}
     for connection in state.connections.values():
         row = row_of(connection, places)
         if row is not None:
             shown = _edge(connection, state.age_of(connection))
-            found.update(dict.fromkeys((row, *places.edges[row]), shown))
-    return found
+            edges_by_id.update(dict.fromkeys((row, *places.edges[row]), shown))
+    return edges_by_id
 
 
 def row_of(connection: ConnectionState, places: Places) -> str | None:
@@ -126,17 +129,17 @@ def _connection_text(connection: ConnectionState) -> str:
 
 
 def _controls(state: SystemState, places: Places) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    controls_by_edge: dict[str, Any] = {}
     for edge, (owner, controlled) in places.controls.items():
         component = state.components.get(controlled)
         if component is not None:
             level, text = _control(component, owner)
-            found[edge] = {
+            controls_by_edge[edge] = {
                 "level": level.value, "rate": None, "declared": None, "age": None,
                 "gone": component.is_gone,
                 "latency": {}, "drops": {}, "text": text,
             }  # fmt: skip
-    return found
+    return controls_by_edge
 
 
 def _control(component: ComponentState, owner: str) -> tuple[Level, str]:

@@ -115,7 +115,7 @@ Key = tuple[str, str]
 def machine_views(model: Model) -> dict[Key, tuple[MachineView, ...]]:
     """Returns the views that show a machine: its own, and those of the machines it extends."""
     context = Context(model, SYSTEM, ())
-    found: dict[Key, tuple[MachineView, ...]] = {}
+    views_by_key: dict[Key, tuple[MachineView, ...]] = {}
     views: dict[jaus.StateMachine, MachineView] = {}
     for element in model.instances(jaus.StateMachine):
         whole, owner = machine_with(element), element.eContainer()
@@ -123,8 +123,8 @@ def machine_views(model: Model) -> dict[Key, tuple[MachineView, ...]]:
             paths = dict.fromkeys((*whole.nodes, *whole.core_states))
             views[element] = MachineView(context.id_of(element), tuple(paths))
             shown = tuple(views[machine] for machine in whole.elements if machine in views)
-            found[str(owner.urn), str(element.name)] = shown
-    return found
+            views_by_key[str(owner.urn), str(element.name)] = shown
+    return views_by_key
 
 
 def machine_boxes(

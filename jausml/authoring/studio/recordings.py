@@ -50,12 +50,12 @@ class OpenedRecording:
         self._thread.join()
 
     def _read(self) -> None:
-        found: float | RecordedSystem = 0.0
+        answer: float | RecordedSystem = 0.0
         try:
-            while isinstance(found, float):
-                self.share = found
-                found = self._process.ask(AT_ONCE)
-            self.system = found
+            while isinstance(answer, float):
+                self.share = answer
+                answer = self._process.ask(AT_ONCE)
+            self.system = answer
         except (RecordingError, OSError, PoolError) as error:
             reason = getattr(error, "strerror", None) or str(error)
             self.fault = reason.replace(str(self._path), self._name)
@@ -66,23 +66,23 @@ class OpenedRecording:
 class Recordings:
     """The recordings of a folder, and those that were named when the studio was started."""
 
-    def __init__(self, root: Path, given: Iterable[Path] = ()) -> None:
+    def __init__(self, root: Path, paths: Iterable[Path] = ()) -> None:
         """Opens nothing yet."""
         self._root = root.resolve()
-        self._given = _named(self._root, given)
+        self._named_files = _named(self._root, paths)
         self._opened: OrderedDict[tuple[str, int, int], OpenedRecording] = OrderedDict()
         self._lock = threading.Lock()
 
     @property
     def given(self) -> tuple[str, ...]:
         """Names of those that were named at the start."""
-        return tuple(self._given)
+        return tuple(self._named_files)
 
     def files(self) -> list[str]:
         """Returns the names of those that may be opened."""
-        found = islice(walk(str(self._root), (MCAP,), lambda _: None), MOST_LISTED)
-        below = (Path(path).relative_to(self._root).as_posix() for path in found)
-        return list(dict.fromkeys((*self._given, *below)))
+        paths = islice(walk(str(self._root), (MCAP,), lambda _: None), MOST_LISTED)
+        below = (Path(path).relative_to(self._root).as_posix() for path in paths)
+        return list(dict.fromkeys((*self._named_files, *below)))
 
     def opened(self, name: str) -> OpenedRecording:
         """Returns a recording, which is being read from the first question on.
@@ -119,10 +119,10 @@ class Recordings:
         Raises:
             AnswerError: There is none of this name, or it is not read yet, or cannot be.
         """
-        found = self.opened(name)
-        if found.system is None:
-            raise AnswerError(found.fault or f"{name} is still being read")
-        return found.system
+        opened_recording = self.opened(name)
+        if opened_recording.system is None:
+            raise AnswerError(opened_recording.fault or f"{name} is still being read")
+        return opened_recording.system
 
     def close(self) -> None:
         """Closes all."""
@@ -134,8 +134,8 @@ class Recordings:
 
     def _path(self, name: str) -> Path:
         """Returns the file of a name: one that was given, or one of the folder and no other."""
-        if name in self._given:
-            return self._given[name]
+        if name in self._named_files:
+            return self._named_files[name]
         try:
             path = (self._root / name).resolve()
             is_below = path.is_relative_to(self._root) and path.is_file()
@@ -146,14 +146,14 @@ class Recordings:
         return path
 
 
-def _named(root: Path, given: Iterable[Path]) -> Mapping[str, Path]:
+def _named(root: Path, files: Iterable[Path]) -> Mapping[str, Path]:
     """Returns files by the names that pages know: paths below the folder, else their last part."""
-    found: dict[str, Path] = {}
-    for file in given:
+    files_by_name: dict[str, Path] = {}
+    for file in files:
         path = file.resolve()
         name = path.relative_to(root).as_posix() if path.is_relative_to(root) else path.name
         numbered = (f"{name} ({number})" for number in count(2))
-        while found.get(name, path) != path:
+        while files_by_name.get(name, path) != path:
             name = next(numbered)
-        found[name] = path
-    return found
+        files_by_name[name] = path
+    return files_by_name

@@ -61,10 +61,10 @@ class TypedError(Exception):
 def typed(call: Callable[..., MadeT], value: object, where: str = "params") -> Callable[[], MadeT]:
     """Returns a call, of a class or function, with the members of an object as its parameters."""
     try:
-        made: Callable[[], MadeT] = _bound(call, value, where)
+        bound_call: Callable[[], MadeT] = _bound(call, value, where)
     except RecursionError as error:
         raise TypedError(f"{where} is too deep") from error
-    return made
+    return bound_call
 
 
 def _typed(kind: Any, value: Any, where: str) -> Any:
@@ -177,15 +177,15 @@ def command(value: Mapping[str, object], where: str = "command") -> Command:
 
     Its `kind` names the command, so the class of a new element is its `type`.
     """
-    given = dict(value)
-    name = given.pop("kind", None)
+    members = dict(value)
+    name = members.pop("kind", None)
     kind: Any = _COMMANDS.get(name) if isinstance(name, str) else None
     if kind is None:
         raise TypedError(f"{where}.kind is one of {', '.join(_COMMANDS)}")
-    if "type" in given:
-        given["kind"] = given.pop("type")
-    made: Command = typed(kind, given, where)()
-    return made
+    if "type" in members:
+        members["kind"] = members.pop("type")
+    new_command: Command = typed(kind, members, where)()
+    return new_command
 
 
 def as_json(value: Any) -> Any:
@@ -212,13 +212,15 @@ def as_json(value: Any) -> Any:
 
 def _members(value: Any) -> dict[str, Any]:
     # A name of Python's own has an underscore behind it.
-    found = {field.name.rstrip("_"): as_json(getattr(value, field.name)) for field in fields(value)}
+    members = {
+        field.name.rstrip("_"): as_json(getattr(value, field.name)) for field in fields(value)
+    }
     name = _NAMES.get(type(value))
     if name is None:
-        return found
-    if "kind" in found:
-        found["type"] = found.pop("kind")
-    return {"kind": name, **found}
+        return members
+    if "kind" in members:
+        members["type"] = members.pop("kind")
+    return {"kind": name, **members}
 
 
 def files_as_json(project: Project) -> list[dict[str, Any]]:
@@ -240,22 +242,22 @@ def log_as_json(project: Project) -> dict[str, bool]:
     return {"undoable": bool(project.log), "redoable": bool(project.undone)}
 
 
-def freshness_as_json(found: Freshness) -> dict[str, Any]:
+def freshness_as_json(freshness: Freshness) -> dict[str, Any]:
     """Returns what an answer is worth."""
-    return {"state": found.state, "since": found.since, "why": found.why}
+    return {"state": freshness.state, "since": freshness.since, "why": freshness.why}
 
 
-def entry_as_json(made: Entry | None) -> dict[str, Any] | None:
+def entry_as_json(entry: Entry | None) -> dict[str, Any] | None:
     """Returns an entry of the log; None for none."""
-    if made is None:
+    if entry is None:
         return None
     return {
-        "number": made.number,
-        "label": made.label,
-        "files": made.files,
-        "created": made.created,
-        "layout": made.layout,
-        "outside": made.is_outside,
+        "number": entry.number,
+        "label": entry.label,
+        "files": entry.files,
+        "created": entry.created,
+        "layout": entry.layout,
+        "outside": entry.is_outside,
     }
 
 

@@ -44,9 +44,9 @@ class Token:
     def __init__(self) -> None:
         self.text = secrets.token_urlsafe(32)
 
-    def fits(self, given: str) -> bool:
+    def fits(self, candidate: str) -> bool:
         """Tells whether it is what was given; takes as long whichever letter differs."""
-        return hmac.compare_digest(self.text.encode(), given.encode("utf-8", "replace"))
+        return hmac.compare_digest(self.text.encode(), candidate.encode("utf-8", "replace"))
 
 
 @dataclass(frozen=True)

@@ -132,5 +132,5 @@ async def changes(root: Path, end: asyncio.Event) -> AsyncIterator[list[str]]:
         stop_event=end,
         ignore_permission_denied=True,
     )
-    async for found in watching:
-        yield sorted({os.path.relpath(path, root).replace(os.sep, "/") for _, path in found})
+    async for file_changes in watching:
+        yield sorted({os.path.relpath(path, root).replace(os.sep, "/") for _, path in file_changes})

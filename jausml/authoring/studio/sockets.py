@@ -255,8 +255,8 @@ class LanguageSocket:
         if hello is None:
             return
         self._outgoing.send(rpc.answer(hello.id, {}))
-        ways = (self._receive_all(), self._outgoing.send_all())
-        tasks = [asyncio.create_task(coroutine) for coroutine in ways]
+        coroutines = (self._receive_all(), self._outgoing.send_all())
+        tasks = [asyncio.create_task(coroutine) for coroutine in coroutines]
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         for task in tasks:
             task.cancel()

@@ -66,13 +66,15 @@ def _list_open(output_format: str) -> None:
 
     report = checked([project()])
     asking = {rule.id for rule in all_rules() if rule.is_decision}
-    found = tuple(diagnostic for diagnostic in report.diagnostics if diagnostic.rule in asking)
-    listed = replace(report, diagnostics=found, set_aside=())
+    open_findings = tuple(
+        diagnostic for diagnostic in report.diagnostics if diagnostic.rule in asking
+    )
+    listed = replace(report, diagnostics=open_findings, set_aside=())
     rendered = RENDERERS[output_format](listed)
     is_text = output_format == "text"
     click.echo(painted_findings(rendered) if is_text else rendered, nl=False)
     if is_text:
-        remark(text.summary(listed) if found else "nothing is open")
+        remark(text.summary(listed) if open_findings else "nothing is open")
     if others := report.count(Severity.ERROR) - listed.count(Severity.ERROR):
         said = "1 error" if others == 1 else f"{others} errors"
         warn(f"{said} besides, which may hide what is open: jausml validate")
@@ -91,13 +93,13 @@ def model_option(command: Callable[..., None]) -> Callable[..., None]:
 
 def pairs(words: Sequence[str], sign: str, example: str) -> list[tuple[str, str]]:
     """Returns the two parts of words that have a sign between them."""
-    found = []
+    word_pairs = []
     for word in words:
         first, mark, second = word.partition(sign)
         if not (first and mark and second):
             raise click.UsageError(f"{word!a} should be like {example}")
-        found.append((first.strip(), second.strip()))
-    return found
+        word_pairs.append((first.strip(), second.strip()))
+    return word_pairs
 
 
 def place_for(model: Path | None) -> Place:

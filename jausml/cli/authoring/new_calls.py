@@ -91,7 +91,7 @@ def service_connection(
 
     name, kind = _name_and_type(word, _TRIGGER)
     stated = {"request": pairs(requests, "=", "data=Lit"), "response": pairs(replies, "=", "Lit=x")}
-    told: list[OpenPoint] = []
+    open_points: list[OpenPoint] = []
 
     def commands(at: Opened) -> Sequence[Command]:
         owner, scope = bridge_in(at, bridge or ""), at.scope
@@ -105,15 +105,19 @@ def service_connection(
         own = _free_name(owner, name)
         needed = halves(scope, call)
         _check_stated(stated, needed)
-        made = {half.kind: _map_of(scope, owner, half, own, stated, yes=yes) for half in needed}
-        maps = {
-            half: map_commands for half, map_commands in made.items() if map_commands is not None
+        commands_by_half = {
+            half.kind: _map_of(scope, owner, half, own, stated, yes=yes) for half in needed
         }
-        told.extend(opens_of(call))
+        maps = {
+            half: map_commands
+            for half, map_commands in commands_by_half.items()
+            if map_commands is not None
+        }
+        open_points.extend(opens_of(call))
         _show_call(call.message, call.answer, call.rejections, to_ros=call.to_ros, name=name)
         return connection_commands(scope, owner, call, maps, own)
 
-    add_to(model, f"Add calls of {name}", commands, lambda: show_open(told))
+    add_to(model, f"Add calls of {name}", commands, lambda: show_open(open_points))
 
 
 def _check_stated(stated: dict[str, list[tuple[str, str]]], needed: Sequence[Half]) -> None:
@@ -206,60 +210,64 @@ def action_connection(
     to_ros = side == _VEHICLE
     if speed is not None and to_ros:
         raise click.UsageError("--speed is for --side operator: JAUS states the speed of a vehicle")
-    told: list[OpenPoint] = []
+    open_points: list[OpenPoint] = []
 
     def commands(at: Opened) -> Sequence[Command]:
         owner, scope = bridge_in(at, bridge or ""), at.scope
         used = action_type_of(scope, kind)
         own = _free_name(owner, name)
-        ways = _meant(ways_for(scope, used, to_ros=to_ros), driver, element)
-        way = _chosen_way(ways, used, name, to_ros=to_ros, yes=yes)
-        told.extend(opens_of(used, way, own, to_ros=to_ros, speed=speed or 0.0))
+        candidates = _meant(ways_for(scope, used, to_ros=to_ros), driver, element)
+        way = _chosen_way(candidates, used, name, to_ros=to_ros, yes=yes)
+        open_points.extend(opens_of(used, way, own, to_ros=to_ros, speed=speed or 0.0))
         click.echo(f"{name}: {'JAUS -> ROS' if to_ros else 'ROS -> JAUS'}, {way.says()}")
         return action_commands(
             scope, owner, name, used, way, to_ros=to_ros, name=own, speed=speed or 0.0
         )
 
-    add_to(model, f"Add goals of {name}", commands, lambda: show_open(told))
+    add_to(model, f"Add goals of {name}", commands, lambda: show_open(open_points))
 
 
-def _meant(ways: list[ListWay], driver: str | None, element: str | None) -> list[ListWay]:
+def _meant(candidates: list[ListWay], driver: str | None, element: str | None) -> list[ListWay]:
     """Returns the ways with a driver and a map of some names; the usual ones without names."""
     from jausml.language.model.names import name_of
 
     if driver is None and element is None:
-        return [list_way for list_way in ways if list_way.is_usual] or ways
-    found = [
+        return [list_way for list_way in candidates if list_way.is_usual] or candidates
+    matches = [
         list_way
-        for list_way in ways
+        for list_way in candidates
         if driver in (None, name_of(list_way.driver), list_way.driver.urn)
         and element in (None, name_of(list_way.map))
     ]
-    if ways and not found:
-        raise click.UsageError(f"no such driver and map; there are{_listed(ways)}")
-    return found
+    if candidates and not matches:
+        raise click.UsageError(f"no such driver and map; there are{_listed(candidates)}")
+    return matches
 
 
-def _listed(ways: Sequence[ListWay]) -> str:
-    return "".join(f"\n  {list_way.says()}" for list_way in ways)
+def _listed(candidates: Sequence[ListWay]) -> str:
+    return "".join(f"\n  {list_way.says()}" for list_way in candidates)
 
 
 def _chosen_way(
-    ways: list[ListWay], kind: ros.ActionType, name: str, *, to_ros: bool, yes: bool
+    candidates: list[ListWay], kind: ros.ActionType, name: str, *, to_ros: bool, yes: bool
 ) -> ListWay:
     from jausml.authoring.proposals.goals import why_none
 
-    if not ways:
+    if not candidates:
         raise click.UsageError(f"{name}: {why_none(kind, to_ros=to_ros)}")
-    if len(ways) == 1:
-        return ways[0]
+    if len(candidates) == 1:
+        return candidates[0]
     if yes:
-        remark(f"{name}: of several, {ways[0].says()} (name others by --driver and --element)")
-        return ways[0]
+        remark(
+            f"{name}: of several, {candidates[0].says()} (name others by --driver and --element)"
+        )
+        return candidates[0]
     if not can_ask():
         text = f"{name} fits several: say --driver and --element, or take the first by --yes"
-        raise click.UsageError(text + _listed(ways))
-    return ways[choose(f"{name} fits several:", [list_way.says() for list_way in ways])[0]]
+        raise click.UsageError(text + _listed(candidates))
+    return candidates[
+        choose(f"{name} fits several:", [list_way.says() for list_way in candidates])[0]
+    ]
 
 
 def _free_name(owner: bridges.Bridge, name: str) -> str:

@@ -139,20 +139,20 @@ def _copy(
     from jausml.language.model.names import name_of
     from jausml.language.semantics.assignments.named_places import named_places
 
-    found = between(scope, wish.message, wish.type)
-    names = [name_of(attribute_map) for attribute_map in found]
+    ready_maps = between(scope, wish.message, wish.type)
+    names = [name_of(attribute_map) for attribute_map in ready_maps]
     if wanted is not None and wanted not in names:
         raise click.UsageError(
             f"no ready map {wanted!a} of the two; there are: {', '.join(names) or 'none'}"
         )
-    if not found:
+    if not ready_maps:
         if joints is not None:
             raise click.UsageError("--joints: no ready map of the two knows joints by names")
         return ()
     at = [names.index(wanted)] if wanted is not None else [0] if yes else _chosen_ready(names)
     if not at:
         return ()
-    used = found[at[0]]
+    used = ready_maps[at[0]]
     place = scope.ref(owner)
     if joints is not None:
         own = joints_of(joints)

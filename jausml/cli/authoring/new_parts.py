@@ -71,15 +71,15 @@ def service(
     """
     from jausml.authoring.proposals.system_parts import new_service
 
-    made: list[Add] = []
+    additions: list[Add] = []
 
     def commands(at: Opened) -> list[Command]:
         scope, own = at.scope_without_maps, at.home_of_services
-        made.append(new_service(scope, own, name, messages, urn=urn, inherits=inherits))
-        return [*made]
+        additions.append(new_service(scope, own, name, messages, urn=urn, inherits=inherits))
+        return [*additions]
 
     def show() -> None:
-        [service] = made if made[0].feature != "serviceSets" else made[0].children
+        [service] = additions if additions[0].feature != "serviceSets" else additions[0].children
         for child in service.children:
             click.echo(_message_line(child))
 
@@ -130,7 +130,7 @@ def component(
     def commands(at: Opened) -> list[Command]:
         check_name(name, at.system)
         scope = at.scope_without_maps
-        made = new_component(
+        addition = new_component(
             scope,
             at.system,
             name,
@@ -139,7 +139,7 @@ def component(
             address=address or "",
             simulated=simulated,
         )
-        return [made]
+        return [addition]
 
     add_to(model, f"Add component {name}", commands)
 

@@ -107,12 +107,12 @@ def _frames(running: Running) -> dict[str, str]:
         for parameter, value in values.items():
             if (role := frame_role(parameter)) and isinstance(value, str):
                 stated.setdefault(role, set()).update({value} - {""})
-    found = {}
+    frames_by_role = {}
     for role in (*published, *stated):
         names = published.get(role) or stated.get(role, set())
         if len(names) == 1 and names != {role}:
-            found[role] = next(iter(names))
-    return found
+            frames_by_role[role] = next(iter(names))
+    return frames_by_role
 
 
 def topics_in(running: Running, words: Sequence[str], namespace: str = "") -> list[TopicEnd]:
@@ -139,28 +139,28 @@ def of_one_robot(topics: Sequence[TopicEnd], namespace: str | None) -> list[Topi
     from jausml.authoring.proposals.topics import robots_in, within
 
     if namespace is None and (robots := robots_in(topics)):
-        ways = "".join(f"\n  --namespace {robot or '/'}" for robot in robots)
+        namespace_options = "".join(f"\n  --namespace {robot or '/'}" for robot in robots)
         raise click.UsageError(
             "several namespaces have topics of the same names, as several robots have; give each "
-            f"robot a bridge of its own:{ways}"
+            f"robot a bridge of its own:{namespace_options}"
         )
     if namespace is None:
         return list(topics)
-    found = within(topics, namespace)
-    if not found:
+    own_topics = within(topics, namespace)
+    if not own_topics:
         raise click.UsageError(f"no topic runs in the namespace {namespace!a}")
-    return found
+    return own_topics
 
 
 def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
     from jausml.language.model.values import suggest
 
     name, _, maps = word.partition(":")
-    found = known.get(name if name.startswith("/") else f"/{name}")
-    if found is None:
+    topic = known.get(name if name.startswith("/") else f"/{name}")
+    if topic is None:
         hint = suggest(f"/{name.strip('/')}", known)
         raise click.UsageError(f"no topic {name!a} of one type runs; {hint}".rstrip("; "))
-    return replace(found, maps=tuple(map_name for map_name in maps.split(",") if map_name))
+    return replace(topic, maps=tuple(map_name for map_name in maps.split(",") if map_name))
 
 
 def _line(topic: RunningTopic) -> str:
@@ -218,8 +218,8 @@ def _joints(topic: RunningTopic, running: Running) -> tuple[str, ...]:
         if running_topic.name in running.joints
         and own & {end.node for end in running_topic.publishers}
     }
-    found = by_own or set(running.joints.values())
-    return next(iter(found)) if len(found) == 1 else ()
+    candidates = by_own or set(running.joints.values())
+    return next(iter(candidates)) if len(candidates) == 1 else ()
 
 
 def _heard(publishers: Sequence[RosEndpoint]) -> dict[str, str] | None:
@@ -229,8 +229,8 @@ def _heard(publishers: Sequence[RosEndpoint]) -> dict[str, str] | None:
     sure = all(publisher.reliability == "reliable" for publisher in publishers)
     # What was published before is repeated to reliable subscriptions alone.
     kept = sure and all(publisher.durability == "transient_local" for publisher in publishers)
-    found = {"reliability": "reliable" if sure else "best_effort"}
-    return {**found, "durability": "transient_local"} if kept else found
+    policies = {"reliability": "reliable" if sure else "best_effort"}
+    return {**policies, "durability": "transient_local"} if kept else policies
 
 
 def _published(subscriptions: Sequence[RosEndpoint]) -> dict[str, str] | None:
@@ -298,13 +298,13 @@ def _action(scope: Scope, name: str, kind: str, side: str) -> tuple[str, str]:
     used = plain_type(kind)
     command = f"jausml new action-connection {name}:{used}{side}"
     try:
-        found = action_type_of(scope, used)
+        action_type = action_type_of(scope, used)
     except AnswerError:
         return f"action {name}: no model has {used}", _imported(used, command)
-    ways = ways_for(scope, found, to_ros=not side)
-    if not ways:
-        return f"action {name}: {why_none(found, to_ros=not side)}", ""
-    return f"action {name}: list drivers can have its goals ({ways[0].says()})", command
+    candidates = ways_for(scope, action_type, to_ros=not side)
+    if not candidates:
+        return f"action {name}: {why_none(action_type, to_ros=not side)}", ""
+    return f"action {name}: list drivers can have its goals ({candidates[0].says()})", command
 
 
 def _imported(used: str, command: str) -> str:

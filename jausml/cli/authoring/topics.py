@@ -85,7 +85,7 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
     from jausml.language.semantics.connections.hold_reasons import is_reason
 
     known = {topic.name for topic in topics}
-    found: dict[str, str] = {}
+    reasons_by_topic: dict[str, str] = {}
     for word in words:
         name, _, reason = word.partition("=")
         if name not in known:
@@ -94,8 +94,8 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
             raise click.UsageError(
                 f"--hold {name}: say what you know about the receiver that makes it safe"
             )
-        found[name] = reason.strip()
-    return found
+        reasons_by_topic[name] = reason.strip()
+    return reasons_by_topic
 
 
 def _with_joints(topics: Sequence[TopicEnd], words: Sequence[str]) -> list[TopicEnd]:
@@ -123,7 +123,7 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
     from jausml.language.interfaces.definitions import is_package_name, is_type_name
     from jausml.language.semantics.connections.topics import topic_fault
 
-    found: dict[str, TopicEnd] = {}
+    topics_by_name: dict[str, TopicEnd] = {}
     for word in words:
         name, _, rest = word.partition(":")
         kind, _, maps = rest.partition(":")
@@ -134,11 +134,11 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
             raise click.UsageError(f"{word!a} is no TOPIC:TYPE[:MAP,...] such as {example}")
         if fault := topic_fault(name):
             raise click.UsageError(f"{word!a}: the name of the topic {fault}")
-        if name in found:
+        if name in topics_by_name:
             raise click.UsageError(f"the topic {name} is there twice: name its maps behind a colon")
         chosen = tuple(map_name for map_name in maps.split(",") if map_name)
-        found[name] = TopicEnd(name, f"{package}/{message}", maps=chosen)
-    return list(found.values())
+        topics_by_name[name] = TopicEnd(name, f"{package}/{message}", maps=chosen)
+    return list(topics_by_name.values())
 
 
 def _full(message: str) -> str:
@@ -174,25 +174,27 @@ def chosen_crossings(
     offered = {end.name: crossings(end, maps, side) for end in topics}
     joins = [join for offer in offered.values() for way in offer for join in _fed_joins(way)]
     waiting = {end.name for end in topics if any(feeds(end, join) for join in joins)}
-    found: list[Crossing] = []
+    taken_crossings: list[Crossing] = []
     for topic in topics:
-        if ways := offered[topic.name]:
-            found += _taken(topic, ways, maps, choosing)
+        if candidates := offered[topic.name]:
+            taken_crossings += _taken(topic, candidates, maps, choosing)
         elif topic.name not in waiting:
             _without(topic, maps, side, left_out)
-    _check_joints(choosing.joints, found)
-    found = [crossing for crossing in found if not _lacks_names(crossing, left_out)]
-    for crossing, first in clashes(found):
-        found.remove(crossing)
+    _check_joints(choosing.joints, taken_crossings)
+    taken_crossings = [
+        crossing for crossing in taken_crossings if not _lacks_names(crossing, left_out)
+    ]
+    for crossing, first in clashes(taken_crossings):
+        taken_crossings.remove(crossing)
         _clash(crossing, first)
-    used = {topic_name for one in joined(found, topics) for topic_name in one.values()}
+    used = {topic_name for one in joined(taken_crossings, topics) for topic_name in one.values()}
     for topic in topics:
         is_left = topic.name in waiting and not offered[topic.name] and topic.name not in used
         if is_left and left_out is not None:
             left_out(topic, f"no topic that is carried has a join for {topic.name}", "")
-    if not found and left_out is None:
+    if not taken_crossings and left_out is None:
         raise click.UsageError("no topic is left that a bridge could carry")
-    return [_decided(crossing, reasons, yes=yes) for crossing in found]
+    return [_decided(crossing, reasons, yes=yes) for crossing in taken_crossings]
 
 
 def _clash(crossing: Crossing, first: Crossing) -> None:
@@ -283,15 +285,17 @@ def _without(
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     for wanted in topic.maps:
-        if found := why_not(wanted, topic, maps, side):
-            raise click.UsageError(f"{topic.name}: {found}")
+        if refusal := why_not(wanted, topic, maps, side):
+            raise click.UsageError(f"{topic.name}: {refusal}")
     frames = (quote(f'{path}="{name}"') for path, name in topic.own_frames.items())
     stated = "".join(f" --to-ros {frame}" for frame in frames)
     command = f"jausml new map {snake_case(topic.name)} MESSAGE {topic.type}{stated}"
     named = crossings(replace(topic, maps=tuple(map(name_of, maps))), maps, side)
     is_stop = is_emergency_stop(topic.name)
-    if ways := [crossing for crossing in named if is_served(crossing.offer.service) is is_stop]:
-        _unsaid(topic, ways, command, left_out)
+    if candidates := [
+        crossing for crossing in named if is_served(crossing.offer.service) is is_stop
+    ]:
+        _unsaid(topic, candidates, command, left_out)
         return
     known = {
         ros_name(attribute_map.type) for attribute_map in maps if attribute_map.type is not None
@@ -326,7 +330,7 @@ def _parts_carried(kind: str, maps: Sequence[bridge.AttributeMap]) -> Iterator[s
 
 
 def _unsaid(
-    topic: TopicEnd, ways: Sequence[Crossing], command: str, left_out: LeftOut | None
+    topic: TopicEnd, candidates: Sequence[Crossing], command: str, left_out: LeftOut | None
 ) -> None:
     """Says of a topic that its type alone means nothing, and what a person may state."""
     from jausml.authoring.proposals.topic_names import is_emergency_stop
@@ -335,7 +339,7 @@ def _unsaid(
     reason = f"nothing in the name {topic.name} says what its {topic.type} means"
     if is_emergency_stop(topic.name):
         reason = f"{topic.name} is an emergency stop: a person states what presses and releases it"
-    names = list(dict.fromkeys(name_of(crossing.map) for crossing in ways))
+    names = list(dict.fromkeys(name_of(crossing.map) for crossing in candidates))
     options = ", ".join(names[:_FEW])
     if len(names) > _FEW:
         options += f" and {len(names) - _FEW} more"
@@ -348,7 +352,7 @@ def _unsaid(
 
 def _taken(
     topic: TopicEnd,
-    ways: Sequence[Crossing],
+    candidates: Sequence[Crossing],
     maps: Sequence[bridge.AttributeMap],
     choosing: Choosing,
 ) -> list[Crossing]:
@@ -357,7 +361,7 @@ def _taken(
 
     yes = choosing.yes
     if topic.maps:
-        by_name = {name_of(crossing.map): crossing for crossing in reversed(ways)}
+        by_name = {name_of(crossing.map): crossing for crossing in reversed(candidates)}
         missing = [map_name for map_name in topic.maps if map_name not in by_name]
         if missing:
             names = ", ".join(sorted(by_name))
@@ -365,31 +369,33 @@ def _taken(
             reason = reason or f"no ready map {missing[0]!a}; there are {names}"
             raise click.UsageError(f"{topic.name}: {reason}")
         return [by_name[map_name] for map_name in topic.maps]
-    if yes or len(ways) == 1:
-        if others := ", ".join(name_of(crossing.map) for crossing in ways[1:]):
-            used = name_of(ways[0].map)
+    if yes or len(candidates) == 1:
+        if others := ", ".join(name_of(crossing.map) for crossing in candidates[1:]):
+            used = name_of(candidates[0].map)
             remark(
                 f"{topic.name}: {used} is used; {others} would fit too (name them after a colon)"
             )
-        return [ways[0]]
-    options = _options(ways)
+        return [candidates[0]]
+    options = _options(candidates)
     if not can_ask():
         listed = "".join(f"\n  {topic.name}:{topic.type}:{option}" for option in options)
         text = f"{topic.name} fits several maps: name one, or take the first by --yes{listed}"
         raise click.UsageError(text)
-    return [ways[n] for n in choose(f"{topic.name} ({topic.type}) fits several maps:", options)]
+    return [
+        candidates[n] for n in choose(f"{topic.name} ({topic.type}) fits several maps:", options)
+    ]
 
 
-def _options(ways: Sequence[Crossing]) -> list[str]:
+def _options(candidates: Sequence[Crossing]) -> list[str]:
     """Returns what to choose from; ways of which the same is said are told apart by their maps."""
     from jausml.language.model.names import name_of
 
-    found = []
-    for way in ways:
+    descriptions = []
+    for way in candidates:
         does = way.says().partition(": ")[2]
-        is_alone = sum(crossing.says().partition(": ")[2] == does for crossing in ways) == 1
+        is_alone = sum(crossing.says().partition(": ")[2] == does for crossing in candidates) == 1
         about = " ".join(str(way.map.documentation or "").split())
-        found.append(
+        descriptions.append(
             way.says() if is_alone or not about else f"{name_of(way.map)}: {does}. {about}"
         )
-    return found
+    return descriptions

@@ -48,8 +48,10 @@ def show_undecided(chosen: Sequence[Crossing]) -> None:
         click.echo(f"  {name.topic.name}: {stands}", err=True)
         if stops_by_zeros(name.map, [name.offer.to_ros]):
             stop, used = STOPS[name.offer.to_ros], name_of(name.map)
-            told = f"its numbers are all rates: if zeros stop it, give map {used} a {stop} of zeros"
-            click.echo(f"    {told}", err=True)
+            advice = (
+                f"its numbers are all rates: if zeros stop it, give map {used} a {stop} of zeros"
+            )
+            click.echo(f"    {advice}", err=True)
     click.echo(
         "  validate reports JML451 until each has a stop (a safeValue, or one in its map), or a\n"
         "  reason why the last command may stand (onSilence: hold and holdReason, or --hold).\n"
@@ -70,11 +72,11 @@ def _assumed(chosen: Sequence[Crossing]) -> list[tuple[bridge.Quantity, str]]:
     """Returns the numbers of a vehicle that maps assume, each with the name of a map."""
     from jausml.language.model.names import name_of
 
-    found: dict[str, tuple[bridge.Quantity, str]] = {}
+    quantities_by_name: dict[str, tuple[bridge.Quantity, str]] = {}
     for crossing in chosen:
         for quantity in crossing.map.quantities:
-            found.setdefault(name_of(quantity), (quantity, name_of(crossing.map)))
-    return list(found.values())
+            quantities_by_name.setdefault(name_of(quantity), (quantity, name_of(crossing.map)))
+    return list(quantities_by_name.values())
 
 
 def _crossing_line(crossing: Crossing) -> str:

@@ -26,7 +26,7 @@ from jausml.cli.shared.files import (
     to_json,
     write,
 )
-from jausml.cli.shared.models import model_option, open_catalogue, told
+from jausml.cli.shared.models import explained, model_option, open_catalogue
 from jausml.cli.shared.options import (
     FiniteRange,
     interface_option,
@@ -263,13 +263,13 @@ class _Reading:
         """Shows lines of hex: payloads, or datagrams with their headers."""
         from jausml.live.messages import MessageError
 
-        found = islice(self._bytes(lines), self._count)
+        placed_bytes = islice(self._bytes(lines), self._count)
         if are_datagrams:
             from jausml.live.traffic.frames import Datagram
 
-            self._observe((place, Datagram(data)) for place, data in found)
+            self._observe((place, Datagram(data)) for place, data in placed_bytes)
             return
-        for place, payload in found:
+        for place, payload in placed_bytes:
             try:
                 self._output.message(self._catalogue.decode(payload, *self._meaning))
             except MessageError as error:
@@ -313,8 +313,8 @@ class _Reading:
 
         reader = UdpReader(port)
         with opened(path) as stream:
-            found = filter(None, map(reader.read, read_frames(stream)))
-            datagrams = (("", datagram) for datagram in found)
+            captured_datagrams = filter(None, map(reader.read, read_frames(stream)))
+            datagrams = (("", datagram) for datagram in captured_datagrams)
             try:
                 self._observe(islice(datagrams, self._count), is_live=path == STDIN)
             except TrafficError as error:
@@ -372,7 +372,7 @@ def encode(words: tuple[str, ...], models: tuple[str, ...]) -> None:
             write(catalogue.encode(_message(line)).hex())
         except (MessageError, _LineError) as error:
             failed = True
-            click.echo(f"{name}:{number}: {told(error, models)}", err=True)
+            click.echo(f"{name}:{number}: {explained(error, models)}", err=True)
     if failed:
         raise click.exceptions.Exit(PROBLEMS)
 
@@ -415,8 +415,8 @@ def _message(line: str) -> dict[str, Any]:
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     """Returns an object of JSON; of a name that stands in it twice nobody knows which counts."""
-    found = dict(pairs)
-    if len(found) < len(pairs):
+    members = dict(pairs)
+    if len(members) < len(pairs):
         ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
         raise _LineError(f"{twice!a} stands twice in an object")
-    return found
+    return members

@@ -204,7 +204,7 @@ def _waypoints(
 ) -> tuple[tuple[float, float], ...]:
     from math import isfinite
 
-    found = []
+    points = []
     for word in words:
         try:
             x, y = (float(part) for part in word.split(","))
@@ -212,8 +212,8 @@ def _waypoints(
             raise click.BadParameter(f"{word!a} is not X,Y in metres, e.g. 2,-1.5") from None
         if not (isfinite(x) and isfinite(y) and max(abs(x), abs(y)) <= 1000):
             raise click.BadParameter(f"{word!a} is more than 1000 m away")
-        found.append((x, y))
-    return tuple(found)
+        points.append((x, y))
+    return tuple(points)
 
 
 @click.command("judge")

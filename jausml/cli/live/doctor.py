@@ -65,14 +65,14 @@ def command(
         raise click.UsageError(str(error)) from error
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
-    found = [*machine.python_checks(), *machine.program_checks(), *machine.ros_checks(packages)]
-    found += machine.network_checks(settings)
+    findings = [*machine.python_checks(), *machine.program_checks(), *machine.ros_checks(packages)]
+    findings += machine.network_checks(settings)
     if peers:
-        found += _peers(interface, port, multicast_group, peers)
-    shown = [finding for finding in found if not (quiet and finding.verdict is Outcome.OK)]
+        findings += _peers(interface, port, multicast_group, peers)
+    shown = [finding for finding in findings if not (quiet and finding.verdict is Outcome.OK)]
     if shown or output_format == "json":
         click.echo(_as_json(shown) if output_format == "json" else _as_text(shown))
-    if any(finding.verdict is Outcome.ERROR for finding in found):
+    if any(finding.verdict is Outcome.ERROR for finding in findings):
         raise click.exceptions.Exit(PROBLEMS)
 
 
@@ -86,11 +86,11 @@ def _peers(interface: str, port: int, group: str, peers: Sequence[str]) -> list[
     network = network_from(None, interface, port, group, peers)
     try:
         with identified_network(network) as ours:
-            found = check_peers(ours, open_catalogue(()))
+            verdicts = check_peers(ours, open_catalogue(()))
     except OSError as error:
         text = f"nobody can be asked: {error.strerror or error}"
         return [Finding("peers", "network", Outcome.ERROR, text)]
-    return [Finding("peers", name, Outcome(verdict), text) for name, verdict, text in found]
+    return [Finding("peers", name, Outcome(verdict), text) for name, verdict, text in verdicts]
 
 
 def _packages(paths: Sequence[str], reading: Reading) -> dict[str, bool]:
@@ -99,14 +99,16 @@ def _packages(paths: Sequence[str], reading: Reading) -> dict[str, bool]:
 
     model = read(paths, reading).model
     used = model.instances(ros.InterfacePackage)
-    found = {str(package.name): not model.is_library(package) for package in used if package.name}
-    return dict(sorted(found.items()))
+    ownership_by_package = {
+        str(package.name): not model.is_library(package) for package in used if package.name
+    }
+    return dict(sorted(ownership_by_package.items()))
 
 
-def _as_text(found: Sequence[Finding]) -> str:
+def _as_text(findings: Sequence[Finding]) -> str:
     lines: list[str] = []
     topic = ""
-    for finding in found:
+    for finding in findings:
         if finding.topic != topic:
             topic = finding.topic
             lines += ["", topic] if lines else [topic]
@@ -114,18 +116,18 @@ def _as_text(found: Sequence[Finding]) -> str:
         lines.append(f"  {painted(verdict, f'{verdict:<8}')} {finding.name}: {finding.text}")
         if finding.cure:
             lines.append(f"  {'':<8} -> {finding.cure}")
-    return "\n".join([*lines, "", ", ".join(_count(found, word) for word in _COUNTED)])
+    return "\n".join([*lines, "", ", ".join(_count(findings, word) for word in _COUNTED)])
 
 
 _COUNTED = ("error", "warning", "note")
 
 
-def _count(found: Sequence[Finding], word: str) -> str:
-    number = sum(finding.verdict.value == word for finding in found)
+def _count(findings: Sequence[Finding], word: str) -> str:
+    number = sum(finding.verdict.value == word for finding in findings)
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 
-def _as_json(found: Sequence[Finding]) -> str:
+def _as_json(findings: Sequence[Finding]) -> str:
     checks = [
         {
             "topic": finding.topic,
@@ -134,6 +136,6 @@ def _as_json(found: Sequence[Finding]) -> str:
             "text": finding.text,
             "cure": finding.cure,
         }
-        for finding in found
+        for finding in findings
     ]
     return json.dumps({"checks": checks}, indent=2, ensure_ascii=False)

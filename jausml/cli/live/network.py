@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.models import model_option, open_catalogue, told
+from jausml.cli.shared.models import explained, model_option, open_catalogue
 from jausml.cli.shared.names import beginning, field_paths, input_names
 from jausml.cli.shared.options import (
     TRANSPORTS,
@@ -84,12 +84,18 @@ _NETWORK = (
 
 def transport_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Adds the options that choose a transport."""
-    return reduce(lambda made, option: option(made), reversed(_TRANSPORT_OPTIONS), function)
+    return reduce(
+        lambda decorated_function, option: option(decorated_function),
+        reversed(_TRANSPORT_OPTIONS),
+        function,
+    )
 
 
 def network_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Adds the options that `network_from` and `open_catalogue` take."""
-    return reduce(lambda made, option: option(made), reversed(_OPTIONS), function)
+    return reduce(
+        lambda decorated_function, option: option(decorated_function), reversed(_OPTIONS), function
+    )
 
 
 def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -211,7 +217,7 @@ class Settings:
         except Refused as error:
             raise click.ClickException(str(error)) from error
         except MessageError as error:
-            raise click.UsageError(told(error, self.models)) from error
+            raise click.UsageError(explained(error, self.models)) from error
         except OSError as error:
             raise EnvironmentFault(fault(error, self.network, _REMEDY)) from error
 
@@ -242,14 +248,14 @@ def _message_name(context: click.Context, _parameter: click.Parameter, word: str
     if not word.lstrip().startswith("{"):
         return word
     try:
-        found = json.loads(word)
+        content = json.loads(word)
     except ValueError as error:
         raise click.BadParameter(f"the message is no JSON: {error}") from error
-    fields = found.get("fields", {})
-    if not (isinstance(found.get("message"), str) and isinstance(fields, dict)):
+    fields = content.get("fields", {})
+    if not (isinstance(content.get("message"), str) and isinstance(fields, dict)):
         raise click.BadParameter('an object has a name as "message", and an object as "fields"')
     context.meta[_FIELDS_BESIDE] = fields
-    return str(found["message"])
+    return str(content["message"])
 
 
 def _fields(
@@ -276,36 +282,36 @@ def _message_names(context: click.Context, _parameter: click.Parameter, begun: s
 
     The component is asked for its services, as `kubectl` and others do.
     """
-    found = list(input_names(context.params.get("models") or (), _provided(context.params)))
+    names = list(input_names(context.params.get("models") or (), _provided(context.params)))
     if context.info_name not in ("query", "watch"):
-        return beginning(begun, found)
-    queries = [name for name in found if name.startswith("Query")]
+        return beginning(begun, names)
+    queries = [name for name in names if name.startswith("Query")]
     return beginning(begun, (query.removeprefix("Query") for query in queries)) or beginning(
         begun, queries
     )
 
 
-def _provided(given: dict[str, Any]) -> list[str]:
+def _provided(parameters: dict[str, Any]) -> list[str]:
     """Returns URN and version of the services of the named component, none if it says none."""
     from jausml.live.peers.discovery import provided_services
     from jausml.live.peers.network import identified
 
     try:
-        peers = given.get("peers") or ()
-        place = (given["interface"], given["port"], given["multicast_group"], peers)
-        network = network_from(given.get("own_id"), *place)
+        peers = parameters.get("peers") or ()
+        place = (parameters["interface"], parameters["port"], parameters["multicast_group"], peers)
+        network = network_from(parameters.get("own_id"), *place)
         with identified(network) as ours:
-            found = provided_services(ours, given["target"], _COMPLETION_TIME)
+            services = provided_services(ours, parameters["target"], _COMPLETION_TIME)
     except (KeyError, OSError, click.ClickException):
         return []  # a completion has nobody to tell it
-    return [f"{service.urn}/{service.major}.{service.minor}" for service in found]
+    return [f"{service.urn}/{service.major}.{service.minor}" for service in services]
 
 
 def _field_names(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:
     """Returns the paths of the fields of the message that is named before, with their `=`."""
-    given = context.params
-    found = field_paths(str(given.get("message")), given.get("models") or ())
-    return beginning(begun, (f"{field_path}=" for field_path in found))
+    parameters = context.params
+    paths = field_paths(str(parameters.get("message")), parameters.get("models") or ())
+    return beginning(begun, (f"{field_path}=" for field_path in paths))
 
 
 TARGET = click.argument("target", metavar="ID", callback=parsed_address)

@@ -55,12 +55,12 @@ def command(context: click.Context, settings: Settings) -> None:
     if context.invoked_subcommand is None:
         _run_session(settings)
         return
-    given = {
+    parameters = {
         name: value
         for name, value in context.params.items()
         if context.get_parameter_source(name) is ParameterSource.COMMANDLINE
     }
-    context.default_map = dict.fromkeys(command.commands, given)
+    context.default_map = dict.fromkeys(command.commands, parameters)
 
 
 @command.command("session", short_help="Read commands from the terminal or a pipe.")
@@ -84,12 +84,12 @@ def discover(settings: Settings, duration: float) -> None:
     from jausml.live.peers.query_client import NoAnswer
 
     with settings.operator() as operator:
-        found = operator.survey.take(duration)
+        subsystems = operator.survey.take(duration)
         if settings.as_json:
-            click.echo(rendering.subsystems_json(found))
-        for line in () if settings.as_json else rendering.subsystem_lines(found):
+            click.echo(rendering.subsystems_json(subsystems))
+        for line in () if settings.as_json else rendering.subsystem_lines(subsystems):
             click.echo(line)
-        if not found:
+        if not subsystems:
             raise NoAnswer(operator.nothing_heard)
 
 
@@ -101,12 +101,12 @@ def services(settings: Settings, target: JausAddress) -> None:
     from jausml.live.peers import rendering
 
     with settings.operator() as operator:
-        found = operator.services(target)
-        if not found:
+        provided_services = operator.services(target)
+        if not provided_services:
             raise operator.unanswered(target, "QueryServices", "ReportServices")
         if settings.as_json:
-            click.echo(rendering.services_json(target, found))
-        for line in () if settings.as_json else rendering.service_lines(found):
+            click.echo(rendering.services_json(target, provided_services))
+        for line in () if settings.as_json else rendering.service_lines(provided_services):
             click.echo(line)
 
 
@@ -365,8 +365,8 @@ def _complete_with(console: Console) -> None:
         return
 
     def complete(_word: str, index: int) -> str | None:
-        found = console.completions(readline.get_line_buffer()[: readline.get_endidx()])
-        return found[index] if index < len(found) else None
+        completions = console.completions(readline.get_line_buffer()[: readline.get_endidx()])
+        return completions[index] if index < len(completions) else None
 
     readline.set_completer_delims(" ")
     readline.set_completer(complete)

@@ -205,10 +205,10 @@ def _again(recording: str, output: str, span: TimeSpan, *, force: bool, ros_only
 
     source = McapRecording(recording, span)
     try:
-        found = source.messages()
-        first = list(islice(found, 1))  # what cannot be read makes no file
+        messages = source.messages()
+        first = list(islice(messages, 1))  # what cannot be read makes no file
         with written(output, force=force) as stream:
-            count = copied(chain(first, found), stream, ros_only=ros_only)
+            count = copied(chain(first, messages), stream, ros_only=ros_only)
     except ImportError as error:
         raise EnvironmentFault(
             f"{error.name} is missing: {installing.command('record')}"
@@ -253,8 +253,8 @@ def _to_wire(recording: str, model: Model, span: TimeSpan, options: dict[str, An
         click.echo(f"on the network; the first message comes in {wait}{hint}", err=True)
         stop.wait(options["wait"])
         with step(f"replaying {shown_path(recording)}") as progress:
-            found = _rounds(bag, pace, stop, is_loop=options["loop"])
-            replay.run(_shown(islice(found, options["count"]), pace, bag.length(), progress))
+            messages = _rounds(bag, pace, stop, is_loop=options["loop"])
+            replay.run(_shown(islice(messages, options["count"]), pace, bag.length(), progress))
         stop.wait(options["hold"])
     for line in _wire_lines(replay):
         click.echo(line, err=True)
@@ -348,8 +348,8 @@ def _replayed(replay: CaptureReplay, path: str, port: int, span: TimeSpan) -> bo
             faults.append(f"{error}{until}")
 
     with opened(path) as stream:
-        found = filter(None, map(reader.read, readable(stream)))
-        replay.run(span.of(found, lambda datagram: datagram.nanoseconds))
+        datagrams = filter(None, map(reader.read, readable(stream)))
+        replay.run(span.of(datagrams, lambda datagram: datagram.nanoseconds))
     for line in (*skipped_lines(reader, port), *_counted(replay.captured.skipped), *faults):
         click.echo(f"{shown_path(path)}: {line}", err=True)
     return not faults
@@ -375,8 +375,8 @@ def _show_results(
             click.echo(f"  {line}", err=True)
     for (label, reason), number in sorted(translator.untranslated.items()):
         example = translator.untranslated.examples[label, reason]
-        told = f" ({example})" if example else ""
-        click.echo(f"{label}: {number} not translated: {reason}{told}", err=True)
+        example_note = f" ({example})" if example else ""
+        click.echo(f"{label}: {number} not translated: {reason}{example_note}", err=True)
     for label, counts in translator.out_of_range().items():
         for what, number in sorted(counts.items()):
             click.echo(f"{label}: {number} values out of range: {what}", err=True)

@@ -66,13 +66,13 @@ def build(out: str) -> None:
     program = native.compiler()
     if program is None and not all(map(native.is_current, sources)):
         raise EnvironmentFault(MISSING)
-    made = _built(sources, program or "")
-    for result in made:
+    results = _built(sources, program or "")
+    for result in results:
         reason = f": {result.reason}" if result.reason else ""
         click.echo(f"{result.state.value} {result.library.relative_to(folder)}{reason}")
-    if not made:
+    if not results:
         remark(f"no bridge in {click.format_filename(out)} has a compiled form")
-    if any(result.reason for result in made):
+    if any(result.reason for result in results):
         raise click.exceptions.Exit(PROBLEMS)
 
 
@@ -343,8 +343,8 @@ def require_packages(entries: Sequence[Mapping[str, Any]], folder: Path, python_
         for name in _needed(folder / str(entry.get("package", "")) / "package.xml"):
             is_own = any((folder / name / kind).is_dir() for kind in _INTERFACES)
             # Without an __init__ it is the folder of definitions beside us, or nothing at all.
-            found = PathFinder.find_spec(name, path)
-            if (is_own or name.endswith(_MESSAGES)) and (found is None or found.origin is None):
+            spec = PathFinder.find_spec(name, path)
+            if (is_own or name.endswith(_MESSAGES)) and (spec is None or spec.origin is None):
                 raise EnvironmentFault(
                     f"{entry['name']} needs {name}, {_cure(name, folder, is_own)}"
                 )

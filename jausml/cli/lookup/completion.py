@@ -34,9 +34,9 @@ def _with_files(kind: type[ShellComplete]) -> type[ShellComplete]:
 
         def get_completions(self, args: list[str], incomplete: str) -> list[CompletionItem[Any]]:
             """Returns what may stand in the place of a word that was begun."""
-            found = super().get_completions(args, incomplete)
-            if found or incomplete.startswith("-"):
-                return list(found)
+            completions = super().get_completions(args, incomplete)
+            if completions or incomplete.startswith("-"):
+                return list(completions)
             return [CompletionItem(incomplete, type="file")]
 
     return WithFiles

@@ -31,18 +31,18 @@ def services(set_name: str | None, output_format: str, models: tuple[str, ...]) 
     """
     from jausml.cli.lookup import listed
 
-    found = listed.services(models)
+    entries = listed.services(models)
     if set_name is not None:
-        known_sets = sorted({service["set"] for service in found})
-        found = [service for service in found if set_name == service["set"]]
-        if not found:
+        known_sets = sorted({service["set"] for service in entries})
+        entries = [service for service in entries if set_name == service["set"]]
+        if not entries:
             sets = ", ".join(known_sets)
             raise click.UsageError(f"no service set {set_name!a}, there are: {sets}")
     if output_format == "json":
-        _write_json(found)
+        _write_json(entries)
         return
     columns = ("service", "version", "set", "inherits")
-    rows = (tuple(service[column] or "" for column in columns) for service in found)
+    rows = (tuple(service[column] or "" for column in columns) for service in entries)
     _table(("SERVICE", "VERSION", "SET", "INHERITS"), rows)
 
 
@@ -62,9 +62,9 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
     """
     from jausml.cli.lookup import listed
 
-    found = listed.messages(models, service)
+    entries = listed.messages(models, service)
     if output_format == "json":
-        _write_json(found)
+        _write_json(entries)
         return
     rows = (
         (
@@ -73,7 +73,7 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
             "command" if entry["command"] else "",
             _shortened(entry["services"]),
         )
-        for entry in found
+        for entry in entries
     )
     _table(("CODE", "MESSAGE", "", "SERVICE"), rows)
 
@@ -108,14 +108,14 @@ def maps(
     """
     from jausml.cli.lookup import listed
 
-    found = listed.maps(models)
+    entries = listed.maps(models)
     if ros_type is not None:
         wanted = ros_type.replace("/msg/", "/")
-        found = _chosen(found, wanted, _types, "ROS type")
+        entries = _chosen(entries, wanted, _types, "ROS type")
     if message_name is not None:
-        found = _chosen(found, message_name, _reports, "JAUS message")
+        entries = _chosen(entries, message_name, _reports, "JAUS message")
     if output_format == "json":
-        _write_json(found)
+        _write_json(entries)
         return
     rows = (
         (
@@ -125,7 +125,7 @@ def maps(
             " and ".join(entry["directions"]),
             entry["module"] or "",
         )
-        for entry in found
+        for entry in entries
     )
     _table(("MAP", "MESSAGE", "ROS TYPE", "DIRECTIONS", "IMPORT"), rows)
 
@@ -141,7 +141,7 @@ def _reports(map_entry: dict[str, Any]) -> list[str]:
 
 
 def _chosen(
-    found: Sequence[dict[str, Any]],
+    entries: Sequence[dict[str, Any]],
     wanted: str,
     names: Callable[[dict[str, Any]], Sequence[str]],
     what: str,
@@ -151,19 +151,19 @@ def _chosen(
     def are_meant(map_entry: dict[str, Any]) -> bool:
         return any(wanted in (name, name.rpartition("/")[2]) for name in names(map_entry))
 
-    chosen = [entry for entry in found if are_meant(entry)]
+    chosen = [entry for entry in entries if are_meant(entry)]
     if not chosen:
         from jausml.live.messages.errors import did_you_mean, similar
 
-        everything = {name for entry in found for name in names(entry)}
+        everything = {name for entry in entries for name in names(entry)}
         everything |= {name.rpartition("/")[2] for name in everything if "/" not in wanted}
         hint = did_you_mean(similar(wanted, everything))
         raise click.UsageError(f"no map of the {what} {wanted!a}{hint}")
     return chosen
 
 
-def _write_json(found: Iterable[dict[str, Any]]) -> None:
-    for entry in found:
+def _write_json(entries: Iterable[dict[str, Any]]) -> None:
+    for entry in entries:
         write(to_json(entry))
 
 

@@ -24,14 +24,14 @@ def overview(attribute_map: bridge.AttributeMap) -> dict[str, Any]:
 
     message = attribute_map.message
     owner = message.eContainer()
-    ways = ((TO_ROS, attribute_map.toRos), (TO_JAUS, attribute_map.toJaus))
+    directions = ((TO_ROS, attribute_map.toRos), (TO_JAUS, attribute_map.toJaus))
     return {
         "map": str(attribute_map.name),
         "message": str(message.name),
         "code": str(message.code),
         "service": str(owner.name) if owner is not None else "",
         "type": ros_name(attribute_map.type),
-        "directions": [way for way, assignments in ways if assignments],
+        "directions": [way for way, assignments in directions if assignments],
         "quantities": [
             {
                 "name": str(quantity.name),
@@ -80,14 +80,14 @@ def _service(entry: ServiceEntry) -> dict[str, Any]:
 
 def messages(models: Sequence[str], service: str | None = None) -> list[dict[str, Any]]:
     """Returns the messages of models and of the library."""
-    found = open_catalogue(models)
-    entries = found.messages if service is None else _messages_of(found, service)
+    catalogue = open_catalogue(models)
+    entries = catalogue.messages if service is None else _messages_of(catalogue, service)
     return [_message(entry) for entry in entries]
 
 
-def _messages_of(found: Catalogue, service: str) -> Sequence[MessageEntry]:
+def _messages_of(catalogue: Catalogue, service: str) -> Sequence[MessageEntry]:
     try:
-        meant = found.find_services(service)
+        meant = catalogue.find_services(service)
     except UnknownServiceError as error:
         raise click.UsageError(str(error)) from error
     every = (
@@ -126,12 +126,12 @@ def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
             raise
         own = list(map(str, sound_files(map(Path, own), "maps", warn)))
         model = readable_model([*map(str, ready), *own])
-    found = []
+    entries = []
     for attribute_map in model.instances(bridge.AttributeMap):
         place = model.location(attribute_map)
         path = Path(place.path)
         module = module_of(path) if path in ready else None
-        found.append(
+        entries.append(
             {
                 **overview(attribute_map),
                 "file": str(place.path),
@@ -139,4 +139,4 @@ def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
                 "module": module,
             }
         )
-    return found
+    return entries

@@ -10,11 +10,11 @@ import click
 
 from jausml.cli.shared.files import line_format_option, to_json, write
 from jausml.cli.shared.models import (
+    explained,
     model_option,
     open_catalogue,
     project_files,
     readable_model,
-    told,
 )
 from jausml.cli.shared.names import completing, message_names, service_names
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def _map_names(models: Sequence[str] = ()) -> list[str]:
     from jausml.cli.lookup import listed
 
-    return [found["map"] for found in listed.maps(models)]
+    return [entry["map"] for entry in listed.maps(models)]
 
 
 _NAMES = {"message": message_names, "service": service_names, "map": _map_names}
@@ -75,19 +75,19 @@ def message(name: str, service: str | None, output_format: str, models: tuple[st
 
     catalogue = open_catalogue(models)
     try:
-        found = [(entry, rows(entry)) for entry in _meanings(catalogue, name, service)]
+        message_rows = [(entry, rows(entry)) for entry in _meanings(catalogue, name, service)]
     except MessageError as error:
-        raise click.UsageError(told(error, models)) from error
+        raise click.UsageError(explained(error, models)) from error
     if output_format == "json":
-        _write(to_json(_message_json(entry, fields)) for entry, fields in found)
+        _write(to_json(_message_json(entry, fields)) for entry, fields in message_rows)
         return
-    _write_apart(found, lambda pair: _message_lines(*pair))
+    _write_apart(message_rows, lambda pair: _message_lines(*pair))
 
 
 def _meanings(catalogue: Catalogue, name: str, service: str | None) -> Sequence[MessageEntry]:
     """Returns the messages of a name or code; that of a service if one is named."""
-    found = catalogue.named(name) if service is None else ()
-    return found or (catalogue.message(name, service),)
+    entries = catalogue.named(name) if service is None else ()
+    return entries or (catalogue.message(name, service),)
 
 
 def _message_json(entry: MessageEntry, fields: Sequence[Row]) -> dict[str, Any]:
@@ -131,8 +131,8 @@ def _field_lines(fields: Sequence[Row]) -> Iterator[str]:
     for field, (*columns, values) in zip(fields, cells, strict=True):
         padded = "  ".join(cell.ljust(width) for cell, width in zip(columns, widths, strict=True))
         names = (f"{value} '{name}'" for value, name in sorted((field.names or {}).items()))
-        told = (values, field.documentation, *names, *field.markers)
-        notes = [note for note in told if note] or [""]
+        remarks = (values, field.documentation, *names, *field.markers)
+        notes = [note for note in remarks if note] or [""]
         yield f"  {padded}  {notes[0]}".rstrip()
         yield from (" " * (len(padded) + 4) + note for note in notes[1:])
 
@@ -156,13 +156,13 @@ def service(name: str, output_format: str, models: tuple[str, ...]) -> None:
     from jausml.live.messages import MessageError
 
     try:
-        found = open_catalogue(models).find_services(name)
+        services = open_catalogue(models).find_services(name)
     except MessageError as error:
-        raise click.UsageError(told(error, models)) from error
+        raise click.UsageError(explained(error, models)) from error
     if output_format == "json":
-        _write(to_json(_service_json(entry)) for entry in found)
+        _write(to_json(_service_json(entry)) for entry in services)
         return
-    _write_apart(found, _service_lines)
+    _write_apart(services, _service_lines)
 
 
 def _service_json(entry: ServiceEntry) -> dict[str, Any]:
@@ -224,10 +224,10 @@ def type_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     ]
     paths = [*shipped, *(models or project_files())]
     kinds = readable_model(paths).instances(ros.MessageType) if paths else ()
-    found = {ros_name(message_type): message_type for message_type in kinds}
-    if plain not in found:
-        raise click.UsageError(f"no ROS type {name!a}{did_you_mean(similar(plain, found))}")
-    kind, fields = found[plain], list(ros_rows(found[plain]))
+    types_by_name = {ros_name(message_type): message_type for message_type in kinds}
+    if plain not in types_by_name:
+        raise click.UsageError(f"no ROS type {name!a}{did_you_mean(similar(plain, types_by_name))}")
+    kind, fields = types_by_name[plain], list(ros_rows(types_by_name[plain]))
     documentation = str(kind.documentation or "")
     if output_format == "json":
         shown = [field.to_json() for field in fields]
@@ -249,43 +249,43 @@ def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     from jausml.cli.lookup import listed
     from jausml.live.messages.errors import did_you_mean, similar
 
-    found = [entry for entry in listed.maps(models, name) if entry["map"] == name]
-    if not found:
+    entries = [entry for entry in listed.maps(models, name) if entry["map"] == name]
+    if not entries:
         hint = did_you_mean(similar(name, {entry["map"] for entry in listed.maps(models)}))
         raise click.UsageError(f"no map {name!a}{hint or '; `jausml list maps` lists them'}")
     if output_format == "json":
-        _write(map(to_json, found))
+        _write(map(to_json, entries))
         return
-    _write_apart(found, _map_lines)
+    _write_apart(entries, _map_lines)
 
 
-def _map_lines(found: dict[str, Any]) -> Iterator[str]:
-    name, module = found["map"], found["module"]
-    yield f"{name}: {found['message']} ({found['service']}) and {found['type']}"
-    if found["documentation"]:
-        yield f"  {found['documentation']}"
+def _map_lines(entry: dict[str, Any]) -> Iterator[str]:
+    name, module = entry["map"], entry["module"]
+    yield f"{name}: {entry['message']} ({entry['service']}) and {entry['type']}"
+    if entry["documentation"]:
+        yield f"  {entry['documentation']}"
     yield ""
-    yield f"  directions: {', '.join(found['directions']) or 'none'}"
-    for quantity in found["quantities"]:
+    yield f"  directions: {', '.join(entry['directions']) or 'none'}"
+    for quantity in entry["quantities"]:
         shown = f"  quantity {quantity['name']}: {quantity['value']:g} {quantity['units']}".rstrip()
         yield f"{shown}, which a bridge may override"
-    for join in (*found["joins"], *found["reportJoins"]):
+    for join in (*entry["joins"], *entry["reportJoins"]):
         kind, stale = join.get("type") or join["message"], join["whenStale"]
         yield f"  join {join['name']}: {kind}, fresh for {join['freshness']:g} s, then {stale}"
-    yield f"  test vectors: {found['vectors']}"
-    yield f"  file: {found['file']}:{found['line']}"
+    yield f"  test vectors: {entry['vectors']}"
+    yield f"  file: {entry['file']}:{entry['line']}"
     if module:
         xmi = f"{module.partition('.')[2]}.xmi"
         yield ""
         yield f"in text:  import {module}"
         yield f"          map: {name}"
-        yield f"in XMI:   jausml convert {found['file']} {xmi}"
+        yield f"in XMI:   jausml convert {entry['file']} {xmi}"
         yield f'          <map href="{xmi}#{name}"/>'
 
 
-def _write_apart(found: Iterable[Any], lines: Callable[[Any], Iterator[str]]) -> None:
+def _write_apart(entries: Iterable[Any], lines: Callable[[Any], Iterator[str]]) -> None:
     """Writes the lines of each thing, with an empty line between two."""
-    for index, entry in enumerate(found):
+    for index, entry in enumerate(entries):
         if index:
             write("")
         _write(lines(entry))

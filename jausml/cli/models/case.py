@@ -163,10 +163,10 @@ def _drawn(case: SafetyCase) -> dict[str, str]:
 
     try:
         with step("drawing"):
-            found = pictures(case, Graphviz())
+            drawings = pictures(case, Graphviz())
     except LayoutError as error:
         raise EnvironmentFault(str(error)) from error
-    return {_DOCUMENT: render(case, found)} | {f"{name}.svg": e for name, e in found.items()}
+    return {_DOCUMENT: render(case, drawings)} | {f"{name}.svg": e for name, e in drawings.items()}
 
 
 def _write(case: SafetyCase, folder: Path) -> None:

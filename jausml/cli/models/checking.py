@@ -187,8 +187,8 @@ def model_check(
 
     read, system = valid_system(model, reading)
     end = time.monotonic() + budget
-    found = check_system(system, states, lambda: time.monotonic() > end, within or 0.0)
-    outcomes = without_allowed(found, read)
+    all_outcomes = check_system(system, states, lambda: time.monotonic() > end, within or 0.0)
+    outcomes = without_allowed(all_outcomes, read)
     if examples is not None:
         _write_examples(outcomes, read, Path(examples), force=force)
     write_report(RENDERERS[output_format](outcomes, read), output)

@@ -142,7 +142,7 @@ def findings_of(result: jsidl_importer.ImportResult | ros_importer.ImportResult)
 
     if not result.has_errors:
         return check(ReadResult(result.model, result.diagnostics))
-    files = tuple(document.display for document in result.model.documents if document.given)
+    files = tuple(document.display for document in result.model.documents if document.is_input)
     return Report(result.model, files, tuple(result.diagnostics))
 
 
@@ -239,8 +239,10 @@ def _sources(words: tuple[str, ...], installation: Installation) -> list[Package
     sources: dict[str, PackageSource] = {}
     for word in words:
         folder = installation.folder(word) if is_package_name(word) else None
-        found = [installed_source(word, folder)] if folder is not None else _at(word, installation)
-        for source in found:
+        matches = (
+            [installed_source(word, folder)] if folder is not None else _at(word, installation)
+        )
+        for source in matches:
             known = sources.setdefault(source.name, PackageSource(source.name))
             paths = {os.path.realpath(file.path) for file in known.files}
             known.files += [f for f in source.files if os.path.realpath(f.path) not in paths]
@@ -257,10 +259,10 @@ def _at(path: str, installation: Installation) -> list[PackageSource]:
     place = Path(path)
     try:
         if place.is_dir():
-            found = package_sources([path])
-            if not found:
+            sources = package_sources([path])
+            if not sources:
                 raise EnvironmentFault(f"no {' or '.join(SUFFIXES)} files in {shown}")
-            return found
+            return sources
         if place.suffix in SUFFIXES:
             with open_input(place):
                 return package_sources([path])
@@ -287,11 +289,13 @@ def _documents(
     else:
         places = {Path(output): result.packages}
     model = placed(result, places)
-    made = [(str(path), roots, document(roots, model, str(path))) for path, roots in places.items()]
+    documents = [
+        (str(path), roots, document(roots, model, str(path))) for path, roots in places.items()
+    ]
     with writing(output):
         for path in places:
             path.parent.mkdir(parents=True, exist_ok=True)
-    return made
+    return documents
 
 
 def _is_folder(output: str) -> bool:
@@ -364,8 +368,8 @@ def _services(model: Model) -> list[jaus.Service]:
     """Returns the services of the file that was named, then those that its components provide."""
     from jausml.language.metamodel.classes import jaus
 
-    given = [named_document for named_document in model.documents if named_document.given]
-    elements = [element for document in given for element in model.elements_of(document)]
+    documents = [named_document for named_document in model.documents if named_document.is_input]
+    elements = [element for document in documents for element in model.elements_of(document)]
     own = [element for element in elements if isinstance(element, jaus.Service)]
     components = [element for element in elements if isinstance(element, jaus.Component)]
     provided = [service for component in components for service in component.provides]

@@ -136,23 +136,23 @@ def _json(results: Sequence[MapResult], judged: Report) -> str:
 
     short = by_map(judged)
     maps = [finite(result.to_json()) | {"found": short.get(result.name, [])} for result in results]
-    found = {"digests": digests(judged.model), "maps": maps}
-    return json.dumps(found, indent=2, allow_nan=False) + "\n"
+    content = {"digests": digests(judged.model), "maps": maps}
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
 def _wanted(model: Model, names: tuple[str, ...]) -> list[RoundTrip]:
     """Returns the maps of a model and those that its bridges use, or those that are named."""
     from jausml.proving.round_trips import round_trips
 
-    found = round_trips(model)
-    known = dict.fromkeys(round_trip.name for round_trip in found)
+    trips = round_trips(model)
+    known = dict.fromkeys(round_trip.name for round_trip in trips)
     for name in names:
         if name not in known:
             there = ", ".join(known) or "none"
             raise EnvironmentFault(f"there is no map '{name}'; there are {there}")
-    if not found:
+    if not trips:
         raise EnvironmentFault("the model has no maps")
-    return [round_trip for round_trip in found if not names or round_trip.name in names]
+    return [round_trip for round_trip in trips if not names or round_trip.name in names]
 
 
 @click.command("mutate")
@@ -225,8 +225,8 @@ def mutate(
     settings = Settings(names, budget, jobs or processors(), tuple(_arguments(run)))
     _run(campaign, document, chosen, settings)
     if output_format == "json":
-        found = {"digests": digests(broken), **campaign.to_json()}
-        write_report(json.dumps(found, indent=2) + "\n", None)
+        content = {"digests": digests(broken), **campaign.to_json()}
+        write_report(json.dumps(content, indent=2) + "\n", None)
     else:
         write_report(f"{render(campaign)}\n", None)
     if output is not None:
@@ -240,12 +240,12 @@ def _arguments(command: str | None) -> list[str]:
     import shutil
 
     try:
-        found = shlex.split(command or "")
+        words = shlex.split(command or "")
     except ValueError as error:
         raise EnvironmentFault(f"--run: {error}") from error
-    if found and shutil.which(found[0]) is None:
-        raise EnvironmentFault(f"--run: there is no program '{found[0]}'")
-    return found
+    if words and shutil.which(words[0]) is None:
+        raise EnvironmentFault(f"--run: there is no program '{words[0]}'")
+    return words
 
 
 def _check_names(names: Sequence[str]) -> None:
@@ -275,11 +275,11 @@ def _run(
     from jausml.mutating.running import CampaignError, outcomes
 
     try:
-        found = gathered("mutating", len(chosen), outcomes(document, chosen, settings))
+        trials = gathered("mutating", len(chosen), outcomes(document, chosen, settings))
     except (CampaignError, PoolError) as error:
         raise EnvironmentFault(str(error)) from error
-    campaign.remarks = list(dict.fromkeys(remark for trial in found for remark in trial.remarks))
-    campaign.outcomes = [trial.outcome for trial in found if trial.outcome is not None]
+    campaign.remarks = list(dict.fromkeys(remark for trial in trials for remark in trial.remarks))
+    campaign.outcomes = [trial.outcome for trial in trials if trial.outcome is not None]
 
 
 def _write_page(text: str, folder: Path) -> None:

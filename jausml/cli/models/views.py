@@ -70,19 +70,19 @@ def diagram(model: str, view: str, output: str, theme: str, reading: Reading) ->
     suffix = PurePath(output).suffix
     if suffix not in SUFFIXES:
         raise click.UsageError(f"-o {output!a} ends in none of {', '.join(SUFFIXES)}")
-    found = checked([model], reading)
+    validation_report = checked([model], reading)
     try:
-        graph = graph_of(found.model, view, found.diagnostics)
+        graph = graph_of(validation_report.model, view, validation_report.diagnostics)
     except UnknownViewError as error:
-        if found.has_errors:
-            show_findings(found)
+        if validation_report.has_errors:
+            show_findings(validation_report)
         raise EnvironmentFault(str(error)) from error
     with step("drawing"):
         picture = _rendered(graph, suffix, theme)
     write_report(picture, output)
-    if found.has_errors:
-        show_findings(found)
-        fail(found)
+    if validation_report.has_errors:
+        show_findings(validation_report)
+        fail(validation_report)
 
 
 def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
@@ -170,11 +170,11 @@ def _check_names(assumptions: Assumptions, system: System) -> None:
 
 def _named(values: tuple[str, ...], parse: Callable[[str], Number]) -> dict[str, Number]:
     """Returns values by the names before them, the empty one for all."""
-    found = {}
+    numbers_by_name = {}
     for value in values:
         name, _, number = value.rpartition("=")
-        found[name] = parse(number)
-    return found
+        numbers_by_name[name] = parse(number)
+    return numbers_by_name
 
 
 def _rate(text: str) -> float:

@@ -91,12 +91,12 @@ def _project(argument: str) -> Path:
     """Returns the folder of the project of the current folder."""
     from jausml.language.model.project import project_folder
 
-    found = project_folder(Path.cwd() / "any")
-    if found is None:
+    folder = project_folder(Path.cwd() / "any")
+    if folder is None:
         raise click.UsageError(
             f"Missing argument '{argument}': no project is here; 'jausml init DIR' makes one."
         )
-    return found
+    return folder
 
 
 def from_here(path: Path) -> str:
@@ -168,13 +168,13 @@ def reading_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _projects(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> dict[str, str]:
-    found = {}
+    folders_by_name = {}
     for value in values:
         name, sign, folder = value.partition("=")
         if not (name and sign and Path(folder).is_dir()):
             raise click.BadParameter(f"'{value}' is not NAME=DIR with an existing folder")
-        found[name] = folder
-    return found
+        folders_by_name[name] = folder
+    return folders_by_name
 
 
 def bridge_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -306,19 +306,19 @@ def open_catalogue(models: Iterable[str]) -> Catalogue:
     from jausml.language.text.notation import NOTATIONS
     from jausml.live.messages import CatalogueError, load_catalogue
 
-    found: list[str] = []
+    model_files: list[str] = []
     if paths:
         from jausml.language.project import find_models
 
         with _usable_input():
-            found = find_models(paths)
+            model_files = find_models(paths)
     try:
-        return load_catalogue(found, notations=NOTATIONS)
+        return load_catalogue(model_files, notations=NOTATIONS)
     except CatalogueError as error:
         raise ModelFault(str(error)) from error
 
 
-def told(error: Exception, models: Sequence[str]) -> str:
+def explained(error: Exception, models: Sequence[str]) -> str:
     """Returns what is wrong with a message, and where those come from that are known.
 
     `models`: files and folders whose messages are known too.

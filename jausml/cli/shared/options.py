@@ -101,11 +101,11 @@ def _network_option(word: str, parameter: str, text: str, **attributes: Any) -> 
     By default it has the short name and that of generated processes.
     """
 
-    def made(*names: str, text: str = text) -> Decorator:
+    def decorator(*names: str, text: str = text) -> Decorator:
         known = names or (f"--{word}", f"--jaus-{word}")
         return click.option(*known, parameter, help=text, **attributes)
 
-    return made
+    return decorator
 
 
 interface_option = _network_option(

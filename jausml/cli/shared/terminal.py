@@ -58,7 +58,7 @@ def painted(word: str, shown: str = "") -> str:
 
 def painted_findings(text: str) -> str:
     """Returns the findings of a report with their severities in colour."""
-    return _SEVERITY.sub(lambda found: f"{found[1]}: {painted(found[2])}: ", text)
+    return _SEVERITY.sub(lambda match: f"{match[1]}: {painted(match[2])}: ", text)
 
 
 def remark(text: str) -> None:
@@ -109,13 +109,13 @@ def step(label: str, *, prints: bool = False) -> Iterator[Progress]:
 
 def gathered(label: str, total: int, results: Iterable[tuple[int, ResultT]]) -> list[ResultT]:
     """Returns numbered results in order, and shows how many there are while they come."""
-    found: dict[int, ResultT] = {}
+    results_by_number: dict[int, ResultT] = {}
     with step(label) as progress:
-        progress.note = lambda: f"{len(found)} of {total}"
+        progress.note = lambda: f"{len(results_by_number)} of {total}"
         for number, result in results:
-            found[number] = result
-            progress.at(len(found) / total)
-    return [found[number] for number in sorted(found)]
+            results_by_number[number] = result
+            progress.at(len(results_by_number) / total)
+    return [results_by_number[number] for number in sorted(results_by_number)]
 
 
 def _is_watched(asked: Verbosity, prints: bool) -> bool:
@@ -183,10 +183,14 @@ def choose(question: str, options: Sequence[str]) -> list[int]:
         words = [word for word in re.split(r"[\s,]+", text.strip()) if word]
         if words == [_NONE]:
             return []
-        found = [int(word) - 1 for word in words if word.isascii() and word.isdigit()]
-        if not words or len(found) != len(words) or not all(0 <= n < len(options) for n in found):
+        indices = [int(word) - 1 for word in words if word.isascii() and word.isdigit()]
+        if (
+            not words
+            or len(indices) != len(words)
+            or not all(0 <= n < len(options) for n in indices)
+        ):
             raise click.BadParameter(f"give numbers from 1 to {len(options)}, or {_NONE} for none")
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(indices))
 
     chosen: list[int] = click.prompt("Which (numbers)", "1", value_proc=numbers, err=True)
     return chosen

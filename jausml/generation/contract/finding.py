@@ -143,8 +143,10 @@ class Fix:
 def fix_files(out: Path, findings: Sequence[Finding]) -> list[Fix]:
     """Makes the edits of findings, and returns them; a file in which they do not fit stays."""
     fixed: list[Fix] = []
-    for path, found in groupby(sorted(findings, key=lambda f: f.path), key=lambda f: f.path):
-        edits = sorted({edit for finding in found for edit in finding.edits})
+    for path, path_findings in groupby(
+        sorted(findings, key=lambda f: f.path), key=lambda f: f.path
+    ):
+        edits = sorted({edit for finding in path_findings for edit in finding.edits})
         data = read_input(out / path) if edits else b""
         new = edited(data, edits) if edits else None
         if new is not None and new != data:

@@ -99,8 +99,8 @@ class Imports:
         elsewhere = self._elsewhere([alias], module.name)
         if elsewhere:
             return Lost(alias, message + elsewhere)
-        told = _unused(cut) or _left_out(module.name, [alias.name]) or alike(alias.name, names)
-        return Lost(alias, message + told, cut)
+        cure_text = _unused(cut) or _left_out(module.name, [alias.name]) or alike(alias.name, names)
+        return Lost(alias, message + cure_text, cut)
 
     def _elsewhere(self, aliases: Sequence[ast.alias], source: str) -> str:
         """Says that the package itself has what an inner module of it has lost."""
@@ -138,8 +138,8 @@ class Imports:
 
     def _uses(self, name: str, scope: Scope, successor: str) -> Iterator[Edit]:
         for namespace in self._names.scopes.values():
-            found = namespace.find(name)
-            for node in own_nodes(namespace.node) if found and found[0] is scope else ():
+            definition = namespace.find(name)
+            for node in own_nodes(namespace.node) if definition and definition[0] is scope else ():
                 if isinstance(node, ast.Name) and node.id == name:
                     yield name_edit(node.lineno, node.col_offset, name, successor)
 
@@ -159,8 +159,8 @@ def _left_out(module: str, names: Sequence[str]) -> str:
 def alike(name: str, names: Iterable[str]) -> str:
     """Asks whether a name is another one that resembles it; empty where none does."""
     likely = [candidate for candidate in names if candidate[:1].isupper() == name[:1].isupper()]
-    found = nearest(name, likely)
-    return f"; is it {found} now?" if found else ""
+    nearest_name = nearest(name, likely)
+    return f"; is it {nearest_name} now?" if nearest_name else ""
 
 
 def _unused(cut: tuple[Edit, ...]) -> str:

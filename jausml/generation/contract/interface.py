@@ -28,12 +28,12 @@ def renames(old: Modules, new: Modules, names: Iterable[str]) -> dict[str, str]:
     What has the same code, number or bytes on the wire is the same; a name that only resembles
     another one is none. Names are dotted, those inside a renamed class by its present name.
     """
-    found: dict[str, str] = {}
+    successors: dict[str, str] = {}
     for name in names:
         former, present = old.find(name), new.find(name)
         if isinstance(former, Module) and isinstance(present, Module):
-            found.update(_Difference(old, new).of_modules(former, present))
-    return found
+            successors.update(_Difference(old, new).of_modules(former, present))
+    return successors
 
 
 class _Difference:
@@ -240,16 +240,16 @@ def _has(modules: Modules, dotted: str) -> bool:
     parts = dotted.split(".")
     # The longest beginning that is a module; the rest lies inside it.
     for count in range(len(parts) - 1, 0, -1):
-        found: object = modules.find(".".join(parts[:count]))
-        if isinstance(found, Module):
+        symbol: object = modules.find(".".join(parts[:count]))
+        if isinstance(symbol, Module):
             for name in parts[count:]:
-                if isinstance(found, Module):
-                    found = modules.member(found, name)
-                elif isinstance(found, Class):
-                    found = modules.members(found).get(name)
+                if isinstance(symbol, Module):
+                    symbol = modules.member(symbol, name)
+                elif isinstance(symbol, Class):
+                    symbol = modules.members(symbol).get(name)
                 else:
                     return False
-            return found is not None
+            return symbol is not None
     return False
 
 

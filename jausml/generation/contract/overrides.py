@@ -111,17 +111,17 @@ class Comparison:
 
 def compare_class(file: File, contract: SkeletonContract, known: Mapping[str, str]) -> Comparison:
     """Compares the class of a skeleton with the contract."""
-    found = Comparison()
+    comparison = Comparison()
     classes = read_classes(file.tree)
     user = classes.get(contract.class_name)
     if user is None:
-        found.findings.append(_no_class(file.path, contract, classes))
-        return found
-    found.findings += _compare_methods(file, contract, user, known, found)
+        comparison.findings.append(_no_class(file.path, contract, classes))
+        return comparison
+    comparison.findings += _compare_methods(file, contract, user, known, comparison)
     if contract.base_name not in user.ancestors:
         message = f"class {user.name} does not derive from {contract.base_name}"
-        found.findings.append(Finding(FindingKind.NO_BASE, file.path, user.line, message))
-    return found
+        comparison.findings.append(Finding(FindingKind.NO_BASE, file.path, user.line, message))
+    return comparison
 
 
 def _no_class(path: str, contract: SkeletonContract, classes: Mapping[str, SourceClass]) -> Finding:
@@ -139,7 +139,7 @@ def _compare_methods(
     contract: SkeletonContract,
     user: SourceClass,
     known: Mapping[str, str],
-    found: Comparison,
+    comparison: Comparison,
 ) -> Iterator[Finding]:
     path, expected = file.path, {method.name: method for method in contract.methods}
     missing = {n: m for n, m in expected.items() if n not in user.methods}
@@ -149,7 +149,7 @@ def _compare_methods(
         if name not in expected and (name.startswith(contract.prefixes) or name in known)
     }
     for name, definition in orphans.items():
-        found.uncalled.add(name)
+        comparison.uncalled.add(name)
         successor = _successor(name, orphans, missing, known)
         if successor is None:
             message = f"{name}: the model has no such element any more, nothing calls it"
@@ -161,7 +161,7 @@ def _compare_methods(
             edits: tuple[Edit, ...] = ()
             if known.get(name):
                 message = f"{name}: renamed to {successor.name}"
-                found.renamed[name] = successor.name
+                comparison.renamed[name] = successor.name
                 edits = _renaming(file, user, definition, name, successor)
             yield Finding(
                 FindingKind.RENAMED, path, definition.line, message, successor.stub, edits=edits

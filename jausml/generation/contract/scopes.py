@@ -337,15 +337,21 @@ class Walk:
     def _of_function(
         self, node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda, place: Place
     ) -> Iterator[tuple[ast.AST | None, Place]]:
-        given = node.args
-        yield from _at(place, (*given.defaults, *given.kw_defaults))
+        arguments = node.args
+        yield from _at(place, (*arguments.defaults, *arguments.kw_defaults))
         # What is caught around a definition is not caught where the function is called.
         inner = replace(self._within(node, place), caught=frozenset())
         if isinstance(node, ast.Lambda):
             yield node.body, inner
             return
         yield from _at(place, node.decorator_list)
-        parameters = (*given.posonlyargs, *given.args, given.vararg, *given.kwonlyargs, given.kwarg)
+        parameters = (
+            *arguments.posonlyargs,
+            *arguments.args,
+            arguments.vararg,
+            *arguments.kwonlyargs,
+            arguments.kwarg,
+        )
         annotations = (parameter.annotation for parameter in parameters if parameter is not None)
         yield from _at(self._annotation(place), (*annotations, node.returns))
         yield from _at(inner, node.body)

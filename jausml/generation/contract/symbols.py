@@ -121,7 +121,7 @@ class Modules:
         self._read = read
         self.packages = frozenset(packages)
         self._generated = generated
-        self._found: dict[str, Module | Unknown | None] = {}
+        self._modules: dict[str, Module | Unknown | None] = {}
         self._scopes: dict[Module, _Names] = {}
         self._members: dict[Class, _Names] = {}
 
@@ -129,9 +129,9 @@ class Modules:
         """Returns a module; None when its package has no such one."""
         if name.partition(".")[0] not in self.packages:
             return UNKNOWN
-        if name not in self._found:
-            self._found[name] = self._load(name)
-        return self._found[name]
+        if name not in self._modules:
+            self._modules[name] = self._load(name)
+        return self._modules[name]
 
     def _load(self, name: str) -> Module | Unknown | None:
         # A package of the workspace lies in a folder that bears its name, too.
@@ -153,14 +153,14 @@ class Modules:
 
     def _member(self, module: Module, name: str, passed: tuple[Module, ...]) -> Symbol | None:
         names = self._scope(module)
-        found = names.symbols.get(name)
-        if isinstance(found, _Alias):
+        symbol = names.symbols.get(name)
+        if isinstance(symbol, _Alias):
             # Modules may import a name from each other.
             if module in passed:
                 return UNKNOWN
-            return self._imported(found, (*passed, module))
-        if found is not None:
-            return found
+            return self._imported(symbol, (*passed, module))
+        if symbol is not None:
+            return symbol
         if module.is_package:
             inner = self.find(f"{module.name}.{name}")
             if inner is not None:
@@ -181,8 +181,8 @@ class Modules:
             return UNKNOWN if known else External(alias.module, alias.name)
         if source is None or not alias.name:
             return UNKNOWN if source is None else source
-        found = self._member(source, alias.name, passed)
-        return UNKNOWN if found is None else found
+        symbol = self._member(source, alias.name, passed)
+        return UNKNOWN if symbol is None else symbol
 
     def names(self, module: Module) -> list[str]:
         """Returns the names that a module defines or imports."""
@@ -232,29 +232,29 @@ class Modules:
 
     def ancestors(self, cls: Class) -> list[Class | type | None]:
         """Returns a class and those that it derives from; None for one that is not known."""
-        found: list[Class | type | None] = []
-        self._ancestors(cls, found)
-        return found
+        classes: list[Class | type | None] = []
+        self._ancestors(cls, classes)
+        return classes
 
-    def _ancestors(self, cls: Class, found: list[Class | type | None]) -> None:
-        if cls in found:
+    def _ancestors(self, cls: Class, classes: list[Class | type | None]) -> None:
+        if cls in classes:
             return
-        found.append(cls)
+        classes.append(cls)
         for node in cls.node.bases:
             base = self._base(node, cls)
             if isinstance(base, Class):
-                self._ancestors(base, found)
+                self._ancestors(base, classes)
             else:
-                found.append(base)
+                classes.append(base)
 
     def _base(self, node: ast.expr, cls: Class) -> Class | type | None:
         node = node.value if isinstance(node, ast.Subscript) else node
-        found = self.symbol(node, cls.module)
-        if isinstance(found, Class):
-            return found
-        if isinstance(found, External):
-            return _KNOWN_BASES.get((found.module, found.name))
-        if found is None and isinstance(node, ast.Name):
+        symbol = self.symbol(node, cls.module)
+        if isinstance(symbol, Class):
+            return symbol
+        if isinstance(symbol, External):
+            return _KNOWN_BASES.get((symbol.module, symbol.name))
+        if symbol is None and isinstance(node, ast.Name):
             known = getattr(builtins, node.id, None)
             return known if isinstance(known, type) else None
         return None
@@ -276,9 +276,9 @@ class Modules:
         for ancestor in self.ancestors(cls):
             if isinstance(ancestor, Class):
                 body = self._body(ancestor)
-                found = body.symbols.get(name)
-                if found is not None:
-                    return UNKNOWN if isinstance(found, _Alias) else found
+                symbol = body.symbols.get(name)
+                if symbol is not None:
+                    return UNKNOWN if isinstance(symbol, _Alias) else symbol
                 is_open = is_open or body.is_open
             elif ancestor is None or any(name in vars(kind) for kind in ancestor.__mro__):
                 is_open = True
@@ -306,8 +306,8 @@ def _names(node: ast.Module | ast.ClassDef, module: Module, owner: Class | None 
     for name, bindings in names_of(node).items():
         first, *others = (_symbol(name, binding, module, owner) for binding in bindings)
         if name == "*":
-            found = (first, *others)
-            names.stars += [symbol.module for symbol in found if isinstance(symbol, _Alias)]
+            symbols = (first, *others)
+            names.stars += [symbol.module for symbol in symbols if isinstance(symbol, _Alias)]
         else:
             names.symbols[name] = first if all(other == first for other in others) else UNKNOWN
     return names

@@ -91,9 +91,9 @@ class Types:
         """Returns what names mean in the body of a class."""
 
         def look_up(name: str) -> Type:
-            found = self.modules.members(owner).get(name)
-            if found is not None:
-                return self.of_symbol(found)
+            symbol = self.modules.members(owner).get(name)
+            if symbol is not None:
+                return self.of_symbol(symbol)
             return self.of_symbol(self.modules.member(owner.module, name))
 
         return look_up
@@ -119,12 +119,14 @@ class Types:
             case ast.Call(func=function):
                 return self._result(self.of(function, look_up))
             case ast.Subscript(value=owner):
-                found = self.of(owner, look_up)
+                owner_type = self.of(owner, look_up)
                 # `State["MOVING"]` is a member of the enumeration.
-                if isinstance(found, Class) and is_enumeration(self.modules, found):
-                    return Object(found)
+                if isinstance(owner_type, Class) and is_enumeration(self.modules, owner_type):
+                    return Object(owner_type)
                 is_slice = isinstance(node.slice, ast.Slice)
-                return found.item if isinstance(found, ListOf) and not is_slice else UNKNOWN
+                return (
+                    owner_type.item if isinstance(owner_type, ListOf) and not is_slice else UNKNOWN
+                )
         return UNKNOWN
 
     def attribute(self, owner: Type, name: str) -> Type:
@@ -145,10 +147,10 @@ class Types:
         if not owner.is_super:
             return self.modules.attribute(owner.of, name)
         above = [self.modules.symbol(node, owner.of.module) for node in owner.of.node.bases]
-        found = [
+        symbols = [
             self.modules.attribute(e, name) if isinstance(e, Class) else UNKNOWN for e in above
         ]
-        return next((symbol for symbol in found if symbol is not None), None)
+        return next((symbol for symbol in symbols if symbol is not None), None)
 
     def _method(self, function: Function, owner: Class | Object) -> Type:
         decorators = function.node.decorator_list
@@ -211,11 +213,11 @@ class Types:
                     inner = (
                         inner.elts[0] if len(inner.elts) == 2 and _is_rest(inner.elts[1]) else node
                     )
-                found = UNKNOWN if inner is node else self.of_annotation(inner, look_up)
-                return UNKNOWN if found is UNKNOWN else ListOf(found)
+                value_type = UNKNOWN if inner is node else self.of_annotation(inner, look_up)
+                return UNKNOWN if value_type is UNKNOWN else ListOf(value_type)
             case ast.Name() | ast.Attribute():
-                found = self.of(node, look_up)
-                return Object(found) if isinstance(found, Class) else UNKNOWN
+                value_type = self.of(node, look_up)
+                return Object(value_type) if isinstance(value_type, Class) else UNKNOWN
         return UNKNOWN
 
 
@@ -237,10 +239,10 @@ class Names:
         def look_up(name: str) -> Type:
             if name == "super":
                 return self._super(scope)
-            found = scope.find(name)
-            if found is None:
+            definition = scope.find(name)
+            if definition is None:
                 return UNKNOWN
-            owner, bindings = found
+            owner, bindings = definition
             # Of a name that is bound twice, nobody knows which value it has.
             if len(bindings) != 1 or name in _probed(scope, owner):
                 return UNKNOWN
@@ -268,8 +270,8 @@ class Names:
     def _imported(self, node: ast.Import | ast.ImportFrom, alias: ast.alias) -> Type:
         if isinstance(node, ast.Import):
             name = alias.name if alias.asname else alias.name.partition(".")[0]
-            found = self.types.modules.find(name)
-            return found or UNKNOWN
+            symbol = self.types.modules.find(name)
+            return symbol or UNKNOWN
         source = absolute(node, self.module.name, is_package=self.module.is_package)
         module = self.types.modules.find(source) if source else UNKNOWN
         if not isinstance(module, Module):
@@ -279,13 +281,13 @@ class Names:
     def _class(self, node: ast.ClassDef) -> Class | None:
         """Returns a class of the file; None for one inside of a function."""
         modules, parent = self.types.modules, self.scopes[node].parent
-        found: object = None
+        symbol: object = None
         if parent is not None and isinstance(parent.node, ast.ClassDef):
             outer = self._class(parent.node)
-            found = modules.members(outer).get(node.name) if outer else None
+            symbol = modules.members(outer).get(node.name) if outer else None
         elif parent is not None and isinstance(parent.node, ast.Module):
-            found = modules.member(self.module, node.name)
-        return found if isinstance(found, Class) and found.node is node else None
+            symbol = modules.member(self.module, node.name)
+        return symbol if isinstance(symbol, Class) and symbol.node is node else None
 
     def _owner(self, scope: Scope) -> Class | None:
         """Returns the class of the method that a scope is of."""

@@ -53,9 +53,11 @@ class Signature:
         # What `*` and `**` give is not known, so nothing is missing for certain.
         if is_open or is_open_by_name:
             return "", None
-        given = {*self.positional[:count], *names}
-        missing = [parameter for parameter in self.positional if parameter in self.required - given]
-        missing += sorted(self.required - given - set(missing))
+        arguments = {*self.positional[:count], *names}
+        missing = [
+            parameter for parameter in self.positional if parameter in self.required - arguments
+        ]
+        missing += sorted(self.required - arguments - set(missing))
         return (f"needs {', '.join(missing)}", None) if missing else ("", None)
 
 
@@ -72,21 +74,21 @@ def signature(modules: Modules, called: object) -> Signature | None:
 
 
 def _of_function(node: ast.FunctionDef | ast.AsyncFunctionDef, bound: int) -> Signature:
-    given = node.args
-    positional = [posonlyarg.arg for posonlyarg in (*given.posonlyargs, *given.args)]
-    required = positional[: len(positional) - len(given.defaults)][bound:]
+    arguments = node.args
+    positional = [posonlyarg.arg for posonlyarg in (*arguments.posonlyargs, *arguments.args)]
+    required = positional[: len(positional) - len(arguments.defaults)][bound:]
     required += [
         argument.arg
-        for argument, default in zip(given.kwonlyargs, given.kw_defaults, strict=True)
+        for argument, default in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
         if default is None
     ]
-    named = [kwonlyarg.arg for kwonlyarg in (*given.args, *given.kwonlyargs)]
+    named = [kwonlyarg.arg for kwonlyarg in (*arguments.args, *arguments.kwonlyargs)]
     return Signature(
         tuple(positional[bound:]),
         frozenset(named),
         frozenset(required),
-        takes_more=given.vararg is not None,
-        takes_any_name=given.kwarg is not None,
+        takes_more=arguments.vararg is not None,
+        takes_any_name=arguments.kwarg is not None,
     )
 
 
@@ -98,12 +100,12 @@ def _of_class(modules: Modules, cls: Class) -> Signature | None:
         members = modules.members(ancestor)
         if "__new__" in members or ancestor.node.keywords:
             return None
-        made = members.get("__init__")
-        if isinstance(made, Function):
-            return None if made.node.decorator_list else _of_function(made.node, 1)
+        initializer = members.get("__init__")
+        if isinstance(initializer, Function):
+            return None if initializer.node.decorator_list else _of_function(initializer.node, 1)
         if any(is_decorated_by(d, "dataclass") for d in ancestor.node.decorator_list):
             return _of_fields([e for e in reversed(ancestors) if isinstance(e, Class)])
-        if made is not None or ancestor.node.decorator_list:
+        if initializer is not None or ancestor.node.decorator_list:
             return None
     return None
 
@@ -144,12 +146,12 @@ def misfits(file: File, around: Surroundings) -> list[Finding]:
     """Returns the uses in a file that do not fit."""
     names = Names(file.module, around.types)
     imports = Imports(file, names, around)
-    found = (
+    findings = (
         use
         for node, place in Walk(file.tree, names.scopes)
         for use in _Reader(file, names, around, imports, place).read(node)
     )
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(findings))
 
 
 class _Reader:
@@ -187,9 +189,9 @@ class _Reader:
     def _type_of(self, node: ast.expr) -> Type:
         return self._around.types.of(node, self._look_up)
 
-    def _tell_imports(self, found: Iterable[Lost]) -> Iterator[Finding]:
+    def _tell_imports(self, lost_names: Iterable[Lost]) -> Iterator[Finding]:
         if self._place.caught.isdisjoint(_IMPORT_CAUGHT):
-            for lost_name in found:
+            for lost_name in lost_names:
                 place = lost_name.node.lineno, lost_name.node.col_offset
                 yield self._use(*place, lost_name.message, lost_name.edits, FindingKind.IMPORT)
 

@@ -55,14 +55,14 @@ def layout(
         return text
     lay_out = lay_out or lay_out_statement
     lines = text.split("\n")
-    found: list[str] = []
+    new_lines: list[str] = []
     done = 0
     for start, end in sorted(set(_spans(module, lines))):
         if start >= done and (start < end or len(lines[start]) > LINE_WIDTH):
-            found += lines[done:start]
-            found += lay_out(lines[start : end + 1])
+            new_lines += lines[done:start]
+            new_lines += lay_out(lines[start : end + 1])
             done = end + 1
-    return "\n".join([*found, *lines[done:]])
+    return "\n".join([*new_lines, *lines[done:]])
 
 
 def _spans(module: ast.Module, lines: Sequence[str]) -> Iterator[tuple[int, int]]:
@@ -267,8 +267,8 @@ def _choices(parts: Sequence[Part]) -> list[int]:
     """Positions of the words of a conditional expression."""
     if any(is_word(part, "lambda") for part in parts):
         return []
-    found = [at for at, part in enumerate(parts) if is_word(part, "if", "else")]
-    return found if any(is_word(parts[at], "else") for at in found) else []
+    positions = [at for at, part in enumerate(parts) if is_word(part, "if", "else")]
+    return positions if any(is_word(parts[at], "else") for at in positions) else []
 
 
 def _clauses(parts: Sequence[Part]) -> list[int]:
@@ -276,9 +276,9 @@ def _clauses(parts: Sequence[Part]) -> list[int]:
     loops = [at for at, part in enumerate(parts) if is_word(part, "for")]
     if not loops:
         return []
-    found = [at - 1 if at and is_word(parts[at - 1], "async") else at for at in loops]
+    starts = [at - 1 if at and is_word(parts[at - 1], "async") else at for at in loops]
     tests = [at for at, part in enumerate(parts) if at > loops[0] and is_word(part, "if")]
-    return sorted([*found, *tests])
+    return sorted([*starts, *tests])
 
 
 def _adjacent_strings(parts: Sequence[Part]) -> list[int]:
@@ -301,11 +301,11 @@ def _loosest(parts: Sequence[Part]) -> list[int]:
         if at and isinstance(part, Token) and not part.is_string and ends_operand(parts[at - 1])
     ]
     for number, level in enumerate(_OPERATORS):
-        found = [at for at in binary if is_word(parts[at], *level)]
+        operators = [at for at in binary if is_word(parts[at], *level)]
         if strings and number == len(_BOOLEAN):
             return strings
-        if found:
-            return found
+        if operators:
+            return operators
     return strings
 
 
@@ -321,10 +321,10 @@ def _inside(parts: Sequence[Part], indent: str, after: str = "", before: str = "
     clauses = _clauses(parts)
     if clauses:
         element, *between, last_clause = split_at(parts, clauses)
-        found = _inside(element, indent, "", before)
+        clause_lines = _inside(element, indent, "", before)
         for clause in between:
-            found += _clause(clause, indent, "")
-        return [*found, *_clause(last_clause, indent, after)]
+            clause_lines += _clause(clause, indent, "")
+        return [*clause_lines, *_clause(last_clause, indent, after)]
     colon = next((at for at, part in enumerate(parts) if is_word(part, ":")), None)
     if colon:
         *above, last = _bracketed(parts[: colon + 1], indent, before)
@@ -365,7 +365,7 @@ def _lambda(before: str, parts: Sequence[Part], after: str, indent: str) -> list
 
 def _bracketed(parts: Sequence[Part], indent: str, before: str = "", after: str = "") -> list[str]:
     """Lays out parts whose brackets alone can be broken, from the left to the right."""
-    line, found = indent + before, []
+    line, lines = indent + before, []
     for at, part in enumerate(parts):
         space = " " if at and part.spaced else ""
         if not (isinstance(part, Bracket) and part.inside):
@@ -379,10 +379,10 @@ def _bracketed(parts: Sequence[Part], indent: str, before: str = "", after: str 
         if can_be_flat([part]) and len(whole + following) <= LINE_WIDTH:
             line = whole
         else:
-            found.append(line + space + part.opening)
-            found += _exploded(part, indent)
+            lines.append(line + space + part.opening)
+            lines += _exploded(part, indent)
             line = indent + part.closing
-    return [*found, line + after]
+    return [*lines, line + after]
 
 
 def _exploded(bracket: Bracket, indent: str) -> list[str]:

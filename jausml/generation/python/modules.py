@@ -206,8 +206,8 @@ class _Piece:
         text = "".join(parts)
         names = self.names
         groups = (names.running, names.annotating, names.defined)
-        found = ({_with_words(name, words) for name in group} for group in groups)
-        return _Piece([_with_words(text, words)], Names(*found))
+        name_sets = ({_with_words(name, words) for name in group} for group in groups)
+        return _Piece([_with_words(text, words)], Names(*name_sets))
 
 
 class Modules:
@@ -316,10 +316,10 @@ def _without_words(text: str, words: Collection[str]) -> tuple[dict[str, str], s
 def _without_word(text: str, word: str, stand_in: str) -> str:
     alike = text.replace(word, stand_in)
 
-    def kept(found: re.Match[str]) -> str:
-        start, end = found.span()
+    def kept(match: re.Match[str]) -> str:
+        start, end = match.span()
         beside = alike[max(start - 1, 0) : start] + alike[end : end + 1]
-        return found[0] if _LONGER.isdisjoint(beside) else found[0].replace(stand_in, word)
+        return match[0] if _LONGER.isdisjoint(beside) else match[0].replace(stand_in, word)
 
     return re.sub(f"{stand_in[0]}+", kept, alike)
 
@@ -327,8 +327,8 @@ def _without_word(text: str, word: str, stand_in: str) -> str:
 def _words_in(text: str, words: Collection[str]) -> Iterator[str]:
     """Yields the words in the names of classes, functions, methods and attributes."""
     seen, known = set[str](), set[str]()
-    for found in _HEAD.finditer(text):
-        name = found[1] or found[2]
+    for match in _HEAD.finditer(text):
+        name = match[1] or match[2]
         if name in seen:
             continue
         seen.add(name)

@@ -156,21 +156,21 @@ def _string_between(
 
 def _parts(tokens: Sequence[tokenize.TokenInfo], index: int) -> tuple[list[Part], int]:
     """Returns the parts up to a closing bracket, and where it stands."""
-    found: list[Part] = []
+    parts: list[Part] = []
     while index < len(tokens) and tokens[index].string not in _CLOSING.values():
         token = tokens[index]
         spaced = _is_spaced(tokens, index)
         if token.string in _CLOSING:
-            trails = bool(found) and not spaced and ends_operand(found[-1])
+            trails = bool(parts) and not spaced and ends_operand(parts[-1])
             inside, index = _parts(tokens, index + 1)
             # The comma says how to break, and is put back by the layout.
             comma = bool(inside) and inside[-1] == Token(",")
             kept = tuple(inside[:-1] if comma else inside)
-            found.append(Bracket(token.string, kept, comma, spaced, trails))
+            parts.append(Bracket(token.string, kept, comma, spaced, trails))
         else:
-            found.append(Token(token.string, spaced, token.type == tokenize.STRING))
+            parts.append(Token(token.string, spaced, token.type == tokenize.STRING))
         index += 1
-    return found, index
+    return parts, index
 
 
 def _is_spaced(tokens: Sequence[tokenize.TokenInfo], index: int) -> bool:
@@ -207,7 +207,7 @@ def items(bracket: Bracket) -> list[tuple[Part, ...]]:
     """Returns what stands between the commas of a bracket."""
     if is_comprehension(bracket.inside):
         return [bracket.inside]
-    found: list[tuple[Part, ...]] = []
+    elements: list[tuple[Part, ...]] = []
     current: list[Part] = []
     arguments_of_lambda = 0
     for part in bracket.inside:
@@ -217,8 +217,8 @@ def items(bracket: Bracket) -> list[tuple[Part, ...]]:
         elif isinstance(part, Token) and part.text == ":" and arguments_of_lambda:
             arguments_of_lambda -= 1
         if part == Token(",") and not arguments_of_lambda:
-            found.append(tuple(current))
+            elements.append(tuple(current))
             current = []
         else:
             current.append(part)
-    return [*found, tuple(current)] if current else found
+    return [*elements, tuple(current)] if current else elements

@@ -117,7 +117,7 @@ class TokenCursor:
         return inner
 
     def _split(self, text: str) -> list[Token]:
-        found: list[Token] = []
+        tokens: list[Token] = []
         position, end = 0, len(text.rstrip())
         while position < end:
             match = self._language.tokens.match(text, position)
@@ -126,6 +126,6 @@ class TokenCursor:
                 message = f"{text[start]!a} belongs in no {self._language.noun}"
                 raise self._language.error(message, start + 1)
             kind = match.lastgroup
-            found.append(Token(kind, match[kind], match.start(kind) + 1))
+            tokens.append(Token(kind, match[kind], match.start(kind) + 1))
             position = match.end()
-        return [*found, Token("end", "", end + 1)]
+        return [*tokens, Token("end", "", end + 1)]

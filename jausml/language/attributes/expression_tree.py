@@ -116,12 +116,12 @@ def source_names(paths: Sequence[str]) -> dict[str, int]:
     a name that fits several names none of them. A single source is also `value`, and several are
     `value1`, `value2` and so on.
     """
-    found: dict[str, list[int]] = {}
+    indices_by_name: dict[str, list[int]] = {}
     for index, path in enumerate(paths):
         steps = [] if path == "." else path.lstrip("/").split(".")
         for start in range(len(steps)):
-            found.setdefault(".".join(steps[start:]), []).append(index)
-    names = {name: indices[0] for name, indices in found.items() if len(indices) == 1}
+            indices_by_name.setdefault(".".join(steps[start:]), []).append(index)
+    names = {name: indices[0] for name, indices in indices_by_name.items() if len(indices) == 1}
     # The whole path always names its source, also where it ends another one.
     names.update({path.lstrip("/"): i for i, path in enumerate(paths) if path != "."})
     for index in range(len(paths)):

@@ -219,10 +219,10 @@ def evaluate(expression: Expression, values: Mapping[str, float]) -> float:
         return evaluate(expression.then if holds else expression.otherwise, values)
     operands = operands_of(expression)
     if isinstance(expression, Operation) and expression.sign in _CONNECTIVES:
-        found = (evaluate(operand, values) != 0.0 for operand in operands)
+        truths = (evaluate(operand, values) != 0.0 for operand in operands)
         if expression.sign == "not":
-            return float(not next(found))
-        return float(all(found) if expression.sign == "and" else any(found))
+            return float(not next(truths))
+        return float(all(truths) if expression.sign == "and" else any(truths))
     numbers = [evaluate(operand, values) for operand in operands]
     try:
         return float(_function_of(expression).compute(*numbers))
@@ -237,8 +237,8 @@ def interval(expression: Expression, intervals: Mapping[str, Interval]) -> Inter
     The result is never narrower than the truth, but may be wider: a variable that stands in several
     places counts there as several.
     """
-    found = _bound(expression, intervals)
-    return None if spans.is_empty(found) else found
+    bounds = _bound(expression, intervals)
+    return None if spans.is_empty(bounds) else bounds
 
 
 def _bound(expression: Expression, known: Mapping[str, Interval]) -> Interval:
@@ -279,12 +279,12 @@ def _bound_choice(expression: Conditional, known: Mapping[str, Interval]) -> Int
 
 def _bound_truth(sign: str, operands: Sequence[Interval]) -> Interval:
     # An operand without a value may be one that is never asked, and not a number counts as true.
-    found = [
+    truths = [
         spans.EITHER if spans.is_empty(operand) else spans.truth(operand) for operand in operands
     ]
     if sign == "not":
-        return spans.inverse(found[0])
-    return spans.least(*found) if sign == "and" else spans.greatest(*found)
+        return spans.inverse(truths[0])
+    return spans.least(*truths) if sign == "and" else spans.greatest(*truths)
 
 
 def _function_of(expression: Operation | Call) -> Function:

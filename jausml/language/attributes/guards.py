@@ -124,12 +124,12 @@ def alternatives(guard: Guard, *, holds: bool = True) -> list[Alternative] | Non
     number = sum(map(len, known)) if is_choice else prod(map(len, known))
     if len(known) < len(inside) or number > MOST_ALTERNATIVES:
         return None
-    found = (
+    conjunctions = (
         chain(*known)
         if is_choice
         else (tuple(chain(*combination)) for combination in product(*known))
     )
-    return list(dict.fromkeys(tuple(dict.fromkeys(alternative)) for alternative in found))
+    return list(dict.fromkeys(tuple(dict.fromkeys(alternative)) for alternative in conjunctions))
 
 
 class _Parser:

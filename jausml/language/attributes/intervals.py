@@ -264,8 +264,8 @@ def _quotient(x: float, y: float, sign: float) -> float:
 
 
 def _around(values: Iterable[float]) -> Interval:
-    found = list(values)
-    return min(found), max(found)
+    numbers = list(values)
+    return min(numbers), max(numbers)
 
 
 def _low(value: float) -> float:

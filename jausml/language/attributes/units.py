@@ -92,8 +92,8 @@ def nearest_units(text: str) -> list[str]:
     except UnitError as error:
         known = [*_SYMBOLS, *_WORDS]
         wrong = error.name or text.strip()
-        found = difflib.get_close_matches(wrong, known, n=3, cutoff=0.6)
-        return found or difflib.get_close_matches(wrong.lower(), known, n=3, cutoff=0.6)
+        matches = difflib.get_close_matches(wrong, known, n=3, cutoff=0.6)
+        return matches or difflib.get_close_matches(wrong.lower(), known, n=3, cutoff=0.6)
     return []
 
 

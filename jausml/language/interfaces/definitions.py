@@ -161,13 +161,13 @@ def is_package_name(text: str) -> bool:
 
 def parse_type(text: str) -> FieldType:
     """Returns the type that a text means."""
-    found = _BASE.fullmatch(text)
-    if found is None:
+    match = _BASE.fullmatch(text)
+    if match is None:
         raise TypeTextError(f"{text!a} is no type")
-    base = _base(found["base"])
-    if found["bound"]:
-        base = replace(base, string_bound=_string_bound(text, base, found["bound"]))
-    return _with_array(base, found["array"]) if found["array"] else base
+    base = _base(match["base"])
+    if match["bound"]:
+        base = replace(base, string_bound=_string_bound(text, base, match["bound"]))
+    return _with_array(base, match["array"]) if match["array"] else base
 
 
 def _base(text: str) -> FieldType:
@@ -188,24 +188,24 @@ def _base(text: str) -> FieldType:
 
 
 def _string_bound(text: str, base: FieldType, bound: str) -> int:
-    found = _BOUND.fullmatch(bound)
+    match = _BOUND.fullmatch(bound)
     if base.name not in TEXTS:
         raise TypeTextError(f"{text!a} bounds what is no string", "a sequence is bounded by [<=N]")
-    if found is None or int(found["size"]) == 0:
+    if match is None or int(match["size"]) == 0:
         raise TypeTextError(f"{text!a} has no bound of 1 or more", f"write {base.name}<=N")
-    return int(found["size"])
+    return int(match["size"])
 
 
 def _with_array(base: FieldType, text: str) -> FieldType:
-    found = _ARRAY.fullmatch(text)
-    if found is None or (found["bounded"] and not found["size"]):
+    match = _ARRAY.fullmatch(text)
+    if match is None or (match["bounded"] and not match["size"]):
         raise TypeTextError(f"{text!a} is no array", "write [N], [<=N] or []")
-    if not found["size"]:
+    if not match["size"]:
         return replace(base, array=UNBOUNDED)
-    if int(found["size"]) == 0:
+    if int(match["size"]) == 0:
         raise TypeTextError(f"{text!a} has no size of 1 or more")
-    kind = BOUNDED if found["bounded"] else FIXED
-    return replace(base, array=kind, array_size=int(found["size"]))
+    kind = BOUNDED if match["bounded"] else FIXED
+    return replace(base, array=kind, array_size=int(match["size"]))
 
 
 _TRUTH = {"true": True, "1": True, "false": False, "0": False}
@@ -347,21 +347,21 @@ def _split(text: str) -> list[str]:
 
 def _strings(text: str) -> list[str]:
     """Returns the elements of an array of strings, which may hold commas between quotes."""
-    found: list[str] = []
+    elements: list[str] = []
     rest = text.strip()
     while rest:
         if rest[0] in "'\"":
             match = re.match(rf"{rest[0]}((?:[^\\{rest[0]}]|\\.)*){rest[0]}\s*(,|$)", rest)
             if match is None:
                 raise ValueTextError("has a quote that is not closed, or no comma behind it")
-            found.append(match[1].replace(f"\\{rest[0]}", rest[0]))
+            elements.append(match[1].replace(f"\\{rest[0]}", rest[0]))
             has_comma, rest = bool(match[2]), rest[match.end() :].lstrip()
         else:
             element, comma, rest = rest.partition(",")
             if not element.strip():
                 raise ValueTextError("has an element without a value")
-            found.append(element.rstrip())
+            elements.append(element.rstrip())
             has_comma, rest = bool(comma), rest.lstrip()
         if has_comma and not rest:
             raise ValueTextError("has an element without a value")
-    return found
+    return elements

@@ -106,7 +106,7 @@ def parse_interface(path: str, kind: str, text: str) -> Definition:
 
 
 def _tokens(text: str) -> list[_Token]:
-    found: list[_Token] = []
+    tokens: list[_Token] = []
     at, line, start, comments = 0, 1, 0, ""
     while at < len(text):
         match = _TOKEN.match(text, at)
@@ -116,18 +116,18 @@ def _tokens(text: str) -> list[_Token]:
         kind, part, at = str(match.lastgroup), match.group(), match.end()
         if kind == "comment":
             said = _MARKS.sub("", part).strip()
-            if found and found[-1].line == line:
-                found[-1].behind = said
+            if tokens and tokens[-1].line == line:
+                tokens[-1].behind = said
             else:
                 comments = f"{comments}\n{said}".strip()
         elif kind not in ("blank", "directive"):
             token.kind, token.text, token.before, comments = kind, part, comments, ""
-            found.append(token)
+            tokens.append(token)
         if "\n" in part:
             line += part.count("\n")
             start = match.start() + part.rindex("\n") + 1
-    found.append(_Token("end", "the end of the file", line, at - start + 1))
-    return found
+    tokens.append(_Token("end", "the end of the file", line, at - start + 1))
+    return tokens
 
 
 @dataclass(slots=True)
@@ -227,8 +227,8 @@ class _Reader:
         value = self._value(token, self._literal(), kind)
         comment = comment or self._next.behind
         place = {"line": token.line, "column": token.column}
-        made = ConstantDefinition(token.text, kind.name, value, comment, **place)
-        self._constants.setdefault(modules[-1] if modules else "", []).append(made)
+        definition = ConstantDefinition(token.text, kind.name, value, comment, **place)
+        self._constants.setdefault(modules[-1] if modules else "", []).append(definition)
 
     def _value(self, token: _Token, text: str, kind: FieldType) -> str:
         if kind.array != SINGLE:
@@ -288,8 +288,8 @@ class _Reader:
         text = self._literal()
         known = {
             constant_definition.name: constant_definition.value
-            for found in self._constants.values()
-            for constant_definition in found
+            for definitions in self._constants.values()
+            for constant_definition in definitions
         }
         text = known.get(text, text)
         if not text.isdecimal() or not 0 < int(text[:11]) < 2**32:
@@ -300,7 +300,7 @@ class _Reader:
 
     def _annotations(self) -> _Annotations:
         """Returns texts of annotations by their names; those about other languages are skipped."""
-        found: _Annotations = {}
+        annotations: _Annotations = {}
         while self._accept("@"):
             name = self._take("name").text
             values: dict[str, str] = {}
@@ -312,10 +312,10 @@ class _Reader:
                     values[key] = self._literal()
                     self._accept(",")
             if name != "verbatim":
-                found[name] = values.get("value", "")
+                annotations[name] = values.get("value", "")
             elif values.get("language") == "comment":
-                found[name] = values.get("text", "").strip()
-        return found
+                annotations[name] = values.get("text", "").strip()
+        return annotations
 
     def _literal(self) -> str:
         if self._next.kind == "text":

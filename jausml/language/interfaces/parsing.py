@@ -251,9 +251,9 @@ class Installation:
 
     def __init__(self, shares: Iterable[str | os.PathLike[str]] = ()) -> None:
         prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
-        found = [Path(share) for share in shares]
-        found += [Path(prefix, "share") for prefix in (*filter(None, prefixes), sys.prefix)]
-        self.shares = list(dict.fromkeys(found))
+        folders = [Path(share) for share in shares]
+        folders += [Path(prefix, "share") for prefix in (*filter(None, prefixes), sys.prefix)]
+        self.shares = list(dict.fromkeys(folders))
 
     def folder(self, package: str) -> Path | None:
         """Returns the share folder of a package that defines interfaces, None without one."""
@@ -268,11 +268,11 @@ class Installation:
 
     def packages(self) -> list[str]:
         """Returns the names of the installed packages that define interfaces, sorted."""
-        found: set[str] = set()
+        names: set[str] = set()
         for share in self.shares:
             for kind in PARTS:
-                found.update(path.parent.name for path in share.glob(f"*/{kind}"))
-        return sorted(found)
+                names.update(path.parent.name for path in share.glob(f"*/{kind}"))
+        return sorted(names)
 
 
 def definition_files(folder: Path) -> list[Path]:
@@ -280,10 +280,10 @@ def definition_files(folder: Path) -> list[Path]:
 
     A file in IDL counts where no other file makes the interface; rosidl writes one for each.
     """
-    found: list[Path] = []
+    files: list[Path] = []
     for kind in PARTS:
         own = sorted((folder / kind).glob(f"*.{kind}"))
         stems = {path.stem for path in own}
         idl = sorted((folder / kind).glob("*.idl"))
-        found += [*own, *(path for path in idl if path.stem not in stems)]
-    return found
+        files += [*own, *(path for path in idl if path.stem not in stems)]
+    return files

@@ -31,7 +31,7 @@ def new_object(table: ClassTable) -> Any:
 
     It is not among pyecore's `allInstances`, whose weak references would take most of the time.
     """
-    made = object.__new__(table.eclass.python_class)
+    element = object.__new__(table.eclass.python_class)
     state = {
         "_internal_id": None,
         "_isset": InternalSet(),
@@ -42,10 +42,10 @@ def new_object(table: ClassTable) -> Any:
         "_eternal_listener": [],
         "_inverse_rels": set(),
         "_staticEClass": False,
-        "dyn_inst": made,
+        "dyn_inst": element,
     }
-    object.__setattr__(made, "__dict__", state)
-    return made
+    object.__setattr__(element, "__dict__", state)
+    return element
 
 
 def set_value(obj: Any, table: FeatureTable, value: Any) -> None:

@@ -95,11 +95,11 @@ def _once(make: Callable[ParametersT, MadeT]) -> Callable[ParametersT, MadeT]:
     cached = cache(make)
 
     @wraps(make)
-    def made(*args: ParametersT.args, **kwargs: ParametersT.kwargs) -> MadeT:
+    def wrapper(*args: ParametersT.args, **kwargs: ParametersT.kwargs) -> MadeT:
         with _LOADING:
             return cached(*args, **kwargs)  # type: ignore[arg-type]
 
-    return made
+    return wrapper
 
 
 @_once
@@ -121,8 +121,8 @@ def python_class(language: str, name: str) -> type:
     eclass = epackage.getEClassifier(name)
     if not isinstance(eclass, EClass):
         raise AttributeError(f"the {language} language has no class '{name}'")
-    made: type = eclass.python_class
-    return made
+    element_class: type = eclass.python_class
+    return element_class
 
 
 @cache
@@ -132,9 +132,9 @@ def _shipped_resources() -> ResourceSet:
 
 
 def _resources() -> ResourceSet:
-    made = ResourceSet()
-    made.resource_factory["ecore"] = _EcoreFile
-    return made
+    resource_set = ResourceSet()
+    resource_set.resource_factory["ecore"] = _EcoreFile
+    return resource_set
 
 
 class _EcoreFile(XMIResource):  # type: ignore[misc]  # pyecore has no types

@@ -114,8 +114,8 @@ class ClassTable:
     @property
     def python_class(self) -> type[EObject]:
         """What pyecore makes the elements from."""
-        made: type[EObject] = self.eclass.python_class
-        return made
+        element_class: type[EObject] = self.eclass.python_class
+        return element_class
 
     def __repr__(self) -> str:
         return f"<class {self.qualified_name}>"

@@ -28,11 +28,11 @@ class Document:
         by_class: Of one that is shared, its elements by class, with their positions.
     """
 
-    def __init__(self, path: Path, display: str, *, is_library: bool, given: bool) -> None:
+    def __init__(self, path: Path, display: str, *, is_library: bool, is_input: bool) -> None:
         self.path = path
         self.display = display
         self.is_library = is_library
-        self.given = given
+        self.is_input = is_input
         self.data = b""
         self.encoding = "utf-8"
         self.root_nodes: list[Node] = []

@@ -93,8 +93,8 @@ def _is_null(descriptor: int) -> bool:
 
 
 def _most_mib() -> int:
-    given = os.environ.get(LIMIT, "")
-    return int(given) if given.isdecimal() and given.isascii() and int(given) else MOST_MIB
+    limit = os.environ.get(LIMIT, "")
+    return int(limit) if limit.isdecimal() and limit.isascii() and int(limit) else MOST_MIB
 
 
 _MARKER = re.compile(rb"^(<{7}|={7}|>{7})(?:[ \r\n]|$)", re.MULTILINE)
@@ -109,13 +109,13 @@ def unmerged(data: bytes) -> tuple[str, int]:
 
     To be asked where a file cannot be read: some texts may hold such lines.
     """
-    found = list(_conflicts(data))
-    if not found:
+    conflicts = list(_conflicts(data))
+    if not conflicts:
         return "", 0
-    places = [f"{first}-{last}" if last > first else f"{first}" for first, last in found]
+    places = [f"{first}-{last}" if last > first else f"{first}" for first, last in conflicts]
     more = [f"and {len(places) - _MOST_NAMED} more"] if len(places) > _MOST_NAMED else []
     shown = ", ".join([*places[:_MOST_NAMED], *more])
-    return f"an unmerged conflict stands in lines {shown}", found[0][0]
+    return f"an unmerged conflict stands in lines {shown}", conflicts[0][0]
 
 
 def _conflicts(data: bytes) -> Iterator[tuple[int, int]]:

@@ -35,15 +35,15 @@ def library_paths(kind: str = "", suffixes: tuple[str, ...] = SUFFIXES) -> tuple
         kind: The folder that is meant: `jaus`, `ros` or `mappings`; empty for all of them.
     """
     root = library_root()
-    found = (root / place for place in _places(root) if place.endswith(suffixes))
-    return tuple(path for path in found if not kind or path.is_relative_to(root / kind))
+    paths = (root / place for place in _places(root) if place.endswith(suffixes))
+    return tuple(path for path in paths if not kind or path.is_relative_to(root / kind))
 
 
 @cache
 def _places(root: Path) -> tuple[str, ...]:
     # No path has parts before its folder: they are in order of their parts, as paths are.
-    found = sorted(path.relative_to(root) for path in root.rglob("*") if path.suffix in SUFFIXES)
-    return tuple(path.as_posix() for path in found)
+    paths = sorted(path.relative_to(root) for path in root.rglob("*") if path.suffix in SUFFIXES)
+    return tuple(path.as_posix() for path in paths)
 
 
 def place_in_library(path: Path) -> str:

@@ -55,12 +55,12 @@ class Model:
         self._origin: dict[EObject, tuple[Document, Node]] = {}
         self._ids: dict[EObject, str] = {}
         self._by_class: _Lists | None = None
-        self._made: dict[Any, Any] = {}
+        self._products: dict[Any, Any] = {}
 
     def adopt(self, document: Document, node: Node) -> None:
         """Remembers where an element was read; for the reader."""
         self._by_class = None
-        self._made.clear()
+        self._products.clear()
         self._origin[node.obj] = (document, node)
 
     def origins_of(self, document: Document) -> Origins:
@@ -74,7 +74,7 @@ class Model:
     def share(self, origins: Origins) -> None:
         """Remembers the elements of a document that another model has too; for the reader."""
         self._by_class = None
-        self._made.clear()
+        self._products.clear()
         self._origin.update(origins.nodes)
         self._ids.update(origins.identifiers)
 
@@ -144,39 +144,41 @@ class Model:
         if by_class is None:
             by_class = self._by_class = self._lists()  # whole: another thread may ask meanwhile
         lists = [entry for eclass in by_class.keys() & wanted for entry in by_class[eclass]]
-        found = [
+        entries = [
             (number, position, obj)
             for number, is_library, instance_list in lists
             if library or not is_library
             for position, obj in instance_list
         ]
-        return [obj for _, _, obj in sorted(found, key=itemgetter(0, 1))]
+        return [obj for _, _, obj in sorted(entries, key=itemgetter(0, 1))]
 
     def _lists(self) -> _Lists:
         """Returns by class the elements of each document that has some, with its number."""
-        found: _Lists = {}
+        lists_by_class: _Lists = {}
         for number, document in enumerate(self.documents):
             for eclass, instance_list in self._classes_of(document).items():
-                found.setdefault(eclass, []).append((number, document.is_library, instance_list))
-        return found
+                lists_by_class.setdefault(eclass, []).append(
+                    (number, document.is_library, instance_list)
+                )
+        return lists_by_class
 
     def _classes_of(self, document: Document) -> ByClass:
         """Returns the elements of a document by class, with their positions."""
         if document.by_class is not None:
             return document.by_class
-        found: ByClass = {}
+        elements_by_class: ByClass = {}
         for position, obj in enumerate(self.elements_of(document)):
-            found.setdefault(obj.eClass, []).append((position, obj))
+            elements_by_class.setdefault(obj.eClass, []).append((position, obj))
         if document.is_shared:
-            document.by_class = found
-        return found
+            document.by_class = elements_by_class
+        return elements_by_class
 
-    def made(self, make: Callable[[Model], MadeT]) -> MadeT:
-        """Returns what a function makes of the model, made once until something is read."""
-        if make not in self._made:
-            self._made[make] = make(self)
-        made: MadeT = self._made[make]
-        return made
+    def derived(self, make: Callable[[Model], MadeT]) -> MadeT:
+        """Returns what a function derives from the model, once until something is read."""
+        if make not in self._products:
+            self._products[make] = make(self)
+        result: MadeT = self._products[make]
+        return result
 
     def location(
         self, obj: EObject | None, feature: str | None = None, position: int = 0
@@ -258,10 +260,10 @@ class Model:
 
         pyecore's own `eContents` yields them in the order of a set, which differs between runs.
         """
-        found: list[EObject] = []
+        elements: list[EObject] = []
         for table in self.metamodels.class_of(obj).contained:
-            found.extend(contents(obj, table))
-        return found
+            elements.extend(contents(obj, table))
+        return elements
 
 
 def _position(owner: EObject, feature: FeatureTable, obj: EObject) -> int:
@@ -282,7 +284,7 @@ _PATH = "trial.xmi"
 
 def made_model(metamodels: Metamodels, root: EObject, *inner: EObject) -> Model:
     """Returns a model of one document that nobody wrote."""
-    document = Document(Path(_PATH), _PATH, is_library=False, given=True)
+    document = Document(Path(_PATH), _PATH, is_library=False, is_input=True)
     model = Model([document], metamodels)
     top = _node(root, None)
     document.root_nodes.append(top)
@@ -320,10 +322,10 @@ def digests(model: Model) -> dict[str, str]:
     """
     own = [document for document in model.documents if not document.is_library]
     folder = model.documents[0].path.parent
-    found = {
+    digests_by_path = {
         os.path.relpath(document.path, folder).replace(os.sep, "/"): sha256(
             document.data
         ).hexdigest()
         for document in own
     }
-    return dict(sorted(found.items()))
+    return dict(sorted(digests_by_path.items()))

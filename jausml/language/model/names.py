@@ -89,11 +89,11 @@ class NameFinder:
     def others(self, name: str, document: Document) -> list[EObject]:
         """Returns the elements of any class that a name means in a document and its imports."""
         text = _normal(name)
-        found = (
+        groups = (
             self._index(visible_document).get(_last_step(text), ())
             for visible_document in (document, *document.imports)
         )
-        return [element for elements in found for element in elements if _matches(element, text)]
+        return [element for elements in groups for element in elements if _matches(element, text)]
 
     def label(self, element: EObject) -> str:
         """Returns how messages name an element that is one of several: its names and its file."""
@@ -136,8 +136,10 @@ class NameFinder:
         if whole:
             tags |= _WHOLES
             files = (*files, *library_index().get(_last_step(whole), ()))
-        found = (self._open(f"{LIBRARY_URI}{path}") for path, tag in files if tag in tags)
-        return list(dict.fromkeys(document for document in found if isinstance(document, Document)))
+        documents = (self._open(f"{LIBRARY_URI}{path}") for path, tag in files if tag in tags)
+        return list(
+            dict.fromkeys(document for document in documents if isinstance(document, Document))
+        )
 
     def _within(
         self, documents: Iterable[Document], name: str, wanted: ClassTable
@@ -167,7 +169,7 @@ class NameFinder:
         """
         text = _normal(name)
         for scope in _lineage(owner)[1:]:
-            found = [
+            elements = [
                 element
                 for target in self._referred(scope)
                 # Few targets can own such an element, and walking all that they own is costly.
@@ -175,8 +177,8 @@ class NameFinder:
                 for element in target.eAllContents()
                 if self._is_a(element, wanted) and _matches(element, text)
             ]
-            if found:
-                return found
+            if elements:
+                return elements
         return []
 
     def _referred(self, element: EObject) -> list[EObject]:
@@ -310,17 +312,17 @@ def _tags(metamodels: Metamodels, wanted: ClassTable) -> frozenset[str]:
 @cache
 def held_by(metamodels: Metamodels, table: ClassTable) -> frozenset[ClassTable]:
     """Returns the classes of what an element of a class may own, at any depth, and their bases."""
-    found: set[ClassTable] = set()
+    classes: set[ClassTable] = set()
     pending = [table]
     while pending:
         for feature in pending.pop().contained:
             target = feature.target
             # A feature of any class may hold all of them.
-            new = set(metamodels.classes.values() if target is None else target.subtypes) - found
-            found |= new
+            new = set(metamodels.classes.values() if target is None else target.subtypes) - classes
+            classes |= new
             pending += new
     return frozenset(
-        base for class_table in found for base in (class_table, *class_table.supertypes)
+        base for class_table in classes for base in (class_table, *class_table.supertypes)
     )
 
 
@@ -366,8 +368,8 @@ def name_of(element: EObject) -> str:
 
 def _lineage(element: EObject | None) -> list[EObject]:
     """Returns an element and its owners, from the inside out."""
-    found = []
+    elements = []
     while element is not None:
-        found.append(element)
+        elements.append(element)
         element = element.eContainer()
-    return found
+    return elements

@@ -42,8 +42,8 @@ def made_project(folder: Path) -> Path | None:
 
     A checkout alone may hold models of all kinds, which do not belong together.
     """
-    found = project_folder(Path(os.path.realpath(folder)) / "any")
-    return found if found is not None and os.path.isfile(found / MARKER) else None
+    project = project_folder(Path(os.path.realpath(folder)) / "any")
+    return project if project is not None and os.path.isfile(project / MARKER) else None
 
 
 def enclosing_project(path: Path) -> Path | None:
@@ -166,11 +166,11 @@ def files_at(path: str, suffixes: tuple[str, ...], hint: str = "") -> Sequence[s
     """Returns a file, or the files with certain endings below a folder, sorted."""
     try:
         if os.path.isdir(path):
-            found = sorted(walk(path, suffixes))
-            _refuse_links(path, found)
-            if not found:
+            files = sorted(walk(path, suffixes))
+            _refuse_links(path, files)
+            if not files:
                 raise InputError(f"no {' or '.join(suffixes)} files in {shown(path)}{hint}")
-            return found
+            return files
         with open_input(path):
             return [path]
     except (OSError, ValueError) as error:
@@ -184,9 +184,9 @@ def shown(path: str | Path) -> str:
     return os.fsencode(path).decode("utf-8", "replace")
 
 
-def _refuse_links(folder: str, found: Sequence[str]) -> None:
+def _refuse_links(folder: str, files: Sequence[str]) -> None:
     """Refuses files of a walk that are links out of the project: nobody has named them."""
-    links = [path for path in found if os.path.islink(path)]  # noqa: PTH114 - as above
+    links = [path for path in files if os.path.islink(path)]  # noqa: PTH114 - as above
     root = Path(os.path.realpath(find_project_root([Path(folder) / "any"]))) if links else None
     for link in links:
         if root is not None and leads_out(link, root):

@@ -74,14 +74,14 @@ class FragmentFinder:
         position = int(root_step) if root_step else 0
         if position >= len(document.root_nodes):
             return None
-        found: Found | None = Found(document, document.root_nodes[position])
+        place: Found | None = Found(document, document.root_nodes[position])
         for step in steps:
-            if found is None or found.node.obj is None:
-                return found
-            found = self._step(found, step)
-            if found is not None and found.node.get("href") is not None:
-                found = self._follow(found.document, found.node) or found
-        return found
+            if place is None or place.node.obj is None:
+                return place
+            place = self._step(place, step)
+            if place is not None and place.node.get("href") is not None:
+                place = self._follow(place.document, place.node) or place
+        return place
 
     def _step(self, at: Found, step: str) -> Found | None:
         match = _STEP.fullmatch(step)
@@ -190,8 +190,8 @@ def find(ref: Ref, model: Model, root: Path) -> EObject | None:
     for document in model.documents:
         if fragment and document.readable and file_of(document, root) == file:
             finder = FragmentFinder(model.metamodels, lambda *_: None)
-            found = finder.find(document, fragment)
-            return found.node.obj if found is not None else None
+            place = finder.find(document, fragment)
+            return place.node.obj if place is not None else None
     return None
 
 
@@ -204,7 +204,7 @@ _PARTING = "%/#![]:"
 
 
 class Keys:
-    """The keys of the elements of a model; `model.made(Keys)` gives them.
+    """The keys of the elements of a model; `model.derived(Keys)` gives them.
 
     A key is the class of the element and the names of its owners below the root and of itself, as
     in `connection:bridge/velocity`. What has no name stands there by feature and index. Elements of

@@ -73,7 +73,7 @@ class UriResolver:
         self._known: set[Path] = set()
         self._around: dict[Path, dict[str, Path]] = {}
 
-    def given(self, path: str, contents: Container[Path] = ()) -> FileTarget:
+    def target_of(self, path: str, contents: Container[Path] = ()) -> FileTarget:
         """Returns the target for a file that the user named; hrefs may then lead to it.
 
         Args:
@@ -158,9 +158,11 @@ class UriResolver:
         """The Eclipse projects that a document may refer to, by name."""
         document = Path(os.path.realpath(base.display))
         if document.parent not in self._around:
-            given = {name: Path(os.path.realpath(path)) for name, path in self._projects.items()}
-            found = {**projects_around(document), **projects_in(self._root), **given}
-            self._around[document.parent] = found
+            named_projects = {
+                name: Path(os.path.realpath(path)) for name, path in self._projects.items()
+            }
+            projects = {**projects_around(document), **projects_in(self._root), **named_projects}
+            self._around[document.parent] = projects
         return self._around[document.parent]
 
     def _in_workspace(self, path: str, base: Document) -> FileTarget | UriFault:
@@ -209,12 +211,12 @@ def projects_in(folder: Path) -> dict[str, Path]:
 
     A name is that which the file says; it may differ from that of the folder.
     """
-    found: dict[str, Path] = {}
+    projects: dict[str, Path] = {}
     for path in (folder, *_folders(folder)):
         name = _name_of(path)
         if name:
-            found.setdefault(name, path)
-    return found
+            projects.setdefault(name, path)
+    return projects
 
 
 def _folders(folder: Path) -> Iterator[Path]:

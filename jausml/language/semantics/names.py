@@ -105,5 +105,5 @@ def package_name(path: Path) -> str:
 
 
 def _valid(name: str) -> str:
-    found = snake_case(name) or _NO_FILE
-    return found if found[0].isalpha() else f"{_NO_FILE}_{found}"
+    file_name = snake_case(name) or _NO_FILE
+    return file_name if file_name[0].isalpha() else f"{_NO_FILE}_{file_name}"

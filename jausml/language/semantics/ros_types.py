@@ -60,9 +60,9 @@ def excesses(types: Iterable[ros.MessageType]) -> Iterator[Excess]:
     """
     extents: dict[ros.MessageType, Extent | None] = {}
     for message_type in types:
-        for found in _inner_first(message_type, extents):
-            extent, excess = _measured(found, extents)
-            extents[found] = extent
+        for inner_type in _inner_first(message_type, extents):
+            extent, excess = _measured(inner_type, extents)
+            extents[inner_type] = extent
             if excess is not None:
                 yield excess
 

@@ -58,7 +58,7 @@ class Subject:
                     of_file.get(diagnostic.fragment, frozenset()), diagnostic.unread
                 )
         for document in model.documents:
-            is_checked = document.given or not document.is_library
+            is_checked = document.is_input or not document.is_library
             files_errors = errors.get(document.display, {})
             if is_checked or files_errors:
                 self._index(document.roots, files_errors, is_checked=is_checked)
@@ -99,13 +99,13 @@ class Subject:
             The elements in document order.
         """
         subtypes = self.model.metamodels.class_of(kind).subtypes
-        found = [pair for table in subtypes for pair in self._by_class.get(table.eclass, ())]
+        pairs = [pair for table in subtypes for pair in self._by_class.get(table.eclass, ())]
         # Collected by class, but rules and reports go by the document.
-        found.sort(key=itemgetter(0))
+        pairs.sort(key=itemgetter(0))
         if needs is None or not self._unread:
-            return [element for _, element in found if element not in self._unread]
+            return [element for _, element in pairs if element not in self._unread]
         names = frozenset(needs)
-        return [element for _, element in found if self.is_read(element, names)]
+        return [element for _, element in pairs if self.is_read(element, names)]
 
     def once(self, find: Callable[..., Fact], *about: Hashable) -> Fact:
         """Returns a fact that several rules need, remembered while there is `remembering`.
@@ -113,8 +113,8 @@ class Subject:
         `find`: takes the subject, and what the fact is about.
         """
         answers = _ANSWERS.get()
-        found: Fact = find(self, *about) if answers is None else answers.ask((find, self, *about))
-        return found
+        fact: Fact = find(self, *about) if answers is None else answers.ask((find, self, *about))
+        return fact
 
     def is_read(self, element: EObject, needs: Iterable[str] | None = None) -> bool:
         """Tells whether features of an element itself were read, all of them by default."""
@@ -247,7 +247,7 @@ def remembered(function: Callable[[AskedT], AnswerT]) -> Callable[[AskedT], Answ
         answers = _ANSWERS.get()
         if answers is None:
             return function(asked)
-        found: AnswerT = answers.ask((function, asked))
-        return found
+        result: AnswerT = answers.ask((function, asked))
+        return result
 
     return answer

@@ -298,8 +298,8 @@ def is_documentation(comment: str) -> bool:
 
 def ordinary_comments(text: str) -> list[str]:
     """Returns the comments of a text that document nothing, in order."""
-    found = (match.group() for match in comments_in(text))
-    return [comment for comment in found if not is_documentation(comment)]
+    comments = (match.group() for match in comments_in(text))
+    return [comment for comment in comments if not is_documentation(comment)]
 
 
 def comments_in(text: str) -> Iterator[re.Match[str]]:
@@ -345,12 +345,12 @@ def classes_by_keyword(metamodels: Metamodels) -> Mapping[str, ClassTable]:
     """
     concrete = [table for table in metamodels.classes.values() if not table.abstract]
     names = [snake_case(table.name) for table in concrete]
-    found = {
+    classes_by_name = {
         f"{class_table.package.name}.{snake_case(class_table.name)}": class_table
         for class_table in concrete
     }
     short = zip(names, concrete, strict=True)
-    return found | {name: table for name, table in short if names.count(name) == 1}
+    return classes_by_name | {name: table for name, table in short if names.count(name) == 1}
 
 
 @cache

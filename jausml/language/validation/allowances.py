@@ -68,19 +68,21 @@ def settled(
     if not documents:
         return list(diagnostics), []
     day = date.today() if today is None else today
-    allowances, found = _read(documents, model)
+    allowances, findings = _read(documents, model)
     holding = [allowance for allowance in allowances if allowance.until >= day]
     standing, aside = _divided(diagnostics, holding)
-    found += [_expired(allowance) for allowance in allowances if allowance.until < day]
+    findings += [_expired(allowance) for allowance in allowances if allowance.until < day]
     # Where not all could be read, what is not found says nothing.
     is_whole = not any(diagnostic.severity is Severity.ERROR for diagnostic in diagnostics)
     looked_at = {*rules, *READER_RULES, *TEXT_RULES}
-    given = {document.display for document in documents if document.given}
+    input_paths = {document.display for document in documents if document.is_input}
     for allowance in holding:
-        is_idle = is_whole and allowance.rule in looked_at and allowance.location.path in given
+        is_idle = (
+            is_whole and allowance.rule in looked_at and allowance.location.path in input_paths
+        )
         if not allowance.used and (allowance.refused or is_idle):
-            found.append(_unused(allowance))
-    return sorted([*standing, *found]), aside
+            findings.append(_unused(allowance))
+    return sorted([*standing, *findings]), aside
 
 
 def _may_allow(document: Document) -> bool:

@@ -60,13 +60,13 @@ def check(
     # Places and units are asked for by many rules, and computed once for all.
     with without_collector(), remembering():
         subject = Subject(result.model, result.diagnostics)
-        found = [finding for rule in rules for finding in _found_in_whole(subject, rule)]
+        findings = [finding for rule in rules for finding in _found_in_whole(subject, rule)]
         judging = _Judging(rules, result.model.metamodels)
         for element in subject.elements():
             if not is_wanted():
                 raise SupersededError
-            found += _found_at(subject, element, judging.of(element))
-        return _reported(result, rules, _read_well(subject, found))
+            findings += _found_at(subject, element, judging.of(element))
+        return _reported(result, rules, _read_well(subject, findings))
 
 
 class _Judging:
@@ -107,41 +107,41 @@ def _found_at(
     subject: Subject, element: EObject, parts: Iterable[tuple[Rule, Part]]
 ) -> list[tuple[Rule, Finding]]:
     """Returns what rules find that judge an element by itself."""
-    found: list[tuple[Rule, Finding]] = []
+    findings: list[tuple[Rule, Finding]] = []
     for rule, part in parts:
         try:
             if subject.is_read(element, part.needs):
-                found += [(rule, finding) for finding in part.findings(subject, element)]
+                findings += [(rule, finding) for finding in part.findings(subject, element)]
         except Exception as error:
             raise RuleError(rule, error) from error
-    return found
+    return findings
 
 
 def _read_well(
-    subject: Subject, found: Iterable[tuple[Rule, Finding]]
+    subject: Subject, findings: Iterable[tuple[Rule, Finding]]
 ) -> Iterator[tuple[Rule, Finding]]:
     """Yields what was found in features that were read; in an element as a whole, in all of it.
 
     What was found in the members of an assignment of a whole stands at what is written.
     """
-    for rule, made in found:
-        notes = tuple(replace(note, element=written(note.element)) for note in made.related)
-        finding = replace(made, element=written(made.element), related=notes)
+    for rule, original in findings:
+        notes = tuple(replace(note, element=written(note.element)) for note in original.related)
+        finding = replace(original, element=written(original.element), related=notes)
         at = None if finding.feature is None else (finding.feature,)
         if subject.is_read(finding.element, at):
             yield rule, finding
 
 
 def _reported(
-    result: ReadResult, rules: Iterable[Rule], found: Iterable[tuple[Rule, Finding]]
+    result: ReadResult, rules: Iterable[Rule], rule_findings: Iterable[tuple[Rule, Finding]]
 ) -> Report:
     """Returns a report on a model that was read, of all that rules have found in it."""
     findings = list(result.diagnostics)
-    findings += (_diagnostic(rule, finding, result.model) for rule, finding in found)
+    findings += (_diagnostic(rule, finding, result.model) for rule, finding in rule_findings)
     # Two parts of a rule may find the same.
     sorted_findings = sorted(set(findings), key=attrgetter("sort_key"))
     standing, aside = settled(result.model, sorted_findings, {rule.id for rule in rules})
-    files = tuple(document.display for document in result.model.documents if document.given)
+    files = tuple(document.display for document in result.model.documents if document.is_input)
     return Report(result.model, files, tuple(standing), tuple(aside))
 
 

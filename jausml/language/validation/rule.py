@@ -64,17 +64,17 @@ class Part:
         kinds: The classes of which it judges each element by itself; empty where it looks at the
             model as a whole.
         needs: The features that it cannot do without (see `Subject.instances`).
-        given: Which elements it judges, of those that were read; all by default.
+        condition: Which elements it judges, of those that were read; all by default.
     """
 
     check: RuleFunction
     kinds: tuple[type[EObject], ...] = ()
     needs: frozenset[str] | None = None
-    given: Callable[[Subject, Any], bool] | None = None
+    condition: Callable[[Subject, Any], bool] | None = None
 
     def findings(self, subject: Subject, element: EObject) -> Iterable[Finding]:
         """Returns what is wrong with an element of its classes that was read."""
-        if self.given is None or self.given(subject, element):
+        if self.condition is None or self.condition(subject, element):
             return self.check(subject, element)
         return ()
 
@@ -129,7 +129,7 @@ def rule(
     is_decision: bool = False,
     kinds: Kinds = (),
     needs: Iterable[str] | None = None,
-    given: Callable[[Subject, Any], bool] | None = None,
+    condition: Callable[[Subject, Any], bool] | None = None,
 ) -> Callable[[RuleFunction], Rule]:
     """Makes a rule of a function, whose docstring is the documentation page of the rule.
 
@@ -138,7 +138,7 @@ def rule(
     """
 
     def make(check: RuleFunction) -> Rule:
-        part = _part(check, kinds, needs, given)
+        part = _part(check, kinds, needs, condition)
         return Rule(rule_id, severity, title, [part], is_decision)
 
     return make
@@ -148,10 +148,10 @@ def _part(
     check: RuleFunction,
     kinds: Kinds,
     needs: Iterable[str] | None,
-    given: Callable[[Subject, Any], bool] | None = None,
+    condition: Callable[[Subject, Any], bool] | None = None,
 ) -> Part:
     classes = kinds if isinstance(kinds, tuple) else (kinds,)
-    return Part(check, classes, None if needs is None else frozenset(needs), given)
+    return Part(check, classes, None if needs is None else frozenset(needs), condition)
 
 
 class Ground(Enum):

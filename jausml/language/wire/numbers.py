@@ -103,15 +103,15 @@ def merged(ranges: Iterable[tuple[int, int]]) -> Ranges:
     Args:
         ranges: Smallest and largest integer of each; one with none in it is left out.
     """
-    found: list[tuple[int, int]] = []
+    spans: list[tuple[int, int]] = []
     for first, last in sorted(ranges):
         if first > last:
             continue
-        if found and first <= found[-1][1] + 1:
-            found[-1] = (found[-1][0], max(last, found[-1][1]))
+        if spans and first <= spans[-1][1] + 1:
+            spans[-1] = (spans[-1][0], max(last, spans[-1][1]))
         else:
-            found.append((first, last))
-    return tuple(found)
+            spans.append((first, last))
+    return tuple(spans)
 
 
 def legal_reals(value_set: jaus.ValueSet | None, kind: RealType) -> LegalReals:

@@ -73,9 +73,9 @@ def resolve(message: jaus.MessageDef) -> Message:
 
 def resolve_field(field: jaus.Field) -> Field:
     """Returns the layout of a field with all that stands in it."""
-    found = _Resolver().field(field)
-    _check_values(found.kind)
-    return found
+    layout = _Resolver().field(field)
+    _check_values(layout.kind)
+    return layout
 
 
 def target_of(field: jaus.Field | None) -> jaus.Field | None:
@@ -301,6 +301,6 @@ def _variable(field: jaus.VariableField) -> VariableNumber:
 
 
 def _check_indices(what: str, indices: Iterable[int]) -> None:
-    found = tuple(indices)
-    if not found or not all(_BYTE.lower <= index <= _BYTE.upper for index in found):
+    numbers = tuple(indices)
+    if not numbers or not all(_BYTE.lower <= index <= _BYTE.upper for index in numbers):
         raise LayoutError(f"the indices of its {what} do not lie in 0 .. {_BYTE.upper}")

@@ -82,18 +82,18 @@ class Subscribing:
 
     def __init__(self, begin: Callable[[], Awaitable[AsyncSubscription]]) -> None:
         self._begin = begin
-        self._made: AsyncSubscription | None = None
+        self._subscription: AsyncSubscription | None = None
 
     def __await__(self) -> Generator[Any, None, AsyncSubscription]:
         return self._begin().__await__()
 
     async def __aenter__(self) -> AsyncSubscription:
-        self._made = await self
-        return self._made
+        self._subscription = await self
+        return self._subscription
 
     async def __aexit__(self, *_: object) -> None:
-        if self._made is not None:
-            await self._made.close()
+        if self._subscription is not None:
+            await self._subscription.close()
 
 
 def _in_thread(
@@ -148,9 +148,11 @@ class AsyncComponent:
         """Subscribes to a report, as `Component.subscribe`, when it is awaited or entered."""
 
         async def begin() -> AsyncSubscription:
-            made, watch = AsyncSubscription(), self._inner.watch
-            made.begin(await asyncio.to_thread(watch, target, name, rate, made.take))
-            return made
+            subscription, watch = AsyncSubscription(), self._inner.watch
+            subscription.begin(
+                await asyncio.to_thread(watch, target, name, rate, subscription.take)
+            )
+            return subscription
 
         return Subscribing(begin)
 

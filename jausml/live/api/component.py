@@ -152,8 +152,8 @@ class Component:
             MessageError: There is no such message, or the fields are wrong.
         """
         address = self._other(target)
-        entry, found = self._waiting.query(address, _text(name), fields, timeout)
-        return entry.shortened(found)
+        entry, report_fields = self._waiting.query(address, _text(name), fields, timeout)
+        return entry.shortened(report_fields)
 
     def subscribe(self, target: str, name: str | int, rate: float | None = None) -> Subscription:
         """Subscribes to a report by an event (AS5710, CreateEvent).
@@ -195,12 +195,12 @@ class Component:
         Args:
             duration: Seconds to listen.
         """
-        found = self._waiting.survey.take(duration)
+        subsystems = self._waiting.survey.take(duration)
         return {
             str(component.address): tuple(
                 f"{service.urn}/{service.major}.{service.minor}" for service in component.services
             )
-            for subsystem in found
+            for subsystem in subsystems
             for component in subsystem.components.values()
         }
 
@@ -251,8 +251,8 @@ class Component:
             Refused: It was rejected, has no effect, or cannot have any; the text says why.
         """
         address = self._other(target)
-        entry, found = request(self._waiting, address, _text(name), fields, timeout)
-        return Received(entry.name, entry.shortened(found), target)
+        entry, answer_fields = request(self._waiting, address, _text(name), fields, timeout)
+        return Received(entry.name, entry.shortened(answer_fields), target)
 
     def command(self, target: str, name: str | int, fields: Fields | None = None) -> None:
         """Sends a message once, without waiting for its effect.

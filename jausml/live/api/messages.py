@@ -240,9 +240,11 @@ def _check_callable(function: object, purpose: str) -> None:
 
 def _identities(known: Catalogue, names: Sequence[str]) -> tuple[ServiceIdentity, ...]:
     """Returns services with all that they inherit, and the core services that each tool has."""
-    found = {service.urn: service for service in Identity().services}
+    identities = {service.urn: service for service in Identity().services}
     for name in names:
         for service in known.find_services(name)[0].lineage:
             major, _, minor = service.version.partition(".")
-            found.setdefault(service.urn, ServiceIdentity(service.urn, int(major), int(minor or 0)))
-    return tuple(found.values())
+            identities.setdefault(
+                service.urn, ServiceIdentity(service.urn, int(major), int(minor or 0))
+            )
+    return tuple(identities.values())

@@ -159,9 +159,9 @@ class Catalogue:
         every = list(self.services.values())
         named = [s for s in every if name in (s.urn, s.name)]
         named = named or [s for s in every if name and s.urn.endswith(f":{name}")]
-        found = tuple(s for s in named if version in ("", s.version))
-        if found:
-            return found
+        matches = tuple(s for s in named if version in ("", s.version))
+        if matches:
+            return matches
         if named:
             versions = [f"{name}/{s.version}" for s in named]
             raise UnknownServiceError(f"service {name} has no version {version}", versions)
@@ -179,14 +179,14 @@ class Catalogue:
         self, entries: Sequence[MessageEntry], service: str
     ) -> tuple[MessageEntry, ...]:
         """Returns the entries that a service defines, else those that it inherits."""
-        found: list[MessageEntry] = []
+        service_entries: list[MessageEntry] = []
         for candidate in self.find_services(service):
             for ancestor in candidate.lineage:
                 own = [entry for entry in entries if ancestor in entry.services]
-                found.extend(own)
+                service_entries.extend(own)
                 if own:
                     break
-        return tuple(dict.fromkeys(found))
+        return tuple(dict.fromkeys(service_entries))
 
     def message(self, name_or_code: str | int, service: str | None = None) -> MessageEntry:
         """Returns the one message of a name or code.
@@ -194,19 +194,21 @@ class Catalogue:
         Args:
             name_or_code: Name, code, or code in hexadecimal such as `4002` or `0x4002`.
         """
-        found = self.named(name_or_code)
+        entries = self.named(name_or_code)
         what = name_or_code if isinstance(name_or_code, str) else f"0x{name_or_code:04X}"
-        if not found:
+        if not entries:
             if _CODE.fullmatch(what):
                 raise self._unknown(int(what, 16))
             raise UnknownMessageError(f"no message {shown(what)}", self._similar(what, service))
-        return self._only(what, found, service)
+        return self._only(what, entries, service)
 
-    def _only(self, what: str, found: Sequence[MessageEntry], service: str | None) -> MessageEntry:
+    def _only(
+        self, what: str, entries: Sequence[MessageEntry], service: str | None
+    ) -> MessageEntry:
         """Returns the one entry that a service leaves."""
-        left = found if service is None else self._of_service(found, service)
+        left = entries if service is None else self._of_service(entries, service)
         if not left:
-            choices = tuple(f"{s.label}" for entry in found for s in entry.services)
+            choices = tuple(f"{s.label}" for entry in entries for s in entry.services)
             raise UnknownMessageError(f"{service} has no message {what}", choices[:3])
         if len(left) > 1:
             raise AmbiguousMessageError(what, _choices(left))
@@ -321,13 +323,13 @@ class Catalogue:
             return self.message(str(name), service)
         if name is None:
             return self.message(self._code_of(code), service)
-        found = self.named(name)
-        if not found:
+        entries = self.named(name)
+        if not entries:
             return self.message(name, service)  # which raises with suggestions
         number = self._code_of(code)
-        left = [entry for entry in found if entry.code == number]
+        left = [entry for entry in entries if entry.code == number]
         if not left:
-            raise EncodeError(f"{name} has the code {found[0].code_text}, not {code}", "code")
+            raise EncodeError(f"{name} has the code {entries[0].code_text}, not {code}", "code")
         return self._only(name, left, service)
 
     @staticmethod

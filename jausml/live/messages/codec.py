@@ -134,9 +134,9 @@ class _Record:
         except EncodeError as error:
             raise error.beside(self._faults(fields, error.path)) from None
 
-    def _faults(self, fields: Mapping[str, Any], told: str) -> Iterator[EncodeError]:
+    def _faults(self, fields: Mapping[str, Any], path: str) -> Iterator[EncodeError]:
         """Yields what is wrong with the members, but for the one that was told."""
-        first = told.partition(".")[0].partition("[")[0]
+        first = path.partition(".")[0].partition("[")[0]
         for name, part in self._parts.items():
             if name not in fields or name == first:
                 continue
@@ -179,9 +179,9 @@ def _vector_of(fields: Mapping[str, Any], kind: wire.Record) -> int:
     """Returns the presence vector of the members that are there; one that is given must agree."""
     there = [member for member in kind.members if member.name in fields]
     vector = sum(field.bit for field in there)
-    given = fields.get(PRESENCE, vector)
-    if type(given) is not int or given != vector:
-        reason = f"{shown(given)} given, but the members that are there make {vector}"
+    presence = fields.get(PRESENCE, vector)
+    if type(presence) is not int or presence != vector:
+        reason = f"{shown(presence)} given, but the members that are there make {vector}"
         raise EncodeError(reason, PRESENCE)
     # A definition may have more optional members than its vector has bits.
     bits = kind.presence.bits if kind.presence is not None else 0
@@ -226,12 +226,12 @@ def _list(kind: wire.List, encode_message: EncodeMessage) -> Codec:
     least = max(1, kind.element.kind.minimum_size)
 
     def read(buffer: bytes, offset: int) -> tuple[list[Any], int]:
-        found, offset = count.read(buffer, offset)
+        length, offset = count.read(buffer, offset)
         # Before memory is taken.
         room = len(buffer) - offset
-        if found * least > room:
-            raise DecodeError(f"count {found} needs more than the {room} bytes that follow")
-        return elements.read(found, buffer, offset)
+        if length * least > room:
+            raise DecodeError(f"count {length} needs more than the {room} bytes that follow")
+        return elements.read(length, buffer, offset)
 
     def write(value: Any, out: bytearray) -> None:
         values = as_list(value)
@@ -301,8 +301,8 @@ def _read_run(item: Item) -> Callable[[int, bytes, int], tuple[list[Any], int]]:
         size = count * item.size
         if offset + size > len(buffer):
             raise too_short(size, buffer, offset)
-        found = struct.unpack_from(f"<{count}{item.format}", buffer, offset)
-        values = list(found) if item.from_wire is None else [*map(item.from_wire, found)]
+        numbers = struct.unpack_from(f"<{count}{item.format}", buffer, offset)
+        values = list(numbers) if item.from_wire is None else [*map(item.from_wire, numbers)]
         return values, offset + size
 
     return read

@@ -39,15 +39,15 @@ def count_of(count: wire.Count, what: str) -> Codec:
     """Returns what reads and writes a count; a peer may send fewer than may be written."""
     lower, upper = count.lower, count.upper
 
-    def from_wire(found: int) -> int:
-        if found > upper:
-            raise DecodeError(f"{what} {found} is more than {upper}")
-        return found
+    def from_wire(number: int) -> int:
+        if number > upper:
+            raise DecodeError(f"{what} {number} is more than {upper}")
+        return number
 
-    def to_wire(found: int) -> int:
-        if not lower <= found <= upper:
-            raise EncodeError(f"{what} {found} is outside {lower} .. {upper}")
-        return found
+    def to_wire(number: int) -> int:
+        if not lower <= number <= upper:
+            raise EncodeError(f"{what} {number} is outside {lower} .. {upper}")
+        return number
 
     return single(Item(count.type.format, count.type.size, from_wire, to_wire))
 
@@ -172,8 +172,10 @@ def variable_of(kind: wire.VariableNumber) -> Codec:
 
     It also takes `{UNIT: value}` and `"value UNIT"`, where the unit tells the index.
     """
-    found = kind.by_index.items()
-    numbers = {index: Named("value", single(item_of(number_kind))) for index, number_kind in found}
+    kinds_by_index = kind.by_index.items()
+    numbers = {
+        index: Named("value", single(item_of(number_kind))) for index, number_kind in kinds_by_index
+    }
     known = f"known are {', '.join(map(str, numbers))}"
 
     def read(buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:

@@ -288,13 +288,13 @@ def put_in_place(record: wire.Record, fields: dict[str, Any], decode: DecodeMess
     """Puts messages in the place of their hex; what cannot be decoded stays, and says why."""
     for holder in holders(record, fields):
         try:
-            found = decode(bytes.fromhex(holder["hex"]))
+            message = decode(bytes.fromhex(holder["hex"]))
         except MessageError as error:
             holder[MESSAGE] = EmbeddedMessage(None, str(error))
             continue
-        if found is not None:
+        if message is not None:
             del holder["hex"]
-            holder[MESSAGE] = EmbeddedMessage(found)
+            holder[MESSAGE] = EmbeddedMessage(message)
 
 
 def shortened(value: Any) -> Any:
@@ -325,12 +325,12 @@ def _from_ends(kind: wire.Kind, fields: dict[str, Any]) -> dict[str, Any]:
     for name, path in _named_inside(kind, ""):
         places.setdefault(name, []).append(path)
     direct = {member.name for member in kind.members} if isinstance(kind, wire.Record) else set()
-    made = {}
+    fields_by_path = {}
     for path, value in fields.items():
         first = _first(str(path))
-        found = [] if first in direct else places.get(first, [])
-        made[f"{found[0]}{path}" if len(found) == 1 else path] = value
-    return made
+        prefixes = [] if first in direct else places.get(first, [])
+        fields_by_path[f"{prefixes[0]}{path}" if len(prefixes) == 1 else path] = value
+    return fields_by_path
 
 
 def _named_inside(kind: wire.Kind, before: str) -> Iterator[tuple[str, str]]:
@@ -345,14 +345,14 @@ def _named_inside(kind: wire.Kind, before: str) -> Iterator[tuple[str, str]]:
 
 def by_name(fields: dict[str, Any]) -> dict[str, Any]:
     """Returns fields in which names that are paths have become objects and lists."""
-    made: dict[str, Any] = {}
+    nested_fields: dict[str, Any] = {}
     for path, value in fields.items():
         steps = [name or int(index) for name, index in _STEP.findall(str(path))]
         if len(steps) < 2 or not re.fullmatch(_PATH, str(path)):
-            made[path] = value
+            nested_fields[path] = value
             continue
-        _put(made, steps, value, str(path))
-    return made
+        _put(nested_fields, steps, value, str(path))
+    return nested_fields
 
 
 def _put(holder: Any, steps: list[str | int], value: Any, path: str) -> None:
@@ -381,9 +381,9 @@ def parse_fields(text: str) -> dict[str, Any]:
     Raises:
         ValueError: It is neither.
     """
-    found = list(_ASSIGNMENT.finditer(text))
-    if found and not text[: found[0].start()].strip():
-        return _assigned(text, found)
+    matches = list(_ASSIGNMENT.finditer(text))
+    if matches and not text[: matches[0].start()].strip():
+        return _assigned(text, matches)
     try:
         fields = json.loads(text)
     except json.JSONDecodeError as error:
@@ -393,11 +393,11 @@ def parse_fields(text: str) -> dict[str, Any]:
     return fields
 
 
-def _assigned(text: str, found: list[re.Match[str]]) -> dict[str, Any]:
-    ends = [*(match.start() for match in found[1:]), len(text)]
+def _assigned(text: str, matches: list[re.Match[str]]) -> dict[str, Any]:
+    ends = [*(match.start() for match in matches[1:]), len(text)]
     return {
         match[1]: _value(text[match.end() : end].strip())
-        for match, end in zip(found, ends, strict=True)
+        for match, end in zip(matches, ends, strict=True)
     }
 
 

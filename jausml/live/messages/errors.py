@@ -100,7 +100,7 @@ def similar(name: str, known: Iterable[str], limit: int = 3) -> list[str]:
     """Returns the known names that resemble one or begin with it, without regard to case."""
     by_folded = {candidate.casefold(): candidate for candidate in sorted(known)}
     folded = name.casefold()[:200]
-    found = get_close_matches(folded, by_folded, n=limit, cutoff=0.8)
-    if not found and len(folded) >= _LEAST_BEGINNING:
-        found = [key for key in by_folded if key.startswith(folded)][:limit]
-    return [by_folded[key] for key in found]
+    keys = get_close_matches(folded, by_folded, n=limit, cutoff=0.8)
+    if not keys and len(folded) >= _LEAST_BEGINNING:
+        keys = [key for key in by_folded if key.startswith(folded)][:limit]
+    return [by_folded[key] for key in keys]

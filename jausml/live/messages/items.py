@@ -122,11 +122,11 @@ def _bit_field(kind: wire.BitField) -> Item:
         return integers_in_words(groups[name].legal.ranges, groups[name].legal.names)
 
     def from_wire(item: int) -> dict[str, int | NamedValue]:
-        found: dict[str, int | NamedValue] = {}
+        values: dict[str, int | NamedValue] = {}
         for name, group in groups.items():
             number = (item >> group.low & group.mask) + group.legal.offset
-            found[name] = named[name].get(number, number)
-        return found
+            values[name] = named[name].get(number, number)
+        return values
 
     def to_wire(value: Any) -> int:
         fields = as_object(value)
@@ -197,23 +197,23 @@ class Run:
     def read(self, fields: dict[str, Any], buffer: bytes, offset: int) -> int:
         """Puts the values into the fields and returns the offset after them."""
         try:
-            found = self._struct.unpack_from(buffer, offset)
+            values = self._struct.unpack_from(buffer, offset)
         except struct.error:
             raise self._too_short(buffer, offset) from None
-        for (name, item), value in zip(self._items, found, strict=True):
+        for (name, item), value in zip(self._items, values, strict=True):
             fields[name] = value if item.from_wire is None else item.from_wire(value)
         return offset + self._struct.size
 
     def write(self, fields: Mapping[str, Any], out: bytearray) -> None:
         """Appends the values of the fields."""
         name = ""
-        found = []
+        values = []
         try:
             for name, item in self._items:
-                found.append(item.to_wire(fields[name]))
+                values.append(item.to_wire(fields[name]))
         except EncodeError as error:
             raise error.inside(name) from None
-        out += self._struct.pack(*found)
+        out += self._struct.pack(*values)
 
     def _too_short(self, buffer: bytes, offset: int) -> DecodeError:
         for name, item in self._items:

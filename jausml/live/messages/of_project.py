@@ -34,12 +34,12 @@ def sound_files(files: Iterable[Path], what: str, warn: Callable[[str], None]) -
 
     `what`: what of the others is left out, which is told.
     """
-    found = []
+    readable_files = []
     for file in files:
         diagnostics = read_models([file], notations=NOTATIONS).diagnostics
         fault = next((d for d in diagnostics if d.severity is Severity.ERROR), None)
         if fault is None:
-            found.append(file)
+            readable_files.append(file)
         else:
             warn(f"the {what} of {shown(file)} are left out: {fault.location}: {fault.message}")
-    return found
+    return readable_files

@@ -169,10 +169,10 @@ def paths_of(entry: MessageEntry) -> list[str]:
 
     Elements of lists are those of the first one.
     """
-    found = rows(entry)
-    body = f"{found[0].path}." if found and found[0].type.startswith("record") else ""
+    all_rows = rows(entry)
+    body = f"{all_rows[0].path}." if all_rows and all_rows[0].type.startswith("record") else ""
     # The number of a variable field needs no path of its own: its unit tells the index.
-    whole = [row for row in found if not row.presence.startswith("index ")]
+    whole = [row for row in all_rows if not row.presence.startswith("index ")]
     paths = [row.path.removeprefix(body).replace("[]", "[0]") for row in whole]
     outer = {path.rpartition(".")[0].removesuffix("[0]") for path in paths}
     return [path for path in paths if path not in outer and f"{path}." != body]

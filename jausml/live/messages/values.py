@@ -60,10 +60,10 @@ def number_of(value: Any, unit: str = "") -> Any:
         return value
     if (named := _NAMED.fullmatch(value)) is not None:
         return int(named[1])
-    found = _SHOWN.fullmatch(value)
-    if found is None or not unit or found[2] not in (unit, symbol(unit)):
+    match = _SHOWN.fullmatch(value)
+    if match is None or not unit or match[2] not in (unit, symbol(unit)):
         return value
-    return float(found[1])
+    return float(match[1])
 
 
 class NamedValue(str):
@@ -78,9 +78,9 @@ class NamedValue(str):
 
     def __new__(cls, name: str, number: int) -> NamedValue:
         """Makes a value."""
-        made = super().__new__(cls, name)
-        made._number = number
-        return made
+        instance = super().__new__(cls, name)
+        instance._number = number
+        return instance
 
     def __getnewargs__(self) -> tuple[str, int]:  # type: ignore[override]
         return str(self), self._number
@@ -194,11 +194,11 @@ def legal_integer(
 
 
 def _named(name: str, ranges: wire.Ranges, names: Mapping[int, str]) -> int:
-    found = [value for value, meaning in names.items() if meaning == name]
-    if len(found) > 1:
-        raise EncodeError(f"{shown(name)} is the name of {', '.join(map(str, found))}: give one")
-    if found:
-        return found[0]
+    values = [value for value, meaning in names.items() if meaning == name]
+    if len(values) > 1:
+        raise EncodeError(f"{shown(name)} is the name of {', '.join(map(str, values))}: give one")
+    if values:
+        return values[0]
     hint = did_you_mean([repr(suggestion) for suggestion in similar(name, names.values())])
     hint = hint or f"; they are {integers_in_words(ranges, names)}"
     raise EncodeError(f"{shown(name)} is no name of a legal value{hint}")

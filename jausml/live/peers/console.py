@@ -79,7 +79,7 @@ def _inputs(operator: Operator, target: JausAddress | None) -> Iterator[MessageE
 
 def _fields(operator: Operator, target: JausAddress | None, words: list[str]) -> list[str]:
     """Returns the paths of the fields that are not given yet, each with its `=`."""
-    name, *given = words
+    name, *arguments = words
     entry = next((message for message in _inputs(operator, target) if message.name == name), None)
     if entry is None:
         return []
@@ -87,7 +87,7 @@ def _fields(operator: Operator, target: JausAddress | None, words: list[str]) ->
         paths = [f"{path}=" for path in paths_of(entry)]
     except MessageError:
         return []
-    return [path for path in paths if not any(word.startswith(path) for word in given)]
+    return [path for path in paths if not any(word.startswith(path) for word in arguments)]
 
 
 DEFAULT_AUTHORITY = 205
@@ -195,11 +195,13 @@ class Console:
         """Returns the words that may end a line, of which the last one was begun."""
         *before, begun = line.split(" ")
         words = [word for word in before if word]
-        found: Iterable[str] = self.commands
+        candidates: Iterable[str] = self.commands
         if words:
-            found = _next(self._operator, self.commands, self._target, words)
+            candidates = _next(self._operator, self.commands, self._target, words)
         return sorted(
-            candidate for candidate in set(found) if candidate.lower().startswith(begun.lower())
+            candidate
+            for candidate in set(candidates)
+            if candidate.lower().startswith(begun.lower())
         )
 
     def execute(self, word: str, rest: str) -> None:
@@ -225,10 +227,10 @@ class Console:
     # ---- looking ----------------------------------------------------------------------------
 
     def _discover(self, rest: str) -> None:
-        found = self._operator.survey.take(_number(rest, 2.0))
-        for line in subsystem_lines(found):
+        subsystems = self._operator.survey.take(_number(rest, 2.0))
+        for line in subsystem_lines(subsystems):
             self._emit(line)
-        if not found:
+        if not subsystems:
             raise NoAnswer(self._operator.nothing_heard)
 
     def _choose(self, target: JausAddress, _rest: str) -> None:

@@ -64,10 +64,10 @@ def services_of(report: ReportServices | ReportServiceList, subsystem: int) -> S
 
     Components of the JAUS Tool Set report a node record for each of their services.
     """
-    found: dict[JausAddress, dict[ServiceIdentity, None]] = {}
+    services_by_address: dict[JausAddress, dict[ServiceIdentity, None]] = {}
     for address, services in reported_services(report, subsystem):
-        found.setdefault(address, {}).update(dict.fromkeys(services))
-    return {address: tuple(services) for address, services in found.items()}
+        services_by_address.setdefault(address, {}).update(dict.fromkeys(services))
+    return {address: tuple(services) for address, services in services_by_address.items()}
 
 
 def controller_of(report: ReportControl) -> str:
@@ -137,10 +137,10 @@ class Survey:
     def known(self) -> tuple[KnownSubsystem, ...]:
         """Returns who was heard of so far, ordered by number."""
         with self._component.loop.lock:
-            found = [self._subsystems[number] for number in sorted(self._subsystems)]
-            for subsystem in found:
+            subsystems = [self._subsystems[number] for number in sorted(self._subsystems)]
+            for subsystem in subsystems:
                 subsystem.components = dict(sorted(subsystem.components.items()))
-            return tuple(found)
+            return tuple(subsystems)
 
     def services(self, address: JausAddress) -> tuple[ServiceIdentity, ...]:
         """Returns what a component provides, as far as it was heard."""

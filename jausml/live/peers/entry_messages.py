@@ -142,8 +142,8 @@ def presence_holder(fields: Any) -> dict[str, Any] | None:
         return None
     if isinstance(fields.get(PRESENCE_VECTOR), int):
         return fields
-    found = (presence_holder(value) for value in fields.values())
-    return next((holder for holder in found if holder is not None), None)
+    holders = (presence_holder(value) for value in fields.values())
+    return next((holder for holder in holders if holder is not None), None)
 
 
 def optional_bits(reports: Sequence[MessageEntry]) -> int:

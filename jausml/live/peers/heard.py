@@ -52,11 +52,11 @@ class Heard:
     @contextmanager
     def awaiting(self, source: JausAddress, codes: Collection[int]) -> Iterator[SimpleQueue[bytes]]:
         """Yields the messages of some codes that come from a component during the block."""
-        found: SimpleQueue[bytes] = SimpleQueue()
-        awaited = (source, codes, found)
+        queue: SimpleQueue[bytes] = SimpleQueue()
+        awaited = (source, codes, queue)
         self._awaited.append(awaited)
         try:
-            yield found
+            yield queue
         finally:
             self._awaited.remove(awaited)
 
@@ -71,9 +71,9 @@ class Heard:
             return
         if code in known or len(known) < _MOST_MESSAGES:
             known[code] = payload
-        for awaited, codes, found in tuple(self._awaited):
+        for awaited, codes, queue in tuple(self._awaited):
             if awaited == source and code in codes:
-                found.put(payload)
+                queue.put(payload)
 
     def of(self, source: JausAddress) -> bool:
         """Whether anything came from a component."""

@@ -132,8 +132,8 @@ class ReportTimes:
 
         Below 0 the clock of the component is ahead of ours. A TimeStamp has whole milliseconds.
         """
-        found = (self._age(arrived, payload) for _, arrived, payload in self.arrivals)
-        return spread_of(age for age in found if age is not None)
+        ages = (self._age(arrived, payload) for _, arrived, payload in self.arrivals)
+        return spread_of(age for age in ages if age is not None)
 
     def _age(self, arrived: float, payload: bytes) -> float | None:
         try:
@@ -161,8 +161,8 @@ def _stamp_in(fields: Any) -> dict[str, Any] | None:
         return None
     if all(name in fields for name in _STAMP):
         return fields
-    found = (_stamp_in(value) for value in fields.values())
-    return next((stamp for stamp in found if stamp is not None), None)
+    stamps = (_stamp_in(value) for value in fields.values())
+    return next((stamp for stamp in stamps if stamp is not None), None)
 
 
 def offered_reports(operator: Operator, target: JausAddress) -> list[str]:

@@ -384,16 +384,16 @@ def check_peers(network: Network, catalogue: Catalogue) -> list[tuple[str, str, 
 
     Verdicts are `ok`, `note` for what one does otherwise than others, `error` if it is silent.
     """
-    found: list[tuple[str, str, str]] = []
+    verdicts: list[tuple[str, str, str]] = []
     with running_operator(network, catalogue, _TIMEOUT_S) as operator:
         for peer in network.settings.address_book:
             try:
                 services = operator.meet(peer)
             except NoAnswer as error:
-                found.append((str(peer), "error", str(error)))
+                verdicts.append((str(peer), "error", str(error)))
                 continue
             count = f"{len(services)} services" if services else "no services that it tells of"
-            found.append((str(peer), "ok", f"answers; {count}"))
+            verdicts.append((str(peer), "ok", f"answers; {count}"))
             learnt = [quirk for quirk in operator.quirks() if quirk[0] == peer]
-            found += [(str(peer), "note", str(quirk)) for _, quirk in learnt]
-    return found
+            verdicts += [(str(peer), "note", str(quirk)) for _, quirk in learnt]
+    return verdicts

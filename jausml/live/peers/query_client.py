@@ -78,8 +78,8 @@ class QueryClient:
     def lives(self) -> dict[JausAddress, int]:
         """Returns how often each peer began its numbers anew: as often it was another process."""
         component = self._component
-        found = component.transport.traffic(component.address)
-        return {peer.peer: peer.restarts for peer in found}
+        peers = component.transport.traffic(component.address)
+        return {peer.peer: peer.restarts for peer in peers}
 
     @property
     def own(self) -> JausAddress:
@@ -111,7 +111,7 @@ class QueryClient:
         acknowledges. Control is not requested, and no event created.
         """
         component, query = self._component, QueryStatus().encode()
-        found = self.services(target)
+        services = self.services(target)
         for _ in range(_MEETINGS):
             ends: SimpleQueue[bool] = SimpleQueue()
             component.transport.send(
@@ -122,7 +122,7 @@ class QueryClient:
             ends.get()
         if target not in self.senders():
             raise self.unanswered(target, "QueryStatus", "ReportStatus")
-        return found
+        return services
 
     @property
     def nothing_heard(self) -> str:
@@ -180,8 +180,10 @@ class QueryClient:
         """
         asked = [self._begin(target, *question) for question in questions]
         awaited(lambda: any(question.is_over for question in asked))
-        found = (i for i, question in enumerate(asked) if question.within(_SHORT_GRACE) is not None)
-        first = next(found, None)
+        indices = (
+            i for i, question in enumerate(asked) if question.within(_SHORT_GRACE) is not None
+        )
+        first = next(indices, None)
         for question in asked:
             question.cancel()
         return first
@@ -276,7 +278,7 @@ class QueryClient:
                 target,
                 query,
                 report,
-                lambda answer, _: tell(_told(answer)),
+                lambda answer, _: tell(_described(answer)),
                 on_failure=partial(tell, f"does not answer {query.NAME}"),
                 timeout=_GRACE,
                 retries=1,
@@ -324,7 +326,7 @@ class QueryClient:
             return find_message(self.catalogue, name, self.services(target))
 
 
-def _told(report: Message) -> str:
+def _described(report: Message) -> str:
     if isinstance(report, ReportControl):
         nobody = not report.subsystem_id
         return "is controlled by " + ("nobody" if nobody else controller_of(report))

@@ -134,24 +134,24 @@ def request(
     if entry.name.startswith(("Query", "Report")):
         return operator.query(target, name, fields, timeout)
     answers = _answers(operator.catalogue, entry)
-    given = entry.completed(fields or {})
+    sent_fields = entry.completed(fields or {})
     if any(_has_request_id(answer) for answer in answers):
-        given = _numbered(entry.record, given, operator.next_request_id())
+        sent_fields = _numbered(entry.record, sent_fields, operator.next_request_id())
     operator.check_obeyed(target, entry)
     end = time.monotonic() + (operator.timeout if timeout is None else timeout)
     if all(is_rejection(answer.definition) for answer in answers):
-        return _report(operator, target, entry, given, answers, end)
-    return _answer(operator, target, entry, given, answers, end)
+        return _report(operator, target, entry, sent_fields, answers, end)
+    return _answer(operator, target, entry, sent_fields, answers, end)
 
 
 def _answers(catalogue: Catalogue, entry: MessageEntry) -> tuple[MessageEntry, ...]:
     """Returns the messages that answer one, by each service that defines it."""
-    found = (
+    entries = (
         catalogue.entry(answer)
         for service in entry.services
         for answer in responses(entry.definition, service.definition)
     )
-    return tuple(dict.fromkeys(found))
+    return tuple(dict.fromkeys(entries))
 
 
 def _exchange(
@@ -159,9 +159,9 @@ def _exchange(
 ) -> tuple[MessageEntry, MessageEntry]:
     """Returns the query and the report of what a message sets, of the state if there is none."""
     for service in entry.services:
-        told = told_after(entry.definition, service.definition)
-        if told is not None:
-            return operator.catalogue.entry(told.query), operator.catalogue.entry(told.report)
+        answer = told_after(entry.definition, service.definition)
+        if answer is not None:
+            return operator.catalogue.entry(answer.query), operator.catalogue.entry(answer.report)
     return operator.exchange(target, "Status")
 
 
@@ -180,11 +180,11 @@ def _answer(
     by_code = {answer_entry.code: answer_entry for answer_entry in answers}
     message = operator.message(entry, fields)
     wanted = _request_id(entry.decode(message.encode()))
-    with operator.awaiting(target, by_code) as found:
+    with operator.awaiting(target, by_code) as queue:
         operator.send(target, message, acknowledge=True)
         while True:
             try:
-                payload = found.get(timeout=max(0.0, end - time.monotonic()))
+                payload = queue.get(timeout=max(0.0, end - time.monotonic()))
             except Empty:
                 raise _unanswered(operator, target, entry, answers) from None
             answer = by_code[read_code(payload)]
@@ -203,8 +203,8 @@ def _answer(
 def _rejected(
     target: JausAddress, entry: MessageEntry, answer: MessageEntry, fields: dict[str, Any]
 ) -> Refused:
-    told = printable(shown_fields(answer, fields))
-    return Refused(f"{target} rejects {entry.name}: {answer.name} {told}")
+    description = printable(shown_fields(answer, fields))
+    return Refused(f"{target} rejects {entry.name}: {answer.name} {description}")
 
 
 def _unanswered(
@@ -235,22 +235,22 @@ def _request_id(fields: Any) -> Any:
         return None
     if "RequestID" in fields:
         return fields["RequestID"]
-    found = (_request_id(field) for field in fields.values())
-    return next((request_id for request_id in found if request_id is not None), None)
+    request_ids = (_request_id(field) for field in fields.values())
+    return next((request_id for request_id in request_ids if request_id is not None), None)
 
 
 def _numbered(kind: wire.Record, fields: dict[str, Any], number: int) -> dict[str, Any]:
     """Returns fields with a number by which the answer is known, where none was given."""
-    made = dict(fields)
+    new_fields = dict(fields)
     for member in kind.members:
         if member.name == "RequestID":
-            made.setdefault(member.name, number)
+            new_fields.setdefault(member.name, number)
         elif isinstance(member.kind, wire.Record) and not member.is_optional:
-            inner = made.get(member.name, {})
+            inner = new_fields.get(member.name, {})
             numbered = _numbered(member.kind, inner, number) if isinstance(inner, dict) else inner
             if numbered:
-                made[member.name] = numbered
-    return made
+                new_fields[member.name] = numbered
+    return new_fields
 
 
 # -- reported --------------------------------------------------------------------------------------
@@ -275,7 +275,7 @@ def _report(
         operator.send(target, message, acknowledge=True)
         while True:
             left = max(_PAUSE, end - time.monotonic())
-            found, unanswered = _asked(operator, target, question, report, left)
+            report_fields, unanswered = _asked(operator, target, question, report, left)
             if not rejected.empty():
                 payload = rejected.get()
                 answer = by_code[read_code(payload)]
@@ -285,13 +285,13 @@ def _report(
                 if not reason:
                     raise unanswered
                 raise Refused(f"{target} does not answer {query.name}: {reason}")
-            told = report.shortened(found)
-            differing = next((name for name in wanted if told.get(name) not in wanted[name]), "")
+            values = report.shortened(report_fields)
+            differing = next((name for name in wanted if values.get(name) not in wanted[name]), "")
             if not differing:
                 operator.answered(target, message)
-                return report, found
+                return report, report_fields
             if time.monotonic() > end:
-                shown = _shown(report, found, differing)
+                shown = _shown(report, report_fields, differing)
                 reason = operator.why_ignored(target)
                 text = f"{target} reports {shown} after {entry.name}"
                 raise Refused(f"{text}: {reason}" if reason else text)

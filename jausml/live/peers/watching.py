@@ -140,7 +140,7 @@ class AnsweringClient(QueryClient):
         Args:
             give: Returns the fields of the present report; None when there is none now.
         """
-        made = message_class(report)
+        report_class = message_class(report)
 
         def provided(_query: EntryMessage, _sender: JausAddress) -> EntryMessage | None:
             fields = give()
@@ -148,9 +148,9 @@ class AnsweringClient(QueryClient):
                 return None
             if not isinstance(fields, dict):
                 raise TypeError(f"the answer to {query.name} is {fields!r}, not a dict of fields")
-            return made(report.completed(fields))
+            return report_class(report.completed(fields))
 
-        self._component.provide(message_class(query), made, provided)
+        self._component.provide(message_class(query), report_class, provided)
 
     def report_changed(self, report: MessageEntry) -> None:
         """Sends a report to who wants it at every change."""
@@ -208,16 +208,16 @@ class ListingClient(QueryClient):
             )
             self._changes[target] = request, ends
         try:
-            told = ends.get(timeout=_LONGEST * (1 + len(payloads)))
+            reason = ends.get(timeout=_LONGEST * (1 + len(payloads)))
         except Empty:  # our component has ended, which tells nobody
-            told = unanswered
+            reason = unanswered
         finally:
             self._changes.pop(target, None)
             request.cancel()
-        if told == unanswered:
+        if reason == unanswered:
             raise self.unanswered(target, SetElement.NAME, "ConfirmElementRequest")
-        if told:
-            raise Refused(f"{target} does not take the list: {told}")
+        if reason:
+            raise Refused(f"{target} does not take the list: {reason}")
 
     def drop_list_changes(self) -> None:
         """Sends nothing more of the changes that are under way."""
@@ -233,10 +233,10 @@ class ListingClient(QueryClient):
         count = self.ask(target, QueryElementCount(), ReportElementCount).element_count
         if count != len(wanted):
             return False
-        found: SimpleQueue[tuple[ListElement, ...] | None] = SimpleQueue()
-        self._component.read_list(target, found.put, on_failure=lambda: found.put(None))
+        queue: SimpleQueue[tuple[ListElement, ...] | None] = SimpleQueue()
+        self._component.read_list(target, queue.put, on_failure=lambda: queue.put(None))
         try:
-            elements = found.get(timeout=self.timeout * (1 + len(wanted)))
+            elements = queue.get(timeout=self.timeout * (1 + len(wanted)))
         except Empty:
             elements = None
         if elements is None:

@@ -155,18 +155,18 @@ class Bag:
 
     def _rows(self, path: Path) -> Iterator[_Encoded]:
         """Yields what stands in a database (rosbag2, sqlite3 storage)."""
-        found = None
+        row = None
         try:
             open_input(path).close()  # a database is opened without a look at what it is
             uri = f"{path.resolve().as_uri()}?mode=ro&immutable=1"
             with closing(sqlite3.connect(uri, uri=True)) as database:
                 database.text_factory = lambda text: text.decode("utf-8", "replace")
-                for found in _messages_in(database):
-                    yield found
+                for row in _messages_in(database):
+                    yield row
         except OSError as error:
             raise RecordingError(f"{path}: {error.strerror or error}") from error
         except (sqlite3.Error, ValueError) as error:  # also texts of errors that are no UTF-8
-            if found is None:
+            if row is None:
                 what = "cannot be read: it is no database of rosbag2, or damaged"
                 raise RecordingError(f"{path} {what}") from error
             self._note(f"the database {path.name} is damaged")
@@ -220,9 +220,9 @@ def _files_of(path: str) -> _Files:
     if (folder / _METADATA).exists():
         return _stated_files(folder)
     for ending in (MCAP, SQLITE):
-        found = list(folder.glob("*" + ending))
-        if found:
-            return _Files(sorted(found, key=lambda file: [*map(int, _NUMBERS.findall(file.name))]))
+        files = list(folder.glob("*" + ending))
+        if files:
+            return _Files(sorted(files, key=lambda file: [*map(int, _NUMBERS.findall(file.name))]))
     raise RecordingError(f"{path} cannot be read: it has no {_METADATA}, {MCAP} or {SQLITE} file")
 
 
@@ -239,14 +239,14 @@ def _stated_files(folder: Path) -> _Files:
             folder / PurePath(relative_path).name for relative_path in stated["relative_file_paths"]
         ]
         compression = str(stated.get("compression_mode") or "none").lower()
-        found = _Files(paths, compression, int(stated["message_count"]))
+        files = _Files(paths, compression, int(stated["message_count"]))
     except (AttributeError, LookupError, TypeError, ValueError, yaml.YAMLError) as error:
         what = f"its {_METADATA} is none of rosbag2"
         raise RecordingError(f"{folder} cannot be read: {what}") from error
     if compression != "none" and stated.get("compression_format") != "zstd":
         how = str(stated.get("compression_format"))[:20]
         raise RecordingError(f"{folder} is compressed by '{how}', which is not read")
-    return found
+    return files
 
 
 def _unpacked(path: Path, folder: Path) -> Path:

@@ -92,8 +92,8 @@ class JausWriter:
     def write(self, file: McapFile, message: JausMessage, packet: Packet) -> None:
         """Writes a message."""
         try:
-            found = self._catalogue.decode(message.payload)
-            channel = file.jaus_channel(message.source, found.entry)
+            decoded_message = self._catalogue.decode(message.payload)
+            channel = file.jaus_channel(message.source, decoded_message.entry)
         except MessageError as error:
             self.undecoded[str(error)] += 1
             return
@@ -102,6 +102,6 @@ class JausWriter:
             "destination": str(packet.destination),
             "sequence": packet.sequence,
             "payload": message.payload.hex(),
-            "fields": as_numbers(found.entry.shortened(found.fields)),
+            "fields": as_numbers(decoded_message.entry.shortened(decoded_message.fields)),
         }
         file.write_json(channel, message.time, value)

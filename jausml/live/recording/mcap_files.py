@@ -65,14 +65,14 @@ class TimeSpan:
     start: float = 0.0
     duration: float | None = None
 
-    def of(self, found: Iterable[T], time_of: Callable[[T], int | None]) -> Iterator[T]:
+    def of(self, messages: Iterable[T], time_of: Callable[[T], int | None]) -> Iterator[T]:
         """Yields what is in it.
 
         Args:
             time_of: The time of each in nanoseconds, None where nobody told: these are in it.
         """
         begin: int | None = None
-        for message in found:
+        for message in messages:
             time = time_of(message)
             if time is not None:
                 begin = time if begin is None else begin
@@ -202,8 +202,8 @@ class McapFile:
     def _channel(self, topic: str, schema: int, encoding: str, metadata: Mapping[str, str]) -> int:
         key = (topic, schema)
         if key not in self._channels:
-            made = self._writer.register_channel(topic, encoding, schema, dict(metadata))
-            self._channels[key] = made
+            channel_id = self._writer.register_channel(topic, encoding, schema, dict(metadata))
+            self._channels[key] = channel_id
         return self._channels[key]
 
 
@@ -236,8 +236,8 @@ def _channel(
     number = 0
     if schema is not None:
         if schema.id not in schemas:
-            made = writer.register_schema(schema.name, schema.encoding, schema.data)
-            schemas[schema.id] = made
+            schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
+            schemas[schema.id] = schema_id
         number = schemas[schema.id]
     return writer.register_channel(
         channel.topic, channel.message_encoding, number, channel.metadata

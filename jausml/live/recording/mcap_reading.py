@@ -101,7 +101,7 @@ class McapRecording:
         Raises:
             RecordingError: It cannot be opened, is no such file, or nothing of it can be read.
         """
-        yield from self._span.of(self._all(), lambda found: found[2].log_time)
+        yield from self._span.of(self._all(), lambda record: record[2].log_time)
 
     def length(self) -> float | None:
         """Returns the seconds from the first message to the last of the part, None if unknown."""
@@ -178,15 +178,15 @@ class _Contents:
     @property
     def fault(self) -> str:
         """What was met and is not read; once all was read, also what it counts; empty for none."""
-        told = list(self._damages)
+        faults = list(self._damages)
         if self._more:
-            told.append(f"{self._more} more places are damaged")
+            faults.append(f"{self._more} more places are damaged")
         for number, count in sorted(self._unknown.items())[:_MOST_NAMED]:
-            told.append(f"{count} messages are of channel {number}, which nothing describes")
+            faults.append(f"{count} messages are of channel {number}, which nothing describes")
         counted = self.statistics.message_count if self.statistics is not None else 0
         if self._is_over and counted > self._count:
-            told.append(f"{self._count} of the {counted} messages that it counts are read")
-        return "; ".join(told)
+            faults.append(f"{self._count} of the {counted} messages that it counts are read")
+        return "; ".join(faults)
 
     def messages(self) -> Iterator[Found]:
         """Yields all messages, by the index if there is one, else in the order of the file."""
@@ -223,9 +223,9 @@ class _Contents:
                 return  # where the next record begins is not known
             if record is None:
                 return
-            yield from self._guarded(self._found(record))
+            yield from self._guarded(self._messages(record))
 
-    def _found(self, record: _Record) -> Iterator[Found]:
+    def _messages(self, record: _Record) -> Iterator[Found]:
         opcode, at, content = record
         if opcode == Opcode.CHUNK:
             yield from self._chunk(at, content)
@@ -236,10 +236,10 @@ class _Contents:
         else:
             self._take(opcode, at, content)
 
-    def _guarded(self, found: Iterator[Found]) -> Iterator[Found]:
+    def _guarded(self, messages: Iterator[Found]) -> Iterator[Found]:
         """Yields messages; what cannot be read of them is noted."""
         try:
-            yield from found
+            yield from messages
         except DamageError as error:
             self._note(error)
 
@@ -341,8 +341,8 @@ class _Contents:
                 is_sorted, last = is_sorted and time >= last, time
                 places.append(at)
                 if len(places) > self._left:
-                    told = f"messages, which a file of {self._size:,} bytes cannot have"
-                    raise DamageError(f"{where} holds more than {self._left:,} {told}")
+                    excess = f"messages, which a file of {self._size:,} bytes cannot have"
+                    raise DamageError(f"{where} holds more than {self._left:,} {excess}")
             else:
                 begin = at + HEAD.size
                 self._take(opcode, at, data[begin : begin + length])
@@ -389,13 +389,13 @@ class _Contents:
 
 def _push(begun: _Begun, at: int, rest: Iterator[Found]) -> None:
     """Notes the next message of a chunk, if there is one."""
-    found = next(rest, None)
-    if found is not None:
-        heapq.heappush(begun, (found[2].log_time, at, found, rest))
+    record = next(rest, None)
+    if record is not None:
+        heapq.heappush(begun, (record[2].log_time, at, record, rest))
 
 
 def _earliest(begun: _Begun) -> Found:
     """Returns the earliest message of the chunks that were begun."""
-    _, at, found, rest = heapq.heappop(begun)
+    _, at, record, rest = heapq.heappop(begun)
     _push(begun, at, rest)
-    return found
+    return record

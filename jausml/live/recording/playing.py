@@ -45,24 +45,24 @@ class PlayedRecording:
         need_library()
         recording = McapRecording(self._path)
         length, first = recording.length(), None
-        for found in recording.messages():
-            time = found[2].log_time
+        for record in recording.messages():
+            time = record[2].log_time
             first = time if first is None else first
             self.duration = max(self.duration, (time - first) / _NANO)  # in order, always
-            yield min(1.0, self.duration / length) if length else 0.0, self.duration, found
+            yield min(1.0, self.duration / length) if length else 0.0, self.duration, record
         if first is None:
             raise RecordingError(f"{self._path} has no messages")
         if recording.fault:
             reached = f"it was read up to {self.duration:.3f} s"
             self.fault = f"the file is damaged: {recording.fault}; {reached}"
 
-    def value_of(self, found: Found) -> dict[str, Any]:
+    def value_of(self, record: Found) -> dict[str, Any]:
         """Returns the fields of a message.
 
         Raises:
             RecordingError: They cannot be read.
         """
-        schema, channel, message = found
+        schema, channel, message = record
         if channel.message_encoding == "json":
             try:
                 value = json.loads(message.data)
@@ -81,7 +81,7 @@ class PlayedRecording:
                 self._readers[key] = RosReader(schema.name, schema.data.decode("utf-8", "replace"))
             except RecordingError as error:
                 self._readers[key] = str(error)
-        found = self._readers[key]
-        if isinstance(found, str):
-            raise RecordingError(found)
-        return found
+        reader = self._readers[key]
+        if isinstance(reader, str):
+            raise RecordingError(reader)
+        return reader

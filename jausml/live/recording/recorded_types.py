@@ -78,9 +78,9 @@ def _differing(
     for one, two in zip(*fields, strict=True):
         if not one.type.is_primitive:
             names = (_name(field.type, of) for field, of in ((one, own), (two, other)))
-            found = _differing(recorded, modelled, *names)
-            if found:
-                return found
+            difference = _differing(recorded, modelled, *names)
+            if difference:
+                return difference
     return ""
 
 

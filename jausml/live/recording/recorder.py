@@ -172,8 +172,8 @@ class RecordingFiles:
 def _row(path: Path) -> list[tuple[int, Path]]:
     """Returns the files of a row that are there, with their numbers."""
     form = re.compile(rf"{re.escape(path.stem)}_(\d{{1,9}}){re.escape(path.suffix)}")
-    found = ((form.fullmatch(file.name), file) for file in path.parent.iterdir())
-    return [(int(match[1]), file) for match, file in found if match]
+    matches = ((form.fullmatch(file.name), file) for file in path.parent.iterdir())
+    return [(int(match[1]), file) for match, file in matches if match]
 
 
 CALLS = "/_service_event"
@@ -206,13 +206,13 @@ def topics_of(model: Model) -> dict[str, ros.MessageType | None]:
     became of all messages. Their types are known where they are installed alone, and are none of
     the model.
     """
-    found: dict[str, ros.MessageType | None] = {}
+    types_by_topic: dict[str, ros.MessageType | None] = {}
     for whole in model.instances(system.System, library=False):
         for end in endpoints([*whole.bridges, *whole.nodes]):
-            found[end.topic] = end.type
+            types_by_topic[end.topic] = end.type
         for owner in whole.bridges:
-            found.update((topic, None) for topic in (DIAGNOSTICS, *_seen_calls(owner)))
-    return found
+            types_by_topic.update((topic, None) for topic in (DIAGNOSTICS, *_seen_calls(owner)))
+    return types_by_topic
 
 
 def _seen_calls(owner: bridge.Bridge) -> Iterator[str]:
@@ -343,11 +343,11 @@ class Recorder:
         """Returns the definition of the type of a topic, empty where nobody has one."""
         key = (topic, kind)
         if key not in self._known:
-            found = installed_definition(kind, self._installation)
+            definition = installed_definition(kind, self._installation)
             modelled = self._types.get(topic)
-            if not found and modelled is not None:
-                found = modelled_definition(modelled)
-            self._known[key] = found
+            if not definition and modelled is not None:
+                definition = modelled_definition(modelled)
+            self._known[key] = definition
             if not self._known[key]:
                 self.undefined.add(topic)
         return self._known[key]

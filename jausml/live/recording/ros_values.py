@@ -68,9 +68,9 @@ class _Bytes:
         end = self.at + size
         if end > len(self.data):
             raise RecordingError("it ends in the midst of a text")
-        found = self.data[self.at : max(self.at, end - 1)]
+        octets = self.data[self.at : max(self.at, end - 1)]
         self.at = end
-        return found.decode("utf-8", "replace")
+        return octets.decode("utf-8", "replace")
 
     def wide_text(self) -> str:
         """Returns the next text of wide characters: units of UTF-16, each in four bytes."""
@@ -107,16 +107,16 @@ class RosReader:
             RecordingError: The bytes are no message of this type.
         """
         try:
-            found: dict[str, Any] = self._read(_Bytes(data))
+            fields: dict[str, Any] = self._read(_Bytes(data))
         except (RecordingError, struct.error) as error:
             raise RecordingError(f"a message of {self._name} cannot be read: {error}") from error
-        return found
+        return fields
 
 
 def defined_parts(name: str, definition: str) -> dict[str, str]:
     """Returns the definitions in one of `ros2msg` by their short names, that of the type first."""
     first, *rest = _PART.split(
-        _PART_OF_CALL.sub(lambda found: _in_camel_case(found[0]), definition)
+        _PART_OF_CALL.sub(lambda match: _in_camel_case(match[0]), definition)
     )
     own = _in_camel_case(_short(name))
     return {own: first, **dict(zip(map(_short, rest[::2]), rest[1::2], strict=True))}

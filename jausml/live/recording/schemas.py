@@ -73,22 +73,22 @@ def _typed(kind: wire.Kind) -> Schema:
 
 
 def _listed(kind: wire.List | wire.Array) -> Schema:
-    found: Schema = _typed(kind.element.kind)
+    schema: Schema = _typed(kind.element.kind)
     depth = len(kind.dimensions) if isinstance(kind, wire.Array) else 1
     for _ in range(depth):
-        found = {"type": "array", "items": found}
-    return found
+        schema = {"type": "array", "items": schema}
+    return schema
 
 
 def _number(name: str, units: str) -> Schema:
-    found: Schema = {"type": name}
-    return {**found, "description": f"in {units}"} if units not in ("", "one") else found
+    schema: Schema = {"type": name}
+    return {**schema, "description": f"in {units}"} if units not in ("", "one") else schema
 
 
 def _described(field: wire.Field) -> Schema:
-    found = _typed(field.kind)
-    text = ", ".join(filter(None, (field.documentation.strip(), found.get("description", ""))))
-    return {**found, "description": text} if text else found
+    schema = _typed(field.kind)
+    text = ", ".join(filter(None, (field.documentation.strip(), schema.get("description", ""))))
+    return {**schema, "description": text} if text else schema
 
 
 _LINE = "=" * 80
@@ -138,10 +138,14 @@ def modelled_definition(kind: ros.MessageType) -> str:
     known = {_short(kind): kind}
 
     def part(name: str) -> Part:
-        found = known[name]
-        inner = [field.messageType for field in found.fields if isinstance(field, ros.MessageField)]
+        ros_type = known[name]
+        inner = [
+            field.messageType for field in ros_type.fields if isinstance(field, ros.MessageField)
+        ]
         known.update((_short(message_type), message_type) for message_type in inner)
-        return "\n".join(section_of(found).lines), [_short(message_type) for message_type in inner]
+        return "\n".join(section_of(ros_type).lines), [
+            _short(message_type) for message_type in inner
+        ]
 
     return _joined(_short(kind), part)
 
@@ -155,35 +159,37 @@ def installed_definition(name: str, installation: Installation) -> str:
     """
 
     def part(short: str) -> Part:
-        if short in made:
-            return made[short]
+        if short in parts:
+            return parts[short]
         package, _, own = short.partition("/")
         return _part(_text(installation, package, "msg", own), package)
 
     try:
         package, kind, own = name.split("/")
-        made = _made(package, kind, own, installation) if kind != "msg" else {}
+        parts = _interface_parts(package, kind, own, installation) if kind != "msg" else {}
         return _joined(f"{package}/{own}", part)
     except (OSError, ValueError):
         return ""
 
 
-def _made(package: str, kind: str, own: str, installation: Installation) -> dict[str, Part]:
+def _interface_parts(
+    package: str, kind: str, own: str, installation: Installation
+) -> dict[str, Part]:
     """Returns types, of a topic of a service or an action, that no file of their own defines."""
     base, _, role = own.partition("_")
     if (kind, role) not in _ROLES:
         raise ValueError(f"{package}/{kind}/{own}")
     text = _text(installation, package, kind, base)
     sections = re.split(r"^---[ \t]*$", text, flags=re.MULTILINE)
-    made: dict[str, Part] = {}
+    parts: dict[str, Part] = {}
     for suffix, of in _ROLES[kind, role].items():
         if isinstance(of, int):
-            found = _part(sections[of].strip("\n"), package, _NO_FIELD)
+            part = _part(sections[of].strip("\n"), package, _NO_FIELD)
         else:
             fields = of.format(f"{package}/{base}")
-            found = fields, re.findall(r"^\w+/\w+", fields, re.MULTILINE)
-        made[f"{package}/{base}_{suffix}"] = found
-    return made
+            part = fields, re.findall(r"^\w+/\w+", fields, re.MULTILINE)
+        parts[f"{package}/{base}_{suffix}"] = part
+    return parts
 
 
 def _text(installation: Installation, package: str, kind: str, own: str) -> str:

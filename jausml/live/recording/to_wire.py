@@ -56,10 +56,10 @@ class ReplayPace:
         self._stop = stop
         self._paused = 0.0
 
-    def messages(self, found: Iterable[RosMessage]) -> Iterator[RosMessage]:
+    def messages(self, messages: Iterable[RosMessage]) -> Iterator[RosMessage]:
         """Yields messages when their time has come; the first at once."""
         first, begin, free = None, 0.0, 0.0
-        for message in found:
+        for message in messages:
             if first is None:
                 first, begin = message.time, self._now()
             since = (message.time - first) / _NANO
@@ -164,19 +164,23 @@ class WireReplay:
         Raises:
             RecordingError: No bridge has anything to say, or the network cannot be used.
         """
-        found = speakers_of(model, allow_commands=allow_commands)
-        self.commands = found.commands
+        speakers = speakers_of(model, allow_commands=allow_commands)
+        self.commands = speakers.commands
         self.published: Counter[str] = Counter()
         self.others: Counter[str] = Counter()
         self.refused: Counter[str] = Counter()
         self.undefined: Counter[str] = Counter()
         self.connections: dict[str, dict[str, Any]] = {}
-        if not found.bridges:
-            hint = "; --allow-commands sends " + ", ".join(found.commands) if found.commands else ""
+        if not speakers.bridges:
+            hint = (
+                "; --allow-commands sends " + ", ".join(speakers.commands)
+                if speakers.commands
+                else ""
+            )
             raise RecordingError(f"no bridge of the model has reports to give{hint}")
-        self._topics, self._types = frozenset(found.topics), RecordedTypes(found.topics)
-        self._worker = Worker(bridge_code(found.model), _WORKER)
-        answer = self._ask({"bridges": found.bridges, "transport": transport})
+        self._topics, self._types = frozenset(speakers.topics), RecordedTypes(speakers.topics)
+        self._worker = Worker(bridge_code(speakers.model), _WORKER)
+        answer = self._ask({"bridges": speakers.bridges, "transport": transport})
         if "error" in answer:
             self._worker.close()
             raise RecordingError(str(answer["error"]))

@@ -111,28 +111,28 @@ class Translator:
 
     def out_of_range(self) -> dict[str, dict[str, int]]:
         """Returns how often values did not fit their field, by route, then by what was done."""
-        found = self._ask({})
-        named = zip(self.routes, found, strict=True)
+        route_counts = self._ask({})
+        named = zip(self.routes, route_counts, strict=True)
         return {route.label: counts for route, counts in named if counts}
 
     def _takers_of(self, message: JausMessage) -> list[tuple[int, str]]:
         """Returns routes, and the name of the join where it is no main message; joins first."""
         key = (message.code, message.source)
         if key not in self._takers:
-            found = [
+            takers = [
                 (index, str(join.translated.join.name))
                 for index, route in enumerate(self.routes)
                 for join in route.joins
                 if join.code == key[0] and _wants(join.senders or route.senders, key[1])
             ]
-            found += [
+            takers += [
                 (index, "")
                 for index, route in enumerate(self.routes)
                 if route.code == key[0] and _wants(route.senders, key[1])
             ]
             if len(self._takers) >= _MOST_KNOWN:  # inventions must not fill the memory
                 self._takers.clear()
-            self._takers[key] = found
+            self._takers[key] = takers
         return self._takers[key]
 
     def _done(self, waiting: list[tuple[JausMessage, int, str]]) -> Iterator[TranslatedMessage]:
@@ -283,7 +283,7 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
         if not _is_to_ros(bridge_connection)
     ]
     used = {connection.map for connection in kept}
-    made = {}
+    senders_by_connection = {}
     for other in others:
         editable.bridgeConnections.remove(other)
         if other.map not in used and other.map.toRos:
@@ -294,8 +294,8 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
             for topic in topics:
                 make.link(turned, "topics", make("bridge.Topic", name=topic))
             make.link(owner, "bridgeConnections", turned)
-            made[turned] = frozenset({str(owner.address)})
-    return made
+            senders_by_connection[turned] = frozenset({str(owner.address)})
+    return senders_by_connection
 
 
 def _is_to_ros(connection: bridge.Connection) -> bool:
@@ -307,17 +307,19 @@ def _routes(view: BridgeView, sent: dict[bridge.Connection, Addresses]) -> Itera
     for end in endpoints([view.bridge]):
         topic = RecordedTopic(end.topic, full_name(end.type), modelled_definition(end.type))
         topics.setdefault(end.element.eContainer(), []).append(topic)
-    for connection, made in zip(view.bridge.bridgeConnections, view.connections, strict=True):
+    for connection, connection_view in zip(
+        view.bridge.bridgeConnections, view.connections, strict=True
+    ):
         yield Route(
             label=f"{view.name}.{connection.name}",
             package=view.package,
             base=view.base_name,
             bridge=view.class_name,
-            connection=made.name,
+            connection=connection_view.name,
             code=code(connection.map.message),
             senders=sent.get(connection) or _addresses(connection.peers),
             topics=tuple(topics.get(connection, ())),
-            joins=tuple(_joins(connection, made.translated.joins)),
+            joins=tuple(_joins(connection, connection_view.translated.joins)),
         )
 
 
@@ -352,12 +354,12 @@ class CaptureReplay:
 
     def run(self, datagrams: Iterable[Datagram]) -> None:
         """Writes what becomes of datagrams."""
-        for found in self._translator.translate(self._messages(datagrams)):
-            for topic in found.route.topics:
+        for message in self._translator.translate(self._messages(datagrams)):
+            for topic in message.route.topics:
                 channel = self._file.ros_channel(topic.name, topic.type, topic.definition)
-                self._file.write(channel, found.time, found.data)
+                self._file.write(channel, message.time, message.data)
                 self.topics[topic.name] += 1
-                self.sources.setdefault(topic.name, set()).add(found.source)
+                self.sources.setdefault(topic.name, set()).add(message.source)
 
     def _messages(self, datagrams: Iterable[Datagram]) -> Iterator[JausMessage]:
         for message, packet in self.captured.read(datagrams):

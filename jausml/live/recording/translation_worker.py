@@ -47,9 +47,9 @@ class LatestReports:
 
     def fresh(self, subsystem: int, at: int) -> typing.Any:
         """Returns the latest report if it is fresh."""
-        found = self._latest.get(self._key(subsystem))
-        if found is not None and 0 <= at - found[0] <= self._plan["freshness"] * _NANO:
-            return _decoder(self._kind)(found[1])
+        report = self._latest.get(self._key(subsystem))
+        if report is not None and 0 <= at - report[0] <= self._plan["freshness"] * _NANO:
+            return _decoder(self._kind)(report[1])
         if self._plan["drop"]:
             raise StaleJoinError(self._plan["name"], "there is no fresh report")
         return None
@@ -139,8 +139,8 @@ class Work:
 
 def _counts(connection: typing.Any) -> dict[str, int]:
     """Returns how often values did not fit their field, by what was done about it."""
-    found = connection.statistics.out_of_range
-    return {f"{field}: {policy}": number for (policy, field), number in found.items()}
+    counts = connection.statistics.out_of_range
+    return {f"{field}: {policy}": number for (policy, field), number in counts.items()}
 
 
 def main() -> None:

@@ -75,8 +75,12 @@ class OpenBridges:
         }
 
 
-def _counts(found: typing.Any) -> dict[str, typing.Any]:
-    return {"passed": found.passed, "arrivals": found.arrivals, "drops": dict(found.drops)}
+def _counts(statistics: typing.Any) -> dict[str, typing.Any]:
+    return {
+        "passed": statistics.passed,
+        "arrivals": statistics.arrivals,
+        "drops": dict(statistics.drops),
+    }
 
 
 def _ignore(_where: str, _data: bytes) -> None:

@@ -120,9 +120,9 @@ def message_class(name: str) -> Any:
     if not (is_identifier(package) and is_identifier(base)) or role not in _PUBLISHED.get(kind, ()):
         return None
     try:
-        found = getattr(importlib.import_module(f"{package}.{kind}"), base, None)
+        ros_class = getattr(importlib.import_module(f"{package}.{kind}"), base, None)
     except ImportError:
         return None
     for attribute in _PUBLISHED[kind][role]:
-        found = getattr(found, attribute, None)
-    return found
+        ros_class = getattr(ros_class, attribute, None)
+    return ros_class

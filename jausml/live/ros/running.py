@@ -70,14 +70,14 @@ class RunningGraph:
 
 def settled_graph(node: Any, end: float) -> RunningGraph:
     """Returns what runs, once nothing has changed for two seconds if there is anything."""
-    found = _graph(node)
+    running_graph = _graph(node)
     since = time.monotonic()
-    while time.monotonic() < end and not (found and time.monotonic() - since >= SETTLED):
+    while time.monotonic() < end and not (running_graph and time.monotonic() - since >= SETTLED):
         time.sleep(_POLL)
         now = _graph(node)
-        if now != found:
-            found, since = now, time.monotonic()
-    return found
+        if now != running_graph:
+            running_graph, since = now, time.monotonic()
+    return running_graph
 
 
 def _graph(node: Any) -> RunningGraph:
@@ -137,10 +137,10 @@ def _with_ends(
     for node, namespace in own.get_node_names_and_namespaces():
         for is_server, ask in ((True, served), (False, called)):
             try:
-                found = list(ask(node, namespace)) if node != own.get_name() else []
+                names_and_types = list(ask(node, namespace)) if node != own.get_name() else []
             except (NodeNameNonExistentError, RuntimeError):
                 continue  # It has gone meanwhile.
-            for name, kinds in found:
+            for name, kinds in names_and_types:
                 types.setdefault(name, set()).update(kinds)
                 ends.setdefault((name, is_server), set()).add(_full(node, namespace))
     return tuple(
@@ -159,13 +159,13 @@ def _with_ends(
 def _ends(infos: Iterable[Any], own: Any) -> tuple[RosEndpoint, ...]:
     from jausml.runtime.bridge.ros.parameters import qos_of  # noqa: PLC0415
 
-    found = []
+    endpoints = []
     for info in infos:
         qos = qos_of(info.qos_profile)
         full = _full(info.node_name, info.node_namespace)
         if info.node_name != own.get_name():
-            found.append(RosEndpoint(full, qos.reliability, qos.durability))
-    return tuple(sorted(found))
+            endpoints.append(RosEndpoint(full, qos.reliability, qos.durability))
+    return tuple(sorted(endpoints))
 
 
 _MOST = 200
@@ -316,12 +316,12 @@ def what_runs(seconds: float, is_wanted: Callable[[str], bool]) -> Running:
     quiet = QuietNode("new").open()
     try:
         graph = settled_graph(quiet.node, end)
-        return _told(quiet, graph, is_wanted, end) if graph else Running(graph)
+        return _running(quiet, graph, is_wanted, end) if graph else Running(graph)
     finally:
         quiet.close()
 
 
-def _told(
+def _running(
     quiet: QuietNode, graph: RunningGraph, is_wanted: Callable[[str], bool], end: float
 ) -> Running:
     come = Condition()

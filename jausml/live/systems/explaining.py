@@ -97,8 +97,8 @@ def explained(
     connection = state.connections.get(key)
     if connection is None or connection.told is None:
         return Explanation(moment, (_untold(system, key),), ())
-    counters, told = _counters(connection, risen, at), _states(state, connection, moment)
-    return Explanation(moment, tuple(counters), tuple(told))
+    counters, sentences = _counters(connection, risen, at), _states(state, connection, moment)
+    return Explanation(moment, tuple(counters), tuple(sentences))
 
 
 def _untold(system: RecordedSystem, key: tuple[str, str]) -> str:
@@ -115,8 +115,8 @@ def meaning(counter: str) -> str:
     """Returns why messages are counted so, empty where nobody has said."""
     if counter.startswith("stale_join_"):
         return f"{MEANINGS['stale_join']}: {counter.removeprefix('stale_join_')}"
-    found = MEANINGS.get(counter) or MEANINGS.get(counter.removesuffix(", at most"))
-    return found or MEANINGS.get(counter.partition(" ")[0], "")
+    reason = MEANINGS.get(counter) or MEANINGS.get(counter.removesuffix(", at most"))
+    return reason or MEANINGS.get(counter.partition(" ")[0], "")
 
 
 def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iterator[str]:
@@ -172,10 +172,10 @@ def _states(state: SystemState, connection: ConnectionState, at: float) -> Itera
 
 def _bridge(state: SystemState, connection: ConnectionState) -> Iterator[str]:
     """Yields how the bridge was, as it told itself or as others heard it."""
-    told = state.connections.get((connection.bridge, BRIDGE))
+    bridge_state = state.connections.get((connection.bridge, BRIDGE))
     component = state.components.get(connection.jaus_id)
-    if told is not None and component is not None:  # who may have said something since
-        node = dict(told.values).get("node", "unknown")
+    if bridge_state is not None and component is not None:  # who may have said something since
+        node = dict(bridge_state.values).get("node", "unknown")
         yield (
             f"The bridge {connection.jaus_id} was {node} and in {component.state or 'no state'}, "
             f"controlled by {_nobody(component.controller or '')}."

@@ -124,21 +124,21 @@ def cut(text: str) -> str:
 
 
 def _drops(values: Iterable[tuple[str, str]]) -> dict[str, int]:
-    found: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for key, value in values:
         is_failure = key.startswith(_FAILURES)
         if (is_failure or key in _LOSSES) and _COUNT.fullmatch(value) and int(value):
-            found[key.partition(": ")[2] if is_failure else key] += int(value)
-    return dict(found)
+            counts[key.partition(": ")[2] if is_failure else key] += int(value)
+    return dict(counts)
 
 
 def _latency(values: Iterable[tuple[str, str]]) -> dict[str, float]:
-    found = {}
+    latencies = {}
     for key, value in values:
         match, figure = _LATENCY.fullmatch(key), number(value)
         if match is not None and figure is not None:
-            found[match[1]] = figure
-    return found
+            latencies[match[1]] = figure
+    return latencies
 
 
 MOST_CONNECTIONS = 4096
@@ -286,16 +286,16 @@ def fold_answer(state: SystemState, answer: ComponentAnswer, now: float) -> Syst
         former = ComponentState(answer.address)
     unanswered = former.unanswered + (answer.source is AnswerSource.NOBODY)
     is_live = answer.source is AnswerSource.ITSELF
-    told: dict[str, Any] = {
+    changes: dict[str, Any] = {
         name: cut(value) if isinstance(value, str) else value
         for name in _TOLD
         if (value := getattr(answer, name)) is not None
     }
-    told["told"] = now if is_live else former.told
+    changes["told"] = now if is_live else former.told
     if answer.machines is not None:
-        told["machines_told"] = now
-    told["unanswered"] = 0 if is_live else unanswered
-    latest = replace(former, **told)
+        changes["machines_told"] = now
+    changes["unanswered"] = 0 if is_live else unanswered
+    latest = replace(former, **changes)
     components = {**state.components, answer.address: _judged_component(state, latest)}
     return replace(state, now=max(now, state.now), components=components)
 
@@ -329,9 +329,13 @@ def _unheard(declaration: DeclaredConnection) -> ConnectionState:
 def _declaration(state: SystemState, latest: ConnectionState) -> DeclaredConnection | None:
     """Returns what the model says of a connection, whose bridge may have another name or id."""
     node = latest.bridge.rpartition("/")[2]
-    found = [declaration for declaration in state.declarations if declaration.name == latest.name]
-    same_id = (connection for connection in found if connection.jaus_id == latest.jaus_id)
-    same_node = (connection for connection in found if connection.bridge.rpartition("/")[2] == node)
+    candidates = [
+        declaration for declaration in state.declarations if declaration.name == latest.name
+    ]
+    same_id = (connection for connection in candidates if connection.jaus_id == latest.jaus_id)
+    same_node = (
+        connection for connection in candidates if connection.bridge.rpartition("/")[2] == node
+    )
     return next(same_id, None) or next(same_node, None)
 
 

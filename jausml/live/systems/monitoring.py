@@ -78,7 +78,7 @@ class JausObserver:
         self._asked: dict[JausAddress, float] = {}
         self._failures: dict[JausAddress, int] = {}
         self._timed: set[JausAddress] = set()
-        self._told: dict[JausAddress, ComponentAnswer] = {}
+        self._answers: dict[JausAddress, ComponentAnswer] = {}
         self._untold: dict[JausAddress, int] = {}
         self._followed: dict[JausAddress, EventSubscription] = {}
         self._quiet: dict[JausAddress, int] = {}
@@ -134,8 +134,8 @@ class JausObserver:
 
         Who gives an event of them is asked seldom, in case that one of it was lost.
         """
-        found = self._told.get(address)
-        services = found.services if found is not None else None
+        answer = self._answers.get(address)
+        services = answer.services if answer is not None else None
         if not any(service.startswith(f"{MACHINE_STATES}/") for service in services or ()):
             self._unfollow(address)
             return
@@ -174,9 +174,9 @@ class JausObserver:
         """Tells what Discovery said of components, once."""
         for subsystem in self._operator.survey.known():
             for address, component in subsystem.components.items():
-                answer = _found(component)
-                if self._told.get(address) != answer:
-                    self._told[address] = answer
+                answer = _answer_of(component)
+                if self._answers.get(address) != answer:
+                    self._answers[address] = answer
                     self._known.setdefault(address)
                     self._take(answer)
 
@@ -227,7 +227,7 @@ class JausObserver:
     def _forget(self, address: JausAddress) -> None:
         """Forgets what one provides that was gone: it may be another one now, and is asked."""
         self._unfollow(address)
-        self._told.pop(address, None)
+        self._answers.pop(address, None)
         self._operator.survey.forget(address)
         self._operator.survey.ask(address)
         answer = ComponentAnswer(
@@ -236,7 +236,7 @@ class JausObserver:
         self._take(answer)
 
 
-def _found(component: KnownComponent) -> ComponentAnswer:
+def _answer_of(component: KnownComponent) -> ComponentAnswer:
     return ComponentAnswer(
         str(component.address),
         name=component.identification or None,

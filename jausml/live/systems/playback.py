@@ -143,9 +143,9 @@ class RecordedSystem:
             for block in kept[1::2]:
                 block.before = None
 
-    def note(self, found: Iterable[Mark]) -> None:
+    def note(self, marks: Iterable[Mark]) -> None:
         """Lists changes."""
-        for mark in found:
+        for mark in marks:
             if len(self.marks) < MOST_MARKS:
                 self.marks.append(mark)
             else:
@@ -163,9 +163,9 @@ def indexed(path: str) -> RecordedSystem:
         RecordingError: Nothing of the file can be read.
     """
     read = Indexing(path)
-    while isinstance(found := read(AT_ONCE), float):
+    while isinstance(system := read(AT_ONCE), float):
         continue
-    return found
+    return system
 
 
 class Indexing:
@@ -189,28 +189,28 @@ class Indexing:
 
 def _indexing(path: str) -> Iterator[float | RecordedSystem]:
     recording = PlayedRecording(path)
-    found = RecordedSystem()
+    system = RecordedSystem()
     listener = Listener(recording)
     state, block, before = SystemState(), list[Fact](), SystemState()
     for share, time, message in recording.read():
         yield share
         for fact in listener.facts(time, message):
             latest = fold_fact(state, fact)
-            found.note(changes(state, latest, fact))
+            system.note(changes(state, latest, fact))
             state = latest
             block.append(fact)
             if len(block) == BLOCK:
-                found.keep(block, before)
+                system.keep(block, before)
                 block, before = [], state
     if block:
-        found.keep(block, before)
-    found.duration, found.damage = recording.duration, recording.fault
-    found.unreadable = listener.unreadable
-    found.sources = {
+        system.keep(block, before)
+    system.duration, system.damage = recording.duration, recording.fault
+    system.unreadable = listener.unreadable
+    system.sources = {
         "ROS": "" if listener.hears_ros else NO_ROS,
         "JAUS": "" if listener.hears_jaus else NO_JAUS,
     }
-    yield found
+    yield system
 
 
 def changes(former: SystemState, latest: SystemState, fact: Fact) -> Iterator[Mark]:

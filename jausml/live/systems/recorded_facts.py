@@ -142,37 +142,37 @@ class Listener:
         self._recording = recording
         self._asked: dict[str, set[tuple[str, str]]] = {}
 
-    def facts(self, time: float, found: Found) -> Iterator[Fact]:
+    def facts(self, time: float, record: Found) -> Iterator[Fact]:
         """Yields what a message tells; of most there is nothing."""
-        topic = found[1].topic
+        topic = record[1].topic
         try:
             if topic == DIAGNOSTICS:
                 self.hears_ros = True
-                statuses = statuses_of(self._recording.value_of(found))
+                statuses = statuses_of(self._recording.value_of(record))
                 yield Fact(time, statuses)
                 for status in statuses:
                     if status.name.endswith(f": {BRIDGE}"):
                         yield Fact(time, answer=_of_itself(status))
             elif topic.startswith(JAUS_TOPICS):
                 self.hears_jaus = True
-                yield from self._said(time, topic, found)
+                yield from self._said(time, topic, record)
         except (RecordingError, DecodeError, KeyError, TypeError, ValueError, AttributeError):
             self.unreadable += 1
 
-    def _said(self, time: float, topic: str, found: Found) -> Iterator[Fact]:
+    def _said(self, time: float, topic: str, record: Found) -> Iterator[Fact]:
         source, _, name = topic.removeprefix(JAUS_TOPICS).partition("/")
         self._asked.pop(source, None)
         if name not in _TELLING and name not in _ASKING:
             return
-        value = self._recording.value_of(found)
+        value = self._recording.value_of(record)
         other = str(value["destination"])
         if name in _ASKING:
             yield from self._unanswered(time, other, (source, name))
             return
         kind, told_by = _TELLING[name]
-        told = told_by(kind.decode(bytes.fromhex(value["payload"])), other)
-        if told:
-            yield Fact(time, answer=ComponentAnswer(source, **told))
+        fields = told_by(kind.decode(bytes.fromhex(value["payload"])), other)
+        if fields:
+            yield Fact(time, answer=ComponentAnswer(source, **fields))
 
     def _unanswered(self, time: float, asked: str, question: tuple[str, str]) -> Iterator[Fact]:
         """Tells of who is asked the same again, and has said nothing since."""

@@ -292,9 +292,9 @@ def declarations_of(model: Model) -> Iterator[DeclaredConnection]:
     for owner in model.instances(bridge.Bridge, library=False):
         topics: dict[object, list[TopicName]] = {}
         for end in endpoints([owner]):
-            found = topics.setdefault(end.element.eContainer(), [])
+            topic_names = topics.setdefault(end.element.eContainer(), [])
             is_absolute = end.topic == getattr(end.element, end.feature)
-            found.append(TopicName(end.topic, _full_name(end.type), is_absolute))
+            topic_names.append(TopicName(end.topic, _full_name(end.type), is_absolute))
         for connection in owner.bridgeConnections:
             if connection.map is not None and connection.map.message is not None:
                 yield _with_topics(owner, connection, tuple(topics.get(connection, ())))

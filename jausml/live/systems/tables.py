@@ -140,7 +140,7 @@ def arranged(
     Their ages are those of the moment: they grow while their bridge says nothing.
     """
     words = wanted.casefold().split()
-    found = sorted(
+    connections = sorted(
         (
             replace(connection, age=state.age_of(connection))
             for connection in state.connections.values()
@@ -149,8 +149,8 @@ def arranged(
         key=shown_name,
     )
     order = COLUMNS[column].order
-    present = [connection for connection in found if order(connection) is not None]
-    absent = [connection for connection in found if order(connection) is None]
+    present = [connection for connection in connections if order(connection) is not None]
+    absent = [connection for connection in connections if order(connection) is None]
     present.sort(key=order, reverse=COLUMNS[column].is_number is not is_reversed)
     return present + absent
 

@@ -188,9 +188,9 @@ class SystemView(App[None]):
     def _show_connections(self) -> None:
         table = self.query_one(Connections)
         wanted = self.query_one("#filter", Input).value
-        found = arranged(self._state, self._column, wanted, is_reversed=self._is_reversed)
-        keys = [connection.key for connection in found]
-        rows = [_cells(connection) for connection in found]
+        connections = arranged(self._state, self._column, wanted, is_reversed=self._is_reversed)
+        keys = [connection.key for connection in connections]
+        rows = [_cells(connection) for connection in connections]
         if keys == self._shown:
             for index, cells in enumerate(rows):
                 self._update_row(table, index, cells)

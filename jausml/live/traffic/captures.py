@@ -108,8 +108,8 @@ class _Again:
         if not self._beginning:
             return self._stream.read(size)
         end = len(self._beginning) if size < 0 else size
-        given, self._beginning = self._beginning[:end], self._beginning[end:]
-        return given
+        piece, self._beginning = self._beginning[:end], self._beginning[end:]
+        return piece
 
 
 class _File:

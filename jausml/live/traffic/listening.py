@@ -84,7 +84,7 @@ class InterfaceCapture:
         number = 0
         while True:
             try:
-                data, told, _, address = self._socket.recvmsg(_LARGEST, 64)
+                data, ancillary_data, _, address = self._socket.recvmsg(_LARGEST, 64)
             except TimeoutError:
                 yield None
                 continue
@@ -93,13 +93,13 @@ class InterfaceCapture:
             is_double = hardware == _LOOPBACK and direction == _OUTGOING
             if protocol in (_IPV4, _IPV6) and not is_double:
                 number += 1
-                now = _time_of(told)
+                now = _time_of(ancillary_data)
                 yield CapturedFrame(number, now / _NANO, RAW_IP, data, nanoseconds=now)
 
     def lost(self) -> int:
         """Returns how many frames the system had to drop since the last call."""
-        told = self._socket.getsockopt(_SOL_PACKET, _PACKET_STATISTICS, 8)
-        return int(struct.unpack("II", told)[1])
+        statistics = self._socket.getsockopt(_SOL_PACKET, _PACKET_STATISTICS, 8)
+        return int(struct.unpack("II", statistics)[1])
 
 
 def _attach_filter(sock: socket.socket) -> None:
@@ -110,9 +110,9 @@ def _attach_filter(sock: socket.socket) -> None:
     sock.setsockopt(socket.SOL_SOCKET, _SO_ATTACH_FILTER, program)
 
 
-def _time_of(told: list[tuple[int, int, bytes]]) -> int:
+def _time_of(ancillary_data: list[tuple[int, int, bytes]]) -> int:
     """Returns when the system saw a frame, in nanoseconds since 1970."""
-    for level, kind, data in told:
+    for level, kind, data in ancillary_data:
         if (level, kind) == (socket.SOL_SOCKET, _SO_TIMESTAMPNS):
             seconds, rest = struct.unpack("ll", data[:16])
             return int(seconds * _NANO + rest)
@@ -128,10 +128,10 @@ def _name_of(address: str) -> str:
         for _, name in socket.if_nameindex():
             request = struct.pack("256s", name.encode())
             try:
-                found = fcntl.ioctl(probe, _ADDRESS_OF_INTERFACE, request)
+                reply = fcntl.ioctl(probe, _ADDRESS_OF_INTERFACE, request)
             except OSError:  # it has no address
                 continue
-            if found[20:24] == wanted:
+            if reply[20:24] == wanted:
                 return name
     raise OSError(0, "no interface has this address")
 

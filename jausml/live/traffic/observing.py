@@ -76,17 +76,17 @@ class Observation:
 
     def to_json(self) -> dict[str, Any]:
         """Returns header, payload, and the decoded message, what is wrong, or what is awaited."""
-        found: dict[str, Any] = {}
+        fields: dict[str, Any] = {}
         datagram, packet = self.datagram, self.packet
         if datagram.source is not None:
-            found = {
+            fields = {
                 "time": datagram.time,
                 "number": datagram.number,
                 "from": str(datagram.source),
                 "to": str(datagram.destination),
             }
         if packet is not None:
-            found.update(
+            fields.update(
                 version=JUDP_VERSION,
                 data_size=self.data_size,
                 priority=int(packet.priority),
@@ -99,10 +99,10 @@ class Observation:
                 payload=packet.payload.hex(),
             )
         if self.message is not None:
-            found["message"] = self.message.to_json()
+            fields["message"] = self.message.to_json()
         if self.error:
-            found["fragment" if self.is_fragment else "error"] = self.error
-        return found
+            fields["fragment" if self.is_fragment else "error"] = self.error
+        return fields
 
 
 def _parts(address: JausAddress) -> dict[str, int]:

@@ -24,14 +24,14 @@ def main() -> None:
 
 
 def _serve() -> None:
-    with os.fdopen(os.dup(0), "rb") as given, os.fdopen(os.dup(1), "wb") as answers:
+    with os.fdopen(os.dup(0), "rb") as requests, os.fdopen(os.dup(1), "wb") as answers:
         # What the work begins neither reads pieces nor prints answers.
         os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
         os.dup2(2, 1)
         worker = None
-        make, shared = pickle.load(given)  # noqa: S301 - of the process that began it
+        make, shared = pickle.load(requests)  # noqa: S301 - of the process that began it
         while True:
-            piece = pickle.load(given)  # noqa: S301 - as above
+            piece = pickle.load(requests)  # noqa: S301 - as above
             try:
                 worker = worker or make(shared)
                 answer = pickle.dumps((True, worker(piece)))

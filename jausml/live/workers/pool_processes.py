@@ -41,22 +41,22 @@ class PoolProcess:
     def ask(self, piece: Any) -> Any:
         """Returns what becomes of a piece; raises what the worker raises."""
         try:
-            is_made, made = self._answer(self._begin + pickle.dumps(piece))
+            is_made, answer = self._answer(self._begin + pickle.dumps(piece))
         except (OSError, EOFError, ValueError, pickle.UnpicklingError) as error:
             raise PoolError("a process of the work has ended") from error
         self._begin = b""
         if not is_made:
-            raise made
-        return made
+            raise answer
+        return answer
 
     def _answer(self, request: bytes) -> tuple[bool, Any]:
-        given, answers = self._process.stdin, self._process.stdout
-        if given is None or answers is None:
+        requests, answers = self._process.stdin, self._process.stdout
+        if requests is None or answers is None:
             raise EOFError
-        given.write(request)
-        given.flush()
-        found: tuple[bool, Any] = pickle.load(answers)  # noqa: S301 - of our own script
-        return found
+        requests.write(request)
+        requests.flush()
+        answer: tuple[bool, Any] = pickle.load(answers)  # noqa: S301 - of our own script
+        return answer
 
     def close(self) -> None:
         """Ends it, and what it has begun."""
@@ -85,9 +85,9 @@ class PoolProcesses:
     def ask(self, piece: Any) -> Any:
         """Returns what becomes of a piece; raises what the worker raises."""
         process = self._taken()
-        made = process.ask(piece)
+        answer = process.ask(piece)
         self._idle.put(process)
-        return made
+        return answer
 
     def _taken(self) -> PoolProcess:
         with contextlib.suppress(queue.Empty):

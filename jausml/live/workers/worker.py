@@ -45,13 +45,13 @@ class BridgeCode:
 
 def bridge_code(model: Model) -> BridgeCode:
     """Returns the generated code of the bridges of a model, without the runtime."""
-    made = render(model, (BRIDGE, MESSAGES))
-    problems = find_problems(made)
+    artifacts = render(model, (BRIDGE, MESSAGES))
+    problems = find_problems(artifacts)
     if problems:
         raise GenerationError(next(iter(problems.values())))
     files = {
         artifact.path: artifact.text
-        for artifact in made
+        for artifact in artifacts
         if artifact.path.endswith(".py")
         and artifact.path.count("/") == 2
         and "/test/" not in artifact.path
@@ -72,12 +72,12 @@ class Maker:
     def __call__(self, kind: str, **values: str) -> Any:
         """Returns an element of a class with some attributes."""
         table = self._metamodels.classes[kind]
-        made = new_object(table)
+        element = new_object(table)
         for name, value in values.items():
             feature = table.features[name]
             literals = feature.data_type.literals if feature.data_type is not None else {}
-            set_value(made, feature, literals.get(value, value))
-        return made
+            set_value(element, feature, literals.get(value, value))
+        return element
 
     def link(self, owner: EObject, feature: str, element: EObject) -> None:
         """Lets an element own another, or refer to it."""
@@ -97,13 +97,13 @@ def bridge_of_maps(
     """
     make = Maker(metamodels)
     owner = make("bridge.Bridge", name=name, address="1.1.1")
-    made = []
+    bridge_connections = []
     for connection, (used, to_ros) in connections.items():
-        made.append(_connection(make, used, connection, to_ros=to_ros))
-        make.link(owner, "bridgeConnections", made[-1])
+        bridge_connections.append(_connection(make, used, connection, to_ros=to_ros))
+        make.link(owner, "bridgeConnections", bridge_connections[-1])
     quantities: dict[str, bridge.Quantity] = {}
     for example in reversed([*like]):
-        for own in made:
+        for own in bridge_connections:
             if own.direction is example.direction:
                 own.outOfRange = example.outOfRange
         quantities |= {str(known.name): known for known in _quantities(example)}
@@ -113,7 +113,7 @@ def bridge_of_maps(
         make.link(owner, "quantities", copied)
     whole = make("system.System", name=f"{name}_system")
     make.link(whole, "bridges", owner)
-    return made_model(metamodels, whole, owner, *made)
+    return made_model(metamodels, whole, owner, *bridge_connections)
 
 
 def _quantities(connection: Element) -> Iterable[bridge.Quantity]:
@@ -122,20 +122,20 @@ def _quantities(connection: Element) -> Iterable[bridge.Quantity]:
 
 
 def _connection(make: Maker, used: bridge.AttributeMap, name: str, *, to_ros: bool) -> Any:
-    made = make("bridge.Connection", name=name, direction=TO_ROS if to_ros else TO_JAUS)
-    make.link(made, "topics", make("bridge.Topic", name=name))
+    connection = make("bridge.Connection", name=name, direction=TO_ROS if to_ros else TO_JAUS)
+    make.link(connection, "topics", make("bridge.Topic", name=name))
     if to_ros:
         for report in used.reportJoins:
             source = make("bridge.ReportSource")
             make.link(source, "join", report)
-            make.link(made, "sources", source)
+            make.link(connection, "sources", source)
     else:
         for join in used.joins:
             topic = make("bridge.Topic", name=str(join.name))
             make.link(topic, "join", join)
-            make.link(made, "topics", topic)
-    make.link(made, "map", used)
-    return made
+            make.link(connection, "topics", topic)
+    make.link(connection, "map", used)
+    return connection
 
 
 _BOOTSTRAP = Path(__file__).with_name("bootstrap.py")
@@ -194,7 +194,7 @@ class Worker:
             timer = threading.Timer(seconds, end)
             timer.start()
             try:
-                line = self._told(request)
+                line = self._answer_line(request)
             finally:
                 timer.cancel()
         if line:
@@ -203,7 +203,7 @@ class Worker:
             raise WorkerError(f"the translation took longer than {seconds:g} s")
         raise WorkerError(f"the translation failed: {self._last_words()}")
 
-    def _told(self, request: Any) -> str:
+    def _answer_line(self, request: Any) -> str:
         """Returns the line that answers a request, nothing when the process has ended."""
         if self._process.stdin is None or self._process.stdout is None:
             return ""

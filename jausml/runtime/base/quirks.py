@@ -80,7 +80,7 @@ class Quirks:
 
     def __init__(self) -> None:
         self._known: OrderedDict[int, dict[Quirk, str]] = OrderedDict()
-        self._told = 0
+        self._reported = 0
 
     def learn(self, peer: JausAddress, quirk: Quirk, how: str) -> None:
         """Remember a quirk of a peer; the log tells of it once."""
@@ -91,8 +91,8 @@ class Quirks:
             known = self._known[peer] = {}
         is_new = quirk not in known
         known[quirk] = how
-        if is_new and self._told < MOST_PEERS:
-            self._told += 1  # invented ids must not fill the log
+        if is_new and self._reported < MOST_PEERS:
+            self._reported += 1  # invented ids must not fill the log
             LOGGER.info("%s %s", peer, Learnt(quirk, how))
 
     def has(self, peer: JausAddress, quirk: Quirk) -> bool:

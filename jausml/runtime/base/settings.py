@@ -247,12 +247,15 @@ def add_arguments(
     for title, options in _OPTIONS.items():
         group = parser.add_argument_group(title)
         for name, option in options.items():
-            given = {"default": unlike[name] if name in unlike else getattr(known, name), **option}
+            keywords = {
+                "default": unlike[name] if name in unlike else getattr(known, name),
+                **option,
+            }
             if "default" not in option["help"] and name != "peer":
-                given["help"] += " (default %(default)s)"
+                keywords["help"] += " (default %(default)s)"
             if reads.get(name) is not None:
-                given["type"] = reads[name]
-            group.add_argument(f"--jaus-{name.replace('_', '-')}", **given)
+                keywords["type"] = reads[name]
+            group.add_argument(f"--jaus-{name.replace('_', '-')}", **keywords)
 
 
 def from_arguments(
@@ -267,15 +270,15 @@ def from_arguments(
         ValueError: A value is out of its range.
     """
     known = TransportSettings() if defaults is None else defaults
-    given = {
+    values = {
         name: getattr(arguments, f"jaus_{name}") for option in _OPTIONS.values() for name in option
     }
-    given["address_book"] = {**known.address_book, **dict(given.pop("peer"))}
-    given["transport"] = TransportKind(given["transport"])
-    given["allowed_hosts"] = tuple(
-        word.strip() for word in given["allowed_hosts"].split(",") if word
+    values["address_book"] = {**known.address_book, **dict(values.pop("peer"))}
+    values["transport"] = TransportKind(values["transport"])
+    values["allowed_hosts"] = tuple(
+        word.strip() for word in values["allowed_hosts"].split(",") if word
     )
-    return replace(known, **given)
+    return replace(known, **values)
 
 
 def peers(*texts: str) -> dict[JausAddress, Endpoint]:

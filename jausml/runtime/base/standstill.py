@@ -130,10 +130,10 @@ class Standstill:
         Args:
             began: Told how many seconds what waits may have waited, before it is served.
         """
-        made = Watch(self, limit, began, caught_up)
-        self._watches.append(made)
+        watch = Watch(self, limit, began, caught_up)
+        self._watches.append(watch)
         self.arrange()
-        return made
+        return watch
 
     def forget(self, watch: Watch) -> None:
         """Tell of nothing any more; no effect when that is so already."""
@@ -164,14 +164,14 @@ class Standstill:
         still = now - self._turned
         # First, as those who are told may look again and must find it told.
         self._turned, self.due = now, now + self._limit
-        told = [watch for watch in self._watches if 0 < watch.limit < still]
+        watches = [watch for watch in self._watches if 0 < watch.limit < still]
         # One round of catching up serves all who are behind.
-        if told and not self._behind:
+        if watches and not self._behind:
             self._loop.call_later(_RELAYED, self._catch_up)
-        self._behind += [watch for watch in told if watch not in self._behind]
+        self._behind += [watch for watch in watches if watch not in self._behind]
         # A further standstill begins the round anew.
         self._relayed, self._turns = now + _RELAYED, 0
-        for watch in told:
+        for watch in watches:
             watch.began(still)
 
     def _beat_once(self) -> None:

@@ -167,8 +167,8 @@ class Bridge:
         try:
             self._library = self.core, self.core.load()
         except NoCoreError as error:
-            told = "no compiled core: %s; Python translates, %s, see `jausml build`"
-            LOGGER.info(told, error, _COST)
+            sentence = "no compiled core: %s; Python translates, %s, see `jausml build`"
+            LOGGER.info(sentence, error, _COST)
             return
         try:
             self._fast = FastSide(self._library[1], self.component)
@@ -184,13 +184,13 @@ class Bridge:
 
     def _log_forms(self) -> None:
         """Names the translations that make objects of ROS, which takes longer."""
-        found = [
+        names = [
             connection.name
             for connection in self.connections
             if connection.form is Form.ROS_CLASSES
         ]
-        if found:
-            LOGGER.info("translations on %s: %s", Form.ROS_CLASSES.value, ", ".join(found))
+        if names:
+            LOGGER.info("translations on %s: %s", Form.ROS_CLASSES.value, ", ".join(names))
 
     def close(self) -> None:
         """Stops what was commanded, releases control and cancels events; ROS is closed after it."""
@@ -208,8 +208,8 @@ class Bridge:
             if self.ward is not None:
                 self.ward.release()
             for connection in self.connections:
-                told = "; ".join(f"{name} {n}" for name, n in connection.close_account() if n)
-                LOGGER.info("account of %s: %s", connection.name, told or "nothing")
+                account = "; ".join(f"{name} {n}" for name, n in connection.close_account() if n)
+                LOGGER.info("account of %s: %s", connection.name, account or "nothing")
             self._is_open = False
 
     def set_active(self, wanted: bool) -> None:  # noqa: FBT001
@@ -256,8 +256,8 @@ class Bridge:
     def _log_stops(self, connections: Sequence[Carried], reason: StopReason) -> None:
         commands = [connection for connection in connections if connection.is_command]
         if commands:
-            told = "; ".join(f"{command.name}: {command.when_lost}" for command in commands)
-            LOGGER.warning("%s: %s", reason.value, told)
+            description = "; ".join(f"{command.name}: {command.when_lost}" for command in commands)
+            LOGGER.warning("%s: %s", reason.value, description)
 
     # ------------------------------------------------------------------ for translations
 

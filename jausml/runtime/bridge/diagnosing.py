@@ -111,31 +111,31 @@ class Accounting:
 
     def __init__(self, component: Accountable) -> None:
         self._component = component
-        self._told: dict[JausAddress, deque[tuple[float, int, int]]] = {}
+        self._history: dict[JausAddress, deque[tuple[float, int, int]]] = {}
 
     def statuses(self, now: float) -> list[ConnectionStatus]:
         """Returns a status for each peer that something came from, or was sent to."""
         own = str(self._component.address)
         accounts = accounts_of(self._component)
         peers = [account.traffic.peer for account in accounts]
-        self._told = {peer: self._told.get(peer, deque()) for peer in peers}
+        self._history = {peer: self._history.get(peer, deque()) for peer in peers}
         return [
             ConnectionStatus(
                 f"account of {account.traffic.peer}",
                 *self._lately(account.traffic, now),
                 own,
-                tuple(account.told()),
+                tuple(account.facts()),
             )
             for account in accounts
         ]
 
     def _lately(self, traffic: PeerTraffic, now: float) -> tuple[str, str]:
         """Returns a level, and which share of what a peer sent lately was lost."""
-        told = self._told[traffic.peer]
-        while len(told) > 1 and told[1][0] <= now - LATELY:
-            told.popleft()
-        came, lost = told[0][1:] if told else (0, 0)
-        told.append((now, traffic.came, traffic.lost))
+        history = self._history[traffic.peer]
+        while len(history) > 1 and history[1][0] <= now - LATELY:
+            history.popleft()
+        came, lost = history[0][1:] if history else (0, 0)
+        history.append((now, traffic.came, traffic.lost))
         came, lost = traffic.came - came, traffic.lost - lost
         if came <= 0:
             return "ok", "nothing came lately"
@@ -218,18 +218,18 @@ class Diagnosing:
         """Returns what concerns no connection alone: the state, and what is not well."""
         bridge = self._bridge
         own, controller = str(bridge.settings.address), bridge.component.controller
-        found = [state_status(own, bridge.standing, str(controller or ""))]
+        statuses = [state_status(own, bridge.standing, str(controller or ""))]
         double = bridge.component.transport.double_of(bridge.settings.address)
         if double is not None:
-            found.append(double_status(double, self._loop.now()))
+            statuses.append(double_status(double, self._loop.now()))
         unanswered = bridge.component.unanswered_greetings
         if unanswered:
-            found.append(greeting_status(unanswered, own))
+            statuses.append(greeting_status(unanswered, own))
         ward = bridge.ward
         if ward is not None and ward.is_guarding:
-            found.append(guardian_status(ward.told, ward.failure, own))
+            statuses.append(guardian_status(ward.description, ward.failure, own))
         if bridge.simulation is not None:
-            found.append(bridge.simulation.status(own))
+            statuses.append(bridge.simulation.status(own))
         counters = bridge.component.counters
         dropped = {
             name: count
@@ -242,9 +242,9 @@ class Diagnosing:
         if dropped:
             former, self._dropped = self._dropped, dropped
             # Whatever is broadcast reaches those too who do not know it.
-            found.append(traffic_status(dropped, {**former, _UNKNOWN: unknown}, own))
+            statuses.append(traffic_status(dropped, {**former, _UNKNOWN: unknown}, own))
         drops = counters.snapshot().get("judp.kernel_dropped", 0)
         if drops:
             is_new, self._kernel_drops = drops > self._kernel_drops, drops
-            found.append(socket_status(drops, own, is_new=is_new))
-        return [*found, *self._accounting.statuses(self._loop.now())]
+            statuses.append(socket_status(drops, own, is_new=is_new))
+        return [*statuses, *self._accounting.statuses(self._loop.now())]

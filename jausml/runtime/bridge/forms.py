@@ -58,45 +58,47 @@ def differing_forms(
     except EncodeError:
         return []
     kind, moment = type(source), bridge.now()
-    made: list[Any] = []
+    messages: list[Any] = []
     compiled = _compiled(bridge, translate, connection, joins)
 
     def run(payload: bytes) -> bytes | None:
         message = _decoded(kind, payload)
         target = translate(message, **joins)
         encoded = None if target is None else _encoded(target)
-        made[:] = [message, target]
+        messages[:] = [message, target]
         return encoded
 
     vars(bridge)["now"] = lambda: moment
     try:
         _outcome(bridge, connection, lambda: run(data))
-        found = [line for ros_message in made for line in _differing_from_rclpy(ros_message)]
+        sentences = [
+            line for ros_message in messages for line in _differing_from_rclpy(ros_message)
+        ]
         for variant in _variants(source, data):
             expected = _outcome(bridge, connection, partial(run, variant))
             outcome = _outcome(bridge, connection, partial(compiled, variant))
             if outcome not in (expected, (None, {})):
-                told = f"by Python: {_shown(expected)}, compiled: {_shown(outcome)}"
-                return [*found, f"of {variant.hex()}: {told}"]
+                comparison = f"by Python: {_shown(expected)}, compiled: {_shown(outcome)}"
+                return [*sentences, f"of {variant.hex()}: {comparison}"]
     finally:
         del vars(bridge)["now"]
-    return found
+    return sentences
 
 
 def _compiled(
     bridge: Bridge, translate: Callable[..., Any], connection: AnyConnection, joins: dict[str, Any]
 ) -> Callable[[bytes], bytes | None]:
     """Returns the compiled form, which gives way to everything where it is not built."""
-    found = compiled_of(translate)
-    if found is None or bridge.core is None:
+    form = compiled_of(translate)
+    if form is None or bridge.core is None:
         return _gives_way
     try:
         library = bridge.core.load()
     except NoCoreError:
         return _gives_way
-    function = found.of(bridge, library, connection.drop_field.unknown)
-    given = [None if joins[join] is None else _encoded(joins[join]) for join in found.joins]
-    return lambda data: function(data, *given)
+    function = form.of(bridge, library, connection.drop_field.unknown)
+    arguments = [None if joins[join] is None else _encoded(joins[join]) for join in form.joins]
+    return lambda data: function(data, *arguments)
 
 
 def _gives_way(_data: bytes) -> None:
@@ -131,19 +133,19 @@ def _outcome(
     memories, counts = dict(vars(bridge)), connection.statistics.out_of_range
     before = dict(counts)
     try:
-        made: bytes | str | None = make()
+        result: bytes | str | None = make()
     except (JausError, NotImplementedError) as error:  # the latter of a conversion not yet written
-        made = type(error).__name__
+        result = type(error).__name__
     counted = {key: count - before.get(key, 0) for key, count in counts.items()}
     counts.clear()
     counts.update(before)
     vars(bridge).update(memories)
-    return made, {key: count for key, count in counted.items() if count}
+    return result, {key: count for key, count in counted.items() if count}
 
 
 def _shown(outcome: Outcome) -> str:
-    made, counted = outcome
-    text = made.hex() if isinstance(made, bytes) else str(made)
+    result, counted = outcome
+    text = result.hex() if isinstance(result, bytes) else str(result)
     return f"{text} {counted}" if counted else text
 
 

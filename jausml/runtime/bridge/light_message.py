@@ -97,18 +97,18 @@ class LightMessage:
     ) -> tuple[list[MessageT], int]:
         """Returns messages that follow each other, and the offset behind them."""
         cdr.check_count(data, offset, count, cls.LEAST)
-        found = []
+        messages = []
         for _ in range(count):
             message, offset = cls._read(data, offset, order)
-            found.append(message)
-        return found, offset
+            messages.append(message)
+        return messages, offset
 
     @classmethod
     def _write_many(
-        cls: type[MessageT], found: Sequence[MessageT], append: cdr.Append, offset: int
+        cls: type[MessageT], messages: Sequence[MessageT], append: cdr.Append, offset: int
     ) -> int:
         """Appends messages, which begin at an offset; returns the offset behind them."""
-        for message in found:
+        for message in messages:
             # An override may have put an object of ROS into the list.
             offset = cls._write(message, append, offset)
         return offset
@@ -161,12 +161,12 @@ def installed_class(light: type[LightMessage]) -> Any:
         package = light.TYPE.partition("/")[0]
         cure = f"install {package}, or add it to the path of the bridge"
         raise RosTypeError(f"{light.TYPE} is not installed ({error}); {cure}") from error
-    found = differences(light, real)
-    if found:
-        package = found[0].partition("/")[0]
+    mismatches = differences(light, real)
+    if mismatches:
+        package = mismatches[0].partition("/")[0]
         cure = f"import the installed types (jausml import ros {package} --force) and generate anew"
         raise RosTypeError(
-            f"the installed types are not those of the model: {'; '.join(found)}; {cure}"
+            f"the installed types are not those of the model: {'; '.join(mismatches)}; {cure}"
         )
     return real
 

@@ -278,10 +278,10 @@ class HandoffClient:
         former = self._pending.get(target)
         if former is not None:
             former.end()
-        made = self._pending[target] = PendingHandoff(self._host, target, message, on_answer)
-        self._host.when_started(made.ask)
+        handoff = self._pending[target] = PendingHandoff(self._host, target, message, on_answer)
+        self._host.when_started(handoff.ask)
         self._host.when_started(lambda: self._host.send(QueryEnhancedTimeout(), target))
-        return made
+        return handoff
 
     def decide(self, request: HandoffRequest, decision: HandoffDecision) -> None:
         """Tell the target of a request what was decided of it; who grants gives control up.

@@ -88,7 +88,7 @@ class FoundComponent:
 class _Search:
     urn: str
     on_found: Callable[[FoundComponent], None]
-    found: set[JausAddress]
+    addresses: set[JausAddress]
 
 
 class DiscoveryClient:
@@ -191,15 +191,17 @@ class DiscoveryClient:
             for search in tuple(self._searches):
                 self._tell(search, component)
 
-    def _tell(self, search: _Search, found: FoundComponent) -> None:
-        offered = any(service.urn == search.urn for service in found.services)
-        if not offered or found.address in search.found:
+    def _tell(self, search: _Search, component: FoundComponent) -> None:
+        offered = any(service.urn == search.urn for service in component.services)
+        if not offered or component.address in search.addresses:
             return
-        if len(search.found) >= MAX_FOUND:
-            self._component.counters.count("discovery_client.too_many_found", str(found.address))
+        if len(search.addresses) >= MAX_FOUND:
+            self._component.counters.count(
+                "discovery_client.too_many_found", str(component.address)
+            )
         else:
-            search.found.add(found.address)
-            self._component.call(search.on_found, found)
+            search.addresses.add(component.address)
+            self._component.call(search.on_found, component)
 
 
 QUICK_TRIES = 8

@@ -174,10 +174,10 @@ class EventStream:
         if len(self._subscribers) != 1 or self._is_renewed:
             return None
         ((subscription, report_class),) = self._subscribers.items()
-        found = subscription.fast_path() if subscription.takes_payloads else None
-        if found is None or found.code != report_class.CODE:
+        path = subscription.fast_path() if subscription.takes_payloads else None
+        if path is None or path.code != report_class.CODE:
             return None
-        passed = found.passed
+        passed = path.passed
 
         def note(payload: bytes, number: int, at: float, unknown: int) -> None:
             self._expected = (payload[3] + 1) & 0xFF
@@ -187,7 +187,7 @@ class EventStream:
             subscription.note_heard(at)
             passed(payload, number, at, unknown)
 
-        return replace(found, passed=note, expected=lambda: self._expected)
+        return replace(path, passed=note, expected=lambda: self._expected)
 
     def _agree_on_rate(self) -> None:
         """Ask for the rate that the subscribers want by now."""
@@ -200,9 +200,9 @@ class EventStream:
 
     def _pace_subscriptions(self) -> None:
         """Tell each subscriber what it gets, to have its own rate of it."""
-        given = None if self._rate is None else self._confirmed_rate or self._rate
+        event_rate = None if self._rate is None else self._confirmed_rate or self._rate
         for subscription in self._subscribers:
-            subscription.follow(given)
+            subscription.follow(event_rate)
 
     # ---- requests ---------------------------------------------------------------------------
 

@@ -171,17 +171,19 @@ class EventSubscription:
         self._watch.cancel()
         self._stop_asking()
 
-    def follow(self, given: float | None) -> None:
+    def follow(self, event_rate: float | None) -> None:
         """Have the subscriber's own rate of an event that others share.
 
         Args:
-            given: Reports of the event each second; None when they come at every change.
+            event_rate: Reports of the event each second; None when they come at every change.
         """
         self._component.loop.revision.changed()
-        is_slower = self.rate is not None and given is not None and self.rate < _ALIKE * given
+        is_slower = (
+            self.rate is not None and event_rate is not None and self.rate < _ALIKE * event_rate
+        )
         self._period = 1 / self.rate if is_slower and self.rate else 0.0
-        self._slack = 0.5 / given if given else 0.0
-        if self.rate is None or given is not None:
+        self._slack = 0.5 / event_rate if event_rate else 0.0
+        if self.rate is None or event_rate is not None:
             self._stop_asking()
         elif self._query_timer is None:
             self._component.when_started(self._start_asking)

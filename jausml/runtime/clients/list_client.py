@@ -138,7 +138,7 @@ class ListClient:
         retries: int,
     ) -> None:
         """Ask for the order, then for one element after the other."""
-        found: list[ListElement] = []
+        elements: list[ListElement] = []
 
         def ask(query: Message, report: type[Message], take: Callable[..., None]) -> None:
             self._queries.ask(target, query, report, take, on_failure, timeout, retries)
@@ -148,14 +148,14 @@ class ListClient:
 
         def read_next(uids: list[int]) -> None:
             if not uids:
-                self.component.call(on_list, tuple(found))
+                self.component.call(on_list, tuple(elements))
                 return
 
             def take_element(report: ReportElement, _sender: JausAddress) -> None:
                 if report.element_uid != uids[0]:  # a late answer to an earlier query
                     read_next(uids)
                     return
-                found.append(_element(report))
+                elements.append(_element(report))
                 read_next(uids[1:])
 
             ask(QueryElement(element_uid=uids[0]), ReportElement, take_element)

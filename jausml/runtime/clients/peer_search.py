@@ -134,8 +134,8 @@ class PeerBinding:
     ) -> None:
         """Meets those that are named, or each that is found from now on."""
 
-        def change(found: Sequence[JausAddress]) -> None:
-            before, self.present = self.present, tuple(found)
+        def change(peers: Sequence[JausAddress]) -> None:
+            before, self.present = self.present, tuple(peers)
             for action in self._on_change:
                 action()
             for peer in before:
@@ -216,22 +216,22 @@ class _Finder:
 
     def choose(self, living: Sequence[_Provider]) -> None:
         """Keep the peers that live, and take others when they are wanted."""
-        found = [provider.address for provider in living if self.matches(provider)]
+        addresses = [provider.address for provider in living if self.matches(provider)]
         if self.search.choice is PeerChoice.ALL:
-            chosen = tuple(sorted(found))
+            chosen = tuple(sorted(addresses))
         else:
-            kept = [address for address in self.bound if address in found]
-            chosen = tuple(kept or self._best(found))
+            kept = [address for address in self.bound if address in addresses]
+            chosen = tuple(kept or self._best(addresses))
         if chosen != self.bound:
             self.bound = chosen
             for listener in self._listeners:
                 self._tell(listener)
 
-    def _best(self, found: list[JausAddress]) -> list[JausAddress]:
+    def _best(self, addresses: list[JausAddress]) -> list[JausAddress]:
         if self.search.choice is PeerChoice.FIRST:
-            return found[:1]
+            return addresses[:1]
         own = self._component.address
-        return sorted(found, key=lambda address: (distance(own, address), address))[:1]
+        return sorted(addresses, key=lambda address: (distance(own, address), address))[:1]
 
     def _tell(self, listener: OnChange) -> None:
         self._component.call(listener, self.bound)
@@ -308,10 +308,10 @@ class PeerClient:
 
     # ---- providers --------------------------------------------------------------------------
 
-    def _sighted(self, found: FoundComponent) -> None:
-        urns = frozenset(service.urn for service in found.services)
-        provider = _Provider(found.address, urns)
-        known = self._providers.get(found.address)
+    def _sighted(self, component: FoundComponent) -> None:
+        urns = frozenset(service.urn for service in component.services)
+        provider = _Provider(component.address, urns)
+        known = self._providers.get(component.address)
         if known is not None:
             known.urns = urns
             if known.lives:
@@ -319,9 +319,9 @@ class PeerClient:
         elif not any(finder.matches(provider) for finder in self._finders.values()):
             return
         elif len(self._providers) >= MAX_PROVIDERS:
-            self._component.counters.count("peer_client.too_many_found", str(found.address))
+            self._component.counters.count("peer_client.too_many_found", str(component.address))
         else:
-            self._providers[found.address] = provider
+            self._providers[component.address] = provider
             self._probe(provider)
 
     def _probe(self, provider: _Provider) -> None:

@@ -46,13 +46,13 @@ class ResourceClient:
             service.urn == DIGITAL_RESOURCE_DISCOVERY for service in component.services
         )
         if self._own and not is_registry:
-            peers.find(REGISTRY, self._found)
+            peers.find(REGISTRY, self._registries_found)
 
     def stop(self) -> None:
         """Look at nothing any more."""
         self._timer.cancel()
 
-    def _found(self, registries: Sequence[JausAddress]) -> None:
+    def _registries_found(self, registries: Sequence[JausAddress]) -> None:
         self.stop()
         self._registry = next(iter(registries), None)
         self._look()

@@ -279,8 +279,8 @@ class Simulation:
             values: By their attributes in the report. None is what a command left out: of that, the
                 value before stays.
         """
-        told = {name: value for name, value in values.items() if value is not None}
-        self._kept.setdefault(report_class, {}).update(told)
+        stated_values = {name: value for name, value in values.items() if value is not None}
+        self._kept.setdefault(report_class, {}).update(stated_values)
         self._component.report_changed(report_class)
 
     def report(self, at_rest: R) -> R:

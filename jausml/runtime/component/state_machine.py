@@ -213,13 +213,13 @@ class StateMachine:
     def _candidates_for(self, trigger: Trigger) -> tuple[On, ...]:
         """Return the transitions to try: innermost first, those for any trigger last."""
         key = (self.state, trigger)
-        found = self._candidates.get(key)
-        if found is None:
+        candidates = self._candidates.get(key)
+        if candidates is None:
             listed = tuple(self._listed())
             named = (transition for transition in listed if transition.trigger == trigger)
             others = (transition for transition in listed if transition.trigger is None)
-            found = self._candidates[key] = (*named, *others)
-        return found
+            candidates = self._candidates[key] = (*named, *others)
+        return candidates
 
     def _listed(self) -> list[On]:
         """Return the transitions of the present state and of those that enclose it."""

@@ -319,14 +319,14 @@ def pnm_to_pixels(file: Sequence[int]) -> Pixels:
         ConversionError: It is no such file of 8 bits, or of 16 where it is grey, or is not whole.
     """
     octets = bytes(file)
-    found = _HEADER.match(octets)
-    if found is None:
+    match = _HEADER.match(octets)
+    if match is None:
         raise ConversionError("no file of PGM or PPM")
-    width, height, greatest = map(int, found.groups()[1:])
-    encoding = _ENCODINGS.get((found[1], greatest))
+    width, height, greatest = map(int, match.groups()[1:])
+    encoding = _ENCODINGS.get((match[1], greatest))
     if encoding is None:
-        raise ConversionError(f"no encoding of P{found[1].decode()} has numbers up to {greatest}")
-    pixels, step = octets[found.end() :], width * _SIZES[encoding]
+        raise ConversionError(f"no encoding of P{match[1].decode()} has numbers up to {greatest}")
+    pixels, step = octets[match.end() :], width * _SIZES[encoding]
     if not pixels or len(pixels) != height * step:
         raise ConversionError(f"{len(pixels)} octets are not {height} rows of {width} pixels")
     if encoding == "mono16":

@@ -44,9 +44,9 @@ class Page:
     def descriptor() -> int:
         """Returns the descriptor of a new page, in which nothing is in motion yet."""
         # A file without a name, in memory: nobody else finds it, and it ends with its last user.
-        made = os.memfd_create("guardian")
-        os.ftruncate(made, _SIZE)
-        return made
+        memory_file = os.memfd_create("guardian")
+        os.ftruncate(memory_file, _SIZE)
+        return memory_file
 
     def close(self) -> None:
         """Gives the memory back."""
@@ -112,5 +112,5 @@ def read_frame(channel: socket.socket) -> dict[str, Any] | None:
     data = channel.recv(MOST_OF_A_FRAME)
     if not data:
         return None
-    found: dict[str, Any] = json.loads(data)
-    return found
+    content: dict[str, Any] = json.loads(data)
+    return content

@@ -282,7 +282,7 @@ class Guardian:
             # Datagrams first: for topics, subscribers have to be found, which takes time.
             self._send(outlet, datagrams)
             sent = 1
-            told = [self._told(topic) for topic in topics]
+            announcements = [self._topic_state(topic) for topic in topics]
             cancels = [_Cancel(self._canceller(service), goal) for goal, service in goals.items()]
             while (past := time.monotonic() - begun) < SOUGHT_FOR:
                 if sent < TIMES and past >= sent * AGAIN:
@@ -291,7 +291,7 @@ class Guardian:
                 # After the first while, only where nobody has heard it so far.
                 wanting = [
                     announcement
-                    for announcement in told
+                    for announcement in announcements
                     if past < SAID_FOR or self._is_sought(announcement)
                 ]
                 for announcement in wanting:
@@ -302,7 +302,7 @@ class Guardian:
                 if is_halted and self._age() <= POLL * 2:
                     break  # the bridge lives, and from here on its word counts
                 time.sleep(_PAUSE)
-        for announcement in told:
+        for announcement in announcements:
             self._known_ros.destroy(announcement.publisher)
 
     def _send(self, outlet: socket.socket, datagrams: list[Datagram]) -> None:
@@ -320,15 +320,18 @@ class Guardian:
             raise RclError("nothing is known of ROS")
         return self._ros
 
-    def _told(self, topic: Topic) -> _Told:
+    def _topic_state(self, topic: Topic) -> _Told:
         ros = self._known_ros
         publisher = ros.publisher(topic.name, topic.support, topic.qos)
         return _Told(publisher, topic, ros.publishers(topic.name))
 
-    def _is_sought(self, told: _Told) -> bool:
+    def _is_sought(self, announcement: _Told) -> bool:
         """Whether somebody may still be found who listens, and nobody else has begun to speak."""
         # With more publishers than at first, somebody else has begun to speak.
-        return not told.times and self._known_ros.publishers(told.topic.name) <= told.rivals
+        return (
+            not announcement.times
+            and self._known_ros.publishers(announcement.topic.name) <= announcement.rivals
+        )
 
     def _canceller(self, service: str) -> Any:
         return self._known_ros.canceller(service, self._cancel)
@@ -340,19 +343,19 @@ class Guardian:
             wanted.first, wanted.last = wanted.first or now, now
         return wanted.first > 0 and now - wanted.first >= SAID_FOR
 
-    def _publish(self, told: _Told) -> None:
+    def _publish(self, announcement: _Told) -> None:
         """Publishes a stop once more if a subscriber may not have it."""
-        found = self._known_ros.subscribers(told.publisher)
+        subscriber_count = self._known_ros.subscribers(announcement.publisher)
         # Nothing tells which subscribers have it: when their number changes, one may not.
-        times, now = told.times.get(found, 0), time.monotonic()
-        if not found or times >= TIMES or (times and now - told.last < AGAIN):
+        times, now = announcement.times.get(subscriber_count, 0), time.monotonic()
+        if not subscriber_count or times >= TIMES or (times and now - announcement.last < AGAIN):
             return
-        topic = told.topic
+        topic = announcement.topic
         seconds, nanoseconds = divmod(self._page.simulated or time.time_ns(), 10**9)
         for offset in topic.stamps:
             _STAMP.pack_into(topic.data, offset, seconds, nanoseconds)
-        self._known_ros.publish(told.publisher, bytes(topic.data))
-        told.times[found], told.last = times + 1, now
+        self._known_ros.publish(announcement.publisher, bytes(topic.data))
+        announcement.times[subscriber_count], announcement.last = times + 1, now
 
 
 def _datagram(content: dict[str, Any]) -> Datagram:

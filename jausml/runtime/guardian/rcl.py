@@ -153,32 +153,32 @@ class Rcl:
             "deadline": 0.0,
             "lease_duration": 0.0,
         }
-        made = self.publisher(_CHECK_TOPIC, support, asked)
+        publisher = self.publisher(_CHECK_TOPIC, support, asked)
         actual = self._rcl.rcl_publisher_get_actual_qos
         actual.restype = ctypes.POINTER(_Quality)
-        found = actual(ctypes.byref(made.handle)).contents
-        told = (found.depth, found.reliability, found.durability)
-        self.destroy(made)
-        if told != (7, _RELIABILITY["best_effort"], _DURABILITY["transient_local"]):
-            raise RclError(f"a publisher has another quality of service than asked for: {told}")
+        quality = actual(ctypes.byref(publisher.handle)).contents
+        values = (quality.depth, quality.reliability, quality.durability)
+        self.destroy(publisher)
+        if values != (7, _RELIABILITY["best_effort"], _DURABILITY["transient_local"]):
+            raise RclError(f"a publisher has another quality of service than asked for: {values}")
 
     def subscribers(self, publisher: Publisher) -> int:
         """Returns how many subscribers a publisher has found."""
-        found = ctypes.c_size_t()
+        count = ctypes.c_size_t()
         self._call(
             "rcl_publisher_get_subscription_count",
             ctypes.byref(publisher.handle),
-            ctypes.byref(found),
+            ctypes.byref(count),
         )
-        return found.value
+        return count.value
 
     def publishers(self, topic: str) -> int:
         """Returns how many publishers on a topic are known, with those of the dead."""
-        found = ctypes.c_size_t()
+        count = ctypes.c_size_t()
         self._call(
-            "rcl_count_publishers", ctypes.byref(self._node), topic.encode(), ctypes.byref(found)
+            "rcl_count_publishers", ctypes.byref(self._node), topic.encode(), ctypes.byref(count)
         )
-        return found.value
+        return count.value
 
     def publish(self, publisher: Publisher, data: bytes) -> None:
         """Publishes a serialized message."""
@@ -247,10 +247,10 @@ def _duration(seconds: float) -> _Duration:
 
 def loaded_libraries() -> dict[str, str]:
     """Returns the paths of the shared libraries that this process has loaded, by file name."""
-    found: dict[str, str] = {}
+    paths_by_name: dict[str, str] = {}
     # Not by name: the guardian is to load the very files that rclpy has found.
     for line in Path("/proc/self/maps").read_text(encoding="utf-8").splitlines():
         path = line.partition("/")[2]
         if ".so" in path:
-            found.setdefault(path.rpartition("/")[2], f"/{path}")
-    return found
+            paths_by_name.setdefault(path.rpartition("/")[2], f"/{path}")
+    return paths_by_name

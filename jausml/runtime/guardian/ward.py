@@ -117,10 +117,10 @@ class Ward:
         """
         if len(self._guarded) >= MOST_STOPS:
             return None
-        made = Guarded(self, len(self._guarded), stops)
-        self._guarded.append(made)
+        guarded_connection = Guarded(self, len(self._guarded), stops)
+        self._guarded.append(guarded_connection)
         self._begin()
-        return made
+        return guarded_connection
 
     def slot(self, sequence: Callable[[], int]) -> int:
         """Returns where the page keeps the next sequence number to a component."""
@@ -162,7 +162,7 @@ class Ward:
         return bool(self._guarded or self._goals)
 
     @property
-    def told(self) -> str:
+    def description(self) -> str:
         """What is guarded, in words."""
         count, goals = len(self._guarded), len(self._goals)
         return f"watches {count} connection{'s' * (count != 1)}, {goals} goal{'s' * (goals != 1)}"

@@ -99,15 +99,15 @@ class _DateStamp:
 
     def to_integer(self) -> int:
         """Return the integer that holds the bits."""
-        found = integer(self.day, 1, 31, "day")
-        found |= integer(self.month, 1, 12, "month") << 5
-        found |= integer(self.year, 0, 127, "year") << 9
-        return found
+        date_bits = integer(self.day, 1, 31, "day")
+        date_bits |= integer(self.month, 1, 12, "month") << 5
+        date_bits |= integer(self.year, 0, 127, "year") << 9
+        return date_bits
 
     @classmethod
-    def from_integer(cls, found: int) -> "_DateStamp":
+    def from_integer(cls, date_bits: int) -> "_DateStamp":
         """Return what the bits of an integer say, legal or not."""
-        return cls(found & 0x1F, found >> 5 & 0xF, found >> 9 & 0x7F)
+        return cls(date_bits & 0x1F, date_bits >> 5 & 0xF, date_bits >> 9 & 0x7F)
 
 
 # A dataclass would take an alias in its own body for a field: hence this base.

@@ -133,10 +133,10 @@ def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServ
     matches: dict[JausAddress, Sequence[ServiceIdentity]] = {}
     for address, services in catalog.items():
         texts = set().union(*(filters.get(name, ()) for name in _matching_patterns(address)))
-        found = [service for service in services if any(text in service.urn for text in texts)]
+        matching = [service for service in services if any(text in service.urn for text in texts)]
         # Without a filter a component is named even if it has no services.
-        if found or "" in texts:
-            matches[address] = found
+        if matching or "" in texts:
+            matches[address] = matching
     return ReportServiceList(
         subsystem_list=[
             ReportServiceList.SubsystemSeq(

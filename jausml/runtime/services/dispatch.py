@@ -256,8 +256,8 @@ class Router:
                 take(payload, sender)
 
         def fast_path(sender: JausAddress) -> FastPath | None:
-            found = fast_path_of(take, sender)
-            return None if found is None else ordering.minded(found, sender)
+            path = fast_path_of(take, sender)
+            return None if path is None else ordering.minded(path, sender)
 
         return through(take_newer, fast_path)
 

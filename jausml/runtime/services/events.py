@@ -354,7 +354,7 @@ class EventsService:
         An event may end before its turn, since a provider is user code.
         """
         attempt, living = self._component.attempt, self._events
-        made: dict[bytes, tuple[Message | bytes, bytes | None]] = {}
+        reports_by_payload: dict[bytes, tuple[Message | bytes, bytes | None]] = {}
         for event in events:
             if living.get(event.event_id) is not event:
                 continue
@@ -363,12 +363,12 @@ class EventsService:
             _, present = attempt(setup.provision.provider, setup.query, event.client)
             if present is None:
                 continue
-            known = made.get(setup.payload)
+            known = reports_by_payload.get(setup.payload)
             if known is not None and (known[0] is present or known[0] == present):
                 report = known[1]
             else:
                 report = self._encoded(setup, present)
-                made[setup.payload] = present, report
+                reports_by_payload[setup.payload] = present, report
             if report is None or (only_changes and report == event.last_report):
                 continue
             # The provider may have ended it.

@@ -103,15 +103,15 @@ class TimeService:
 
     def _set_time(self, message: SetTime, sender: JausAddress) -> None:
         try:
-            told = self._told(message)
+            stated_time = self._time_meant(message)
         except (ValueError, OverflowError) as error:
             self._component.counters.count("time.refused", f"SetTime of {sender}: {error}")
             return
-        self._offset = told - self._component.host_time()
+        self._offset = stated_time - self._component.host_time()
         LOGGER.info("%s: time set by %s", self._component.address, sender)
-        self._component.call(self._component.on_set_time, told)
+        self._component.call(self._component.on_set_time, stated_time)
 
-    def _told(self, message: SetTime) -> datetime:
+    def _time_meant(self, message: SetTime) -> datetime:
         """Return the moment that a SetTime means; raises ValueError when it means none."""
         now = self.now()
         stamp, date = message.time_stamp, message.date_stamp

@@ -98,9 +98,9 @@ class ManagementService:
 
     def _tell(self, sender: JausAddress, *, active: bool) -> None:
         """Tell connections, then the hook, that an emergency has begun or ended."""
-        told = SetEmergency if active else ClearEmergency
-        for take in self._watchers.get(told.CODE, ()):
-            take(told(emergency_code=told.EmergencyCode.STOP).encode(), sender)
+        message_class = SetEmergency if active else ClearEmergency
+        for take in self._watchers.get(message_class.CODE, ()):
+            take(message_class(emergency_code=message_class.EmergencyCode.STOP).encode(), sender)
         self._component.call(self._component.on_emergency, active)
 
     def initialize(self) -> None:
@@ -307,7 +307,7 @@ class _Times:
     """The present state of one machine, and the states that it was in."""
 
     def __init__(self, service: str, machine: str, clock: Callable[[], float]) -> None:
-        self._names = _told(service), _told(machine)
+        self._names = _jaus_string(service), _jaus_string(machine)
         self._clock = clock
         self._state = ""
         self._since = 0.0
@@ -322,7 +322,7 @@ class _Times:
         self._entries[state] = min(self._entries.get(state, 0) + 1, MOST_ENTRIES)
         self._seconds.setdefault(state, 0.0)
 
-    def told(self, most: int) -> ReportMachineStates.MachineSeq:
+    def report(self, most: int) -> ReportMachineStates.MachineSeq:
         present = self._clock() - self._since if self._state else 0.0
         seconds = dict(self._seconds)
         if self._state:
@@ -330,11 +330,11 @@ class _Times:
         longest = sorted(seconds, key=lambda state: -seconds[state])[:most]
         return ReportMachineStates.MachineSeq(
             ReportMachineStates.MachineRec(
-                *self._names, _told(self._state), _milliseconds(present)
+                *self._names, _jaus_string(self._state), _milliseconds(present)
             ),
             [
                 ReportMachineStates.TimeRec(
-                    _told(state), self._entries[state], _milliseconds(seconds[state])
+                    _jaus_string(state), self._entries[state], _milliseconds(seconds[state])
                 )
                 for state in longest
             ],
@@ -378,13 +378,13 @@ class MachineStatesService:
         machines = self._machines[:MOST_MACHINES]
         # In equal parts, so that no machine takes the room of others.
         most = MOST_STATES // max(1, len(machines))
-        return ReportMachineStates([machine.told(most) for machine in machines])
+        return ReportMachineStates([machine.report(most) for machine in machines])
 
 
 def _milliseconds(seconds: float) -> int:
     return max(0, round(seconds * 1000))
 
 
-def _told(name: str) -> str:
+def _jaus_string(name: str) -> str:
     """Return a name as a JAUS string can carry it: Latin-1, and not too long."""
     return name.encode("latin-1", "replace").decode("latin-1")[:_LONGEST_NAME]

@@ -402,20 +402,26 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
         if self._listener is None or packet.destination in self._inbox.receivers:
             return False
         if packet.destination.is_wildcard:
-            ways = [connection for connection in self._connections if connection is not origin]
+            connections = [
+                connection for connection in self._connections if connection is not origin
+            ]
         else:
             way = self._routes.get(packet.destination)
-            ways = [] if way is None or way is origin else [way]
+            connections = [] if way is None or way is origin else [way]
         # Only from or to a process of this host: it is no router between others.
-        ways = [connection for connection in ways if connection.is_neighbour or origin.is_neighbour]
+        connections = [
+            connection
+            for connection in connections
+            if connection.is_neighbour or origin.is_neighbour
+        ]
         # Owners that know each other by several ways must not pass a message round forever.
-        if not ways or (
+        if not connections or (
             # An acknowledgement bears the number of what it answers, and is no duplicate of that.
             packet.acknowledge < AckNak.NAK and self._relayed.is_duplicate(packet, self.loop.now())
         ):
             return False
         data = octets_of(packet)
-        for way in ways:
+        for way in connections:
             way.write(data)
         self.counters.add("jtcp.relayed")
         return True

@@ -268,7 +268,7 @@ class PeerAccount(NamedTuple):
             "not acknowledged": traffic.unacknowledged,
         }
 
-    def told(self) -> list[tuple[str, str]]:
+    def facts(self) -> list[tuple[str, str]]:
         """Returns the counts, and what the peer does otherwise than others, as `/diagnostics`."""
         counts = [(name, str(count)) for name, count in self.counts().items()]
         quirks = [
@@ -280,21 +280,21 @@ class PeerAccount(NamedTuple):
     def __str__(self) -> str:
         """Return the counts that are not 0 and the quirks, for a line of the log."""
         counts = [f"{name} {count}" for name, count in self.counts().items() if count]
-        told = "; ".join([*counts, *map(str, self.quirks)])
-        return f"account of {self.traffic.peer}: {told or 'nothing'}"
+        description = "; ".join([*counts, *map(str, self.quirks)])
+        return f"account of {self.traffic.peer}: {description or 'nothing'}"
 
 
 def accounts_of(component: Accountable) -> list[PeerAccount]:
     """Returns the accounts of the peers, by address; with the lock of the loop."""
     transport = component.transport
     # Those of no place are in the order in which they were heard, the latest last.
-    found = sorted(
+    peers = sorted(
         transport.traffic(component.address), key=lambda peer: transport.is_kept(peer.peer)
     )
-    told = sorted(found[-MOST_PEERS:], key=lambda peer: peer.peer)
+    latest_peers = sorted(peers[-MOST_PEERS:], key=lambda peer: peer.peer)
     return [
         PeerAccount(peer, component.drops_of(peer.peer), transport.quirks.of(peer.peer))
-        for peer in told
+        for peer in latest_peers
     ]
 
 

@@ -179,7 +179,7 @@ class Network:
         self._random = random
         self._watch = watch
         self._stations: dict[Endpoint, VirtualTransport] = {}
-        self._made = 0
+        self._count = 0
 
     def transport(
         self, settings: TransportSettings, out: Link, into: Link, draw: Callable[[int], int]
@@ -189,13 +189,15 @@ class Network:
         Args:
             draw: Returns a random number from 0 to below its argument, for sequence numbers.
         """
-        self._made += 1
-        number = self._made
+        self._count += 1
+        number = self._count
         endpoint = (f"10.{number >> 16}.{number >> 8 & 255}.{number & 255}", JUDP_PORT)
-        ways = (Way(self._loop, self._random, out), Way(self._loop, self._random, into))
-        made = VirtualTransport(settings, self._loop, Station(self, endpoint, *ways), draw)
-        made.open()
-        return made
+        directions = (Way(self._loop, self._random, out), Way(self._loop, self._random, into))
+        transport = VirtualTransport(
+            settings, self._loop, Station(self, endpoint, *directions), draw
+        )
+        transport.open()
+        return transport
 
     def join(self, transport: VirtualTransport, endpoint: Endpoint) -> None:
         """Let a process be reached."""

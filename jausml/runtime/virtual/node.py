@@ -50,7 +50,7 @@ class VirtualRosNode:
         """
         self.name = name
         self._graph = graph
-        self._given = dict(parameters)
+        self._parameters = dict(parameters)
         self._link = link
         self._followers: dict[str, Callable[[Any], None]] = {}
         self._declared: dict[str, Parameter] = {}
@@ -103,9 +103,9 @@ class VirtualRosNode:
         self._declared[name] = parameter
         if changed is not None:
             self._followers[name] = changed
-        if name not in self._given:
+        if name not in self._parameters:
             return parameter.default
-        return _taken(parameter, self._given[name])
+        return _taken(parameter, self._parameters[name])
 
     def check_parameters(self) -> None:
         """Checks nothing more: each wrong value was an error at once."""
@@ -121,12 +121,12 @@ class VirtualRosNode:
             raise ParameterError(f"{self.name} has no parameter {name}")
         if name not in self._followers:
             raise ParameterError(f"{name} cannot change while the bridge runs")
-        self._given[name] = taken = _taken(parameter, value)
+        self._parameters[name] = taken = _taken(parameter, value)
         self._followers[name](taken)
 
     def _tell_unknown(self) -> None:
         """Counts parameters that nobody declared: they are misspelt, or mean nothing here."""
-        for name in self._given:
+        for name in self._parameters:
             if name not in self._declared:
                 meant = nearest(name, self._declared)
                 hint = f"; did you mean {meant}?" if meant else ""

@@ -90,9 +90,9 @@ class _Part(NamedTuple):
 
 def _give_codec(cls: Any, name: str) -> None:
     """Gives a dataclass what writes and reads it; a message without fields has that already."""
-    found = [_field(field.name, field.type) for field in fields(cls)]
-    optional = [field for field in found if field.is_optional]
-    parts = _parts(found[: len(found) - len(optional)])
+    members = [_field(field.name, field.type) for field in fields(cls)]
+    optional = [field for field in members if field.is_optional]
+    parts = _parts(members[: len(members) - len(optional)])
     cls.LEAST_SIZE = sum(part.size for part in parts) + bool(optional)
     if optional:
         cls.write_to, read_from = _with_presence(parts, optional, name)
@@ -111,11 +111,11 @@ def _field(name: str, declared: Any) -> _Field:
     return _Field(name, None, declared)
 
 
-def _parts(found: Sequence[_Field]) -> list[_Part]:
+def _parts(members: Sequence[_Field]) -> list[_Part]:
     """Returns the parts of some fields, in order."""
     parts: list[_Part] = []
     run: list[_Field] = []
-    for field in found:
+    for field in members:
         if isinstance(field.kind, Scalar):
             run.append(field)
             continue
@@ -330,20 +330,20 @@ def _listed(field: _Field) -> _Part:
     counter, most = struct.Struct(f"<{field.kind.format}"), field.kind.most
 
     def write(part: Any, out: bytearray) -> None:
-        found = getattr(part, name)
-        out += counter.pack(sized(found, 0, most, name))
-        for item in found:
+        items = getattr(part, name)
+        out += counter.pack(sized(items, 0, most, name))
+        for item in items:
             item.write_to(out)
 
     def read(buffer: bytes, offset: int, values: list[Any]) -> int:
         (size,) = counter.unpack_from(buffer, offset)
         offset += counter.size
         check_count(size, most, len(buffer) - offset, least, name)
-        found = []
+        items = []
         for _ in range(size):
             item, offset = read_element(buffer, offset)
-            found.append(item)
-        values.append(found)
+            items.append(item)
+        values.append(items)
         return offset
 
     return _Part(write, read, counter.size)

@@ -36,22 +36,22 @@ class OctetRecords(MutableSequence[T]):
         octets: The records on the wire; None once they were made, as they may have changed.
     """
 
-    __slots__ = ("_made", "octets", "record")
+    __slots__ = ("_records", "octets", "record")
     __hash__ = None  # type: ignore[assignment]
 
     def __init__(self, record: type[T], octets: bytes) -> None:
         self.record: Any = record
         self.octets: bytes | None = octets
-        self._made: list[T] = []
+        self._records: list[T] = []
 
     def _make(self) -> list[T]:
         if self.octets is not None:
             octets, self.octets = self.octets, None
-            self._made = [self.record.read_from(octets, at)[0] for at in range(len(octets))]
-        return self._made
+            self._records = [self.record.read_from(octets, at)[0] for at in range(len(octets))]
+        return self._records
 
     def __len__(self) -> int:
-        return len(self._made if self.octets is None else self.octets)
+        return len(self._records if self.octets is None else self.octets)
 
     @overload
     def __getitem__(self, index: int) -> T: ...

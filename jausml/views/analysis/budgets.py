@@ -58,14 +58,14 @@ def budgets_of(
     period = 1 / slowest.hertz
     source_period = period if is_to_ros(connection) else 1 / topic_rate
     normal = (*_normal(connection, slowest, period), *_shaped(connection, source_period))
-    found = [Budget("normal", normal)]
+    budgets = [Budget("normal", normal)]
     if not is_to_ros(connection):
-        found.append(Budget("queue_full", (*normal, _queue(connection, 1 / topic_rate))))
-    found.append(Budget("one_lost_packet", (*normal, _loss(connection, slowest, period))))
-    found.append(_source_dead(connection, slowest, period))
+        budgets.append(Budget("queue_full", (*normal, _queue(connection, 1 / topic_rate))))
+    budgets.append(Budget("one_lost_packet", (*normal, _loss(connection, slowest, period))))
+    budgets.append(_source_dead(connection, slowest, period))
     if keeps_control(connection) or (stops.carries_commands(connection) and is_to_ros(connection)):
-        found.append(_control_lapses(connection))
-    return tuple(found)
+        budgets.append(_control_lapses(connection))
+    return tuple(budgets)
 
 
 def _normal(connection: bridge.Connection, stream: Stream, period: float) -> tuple[Step, ...]:
@@ -80,13 +80,13 @@ def _normal(connection: bridge.Connection, stream: Stream, period: float) -> tup
 
 def _shaped(connection: bridge.Connection, period: float) -> tuple[Step, ...]:
     """Returns what a value waits for because fewer messages shall pass than come."""
-    found = []
+    steps = []
     if connection.decimation > 1:
         name = f"decimation, one of {connection.decimation} messages"
-        found.append(Step(name, (connection.decimation - 1) * period))
+        steps.append(Step(name, (connection.decimation - 1) * period))
     if connection.maxRate > 0:
-        found.append(Step(f"maxRate of {connection.maxRate:g} Hz", 1 / connection.maxRate))
-    return tuple(found)
+        steps.append(Step(f"maxRate of {connection.maxRate:g} Hz", 1 / connection.maxRate))
+    return tuple(steps)
 
 
 def _hertz(stream: Stream) -> str:

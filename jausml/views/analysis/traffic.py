@@ -75,8 +75,8 @@ class _Streams:
             key = provider or request.connection, request.client, code(request.message), is_query
             groups[key].append(request)
         served = set()
-        for (found, *_), requests in groups.items():
-            provider = found if isinstance(found, jaus.Component) else None
+        for (origin, *_), requests in groups.items():
+            provider = origin if isinstance(origin, jaus.Component) else None
             feeding = self._feeding(provider, requests[0].message)
             served.update(feeding)
             for alike in alike_requests(requests):

@@ -141,12 +141,12 @@ def _gravest(findings: Iterable[Finding]) -> tuple[Finding, ...]:
     if not worst:
         return ()
     counts = Counter(finding.severity for finding in distinct)
-    told = ", ".join(
+    summary = ", ".join(
         _count(counts[level], (level, f"{level}s"))
         for level in ("error", "warning")
         if counts[level]
     )
-    return (Finding(worst, "", f"{told or _count(counts['info'], ('hint', 'hints'))} in it"),)
+    return (Finding(worst, "", f"{summary or _count(counts['info'], ('hint', 'hints'))} in it"),)
 
 
 def _count(number: int, words: tuple[str, str]) -> str:
@@ -179,6 +179,6 @@ def _bundle(start: End, end: End, kind: str, edges: list[Edge]) -> Edge:
         kind,
         _count(len(edges), _LINES),
         count=len(edges),
-        findings=_gravest(found for edge in edges for found in edge.findings),
+        findings=_gravest(finding for edge in edges for finding in edge.findings),
         key=f"{first.key}!bundle",
     )

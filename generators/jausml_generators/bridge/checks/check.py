@@ -155,14 +155,14 @@ class Chain:
     @cached_property
     def steps(self) -> list[Step]:
         """The conversions."""
-        found: list[Step] = []
+        steps: list[Step] = []
         paths = self.sources
         for element in self.assignment.conversions:
             names = source_names(paths)
             step = step_of(element, names, to_ros=self.to_ros, quantities=self.quantities)
-            found.append(step)
+            steps.append(step)
             paths = [_VALUE] * len(step.conversion.outputs)
-        return found
+        return steps
 
     @property
     def is_numeric(self) -> bool:

@@ -124,11 +124,11 @@ def _without(ends: Ends, sample: Sample) -> Iterator[tuple[str, dict[str, Scalar
         source_path for chain in ends.chains for source_path in chain.sources
     ):
         for marker in source.markers(path)[:1]:
-            found = marker.settled(sample.values)
-            if found is None:
+            replacements = marker.settled(sample.values)
+            if replacements is None:
                 continue
-            values = {**sample.values, **found}
-            changed = [chain for source_path in found for chain in ends.reading(source_path)]
+            values = {**sample.values, **replacements}
+            changed = [chain for source_path in replacements for chain in ends.reading(source_path)]
             lacking = ends.lacking(values)
             if all(chain in lacking for chain in changed):
                 yield path, values
@@ -251,10 +251,10 @@ def vectors(ends: Ends) -> Iterator[Check]:
 
 
 def _check(ends: Ends, vector: bridge.TestVector) -> Check:
-    lines, joined = _given(ends, vector)
+    lines, joined = _joined_inputs(ends, vector)
     lines += [f"bridge.{name} = {value!r}" for name, value in ends.overridden.items()]
     if [vector_value.path for vector_value in vector.expected] == [WHOLE]:
-        lines += ends.refused("JausError", given=joined)
+        lines += ends.refused("JausError", join_names=joined)
         return _vector(ends, vector, lines)
     lines += ends.translated(joined)
     if not ends.to_ros:
@@ -275,19 +275,21 @@ def _vector(ends: Ends, vector: bridge.TestVector, lines: Iterable[str]) -> Chec
     return Check(name, str(about), tidy(lines))
 
 
-def _given(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], list[str]]:
+def _joined_inputs(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], list[str]]:
     """The statements that make the source and joined messages, and the names of the latter."""
     values: dict[str, dict[str, Scalar]] = {"": {}}
     messages: dict[str, Message] = {"": ends.source}
-    for given in vector.given:
-        path = given.path.strip()
+    for vector_value in vector.given:
+        path = vector_value.path.strip()
         join = ends.join_of(path)
         name = "" if join is None else join.name
         if join is not None:
             path = path.partition(".")[2]
             messages.setdefault(name, ends.joined_message(join))
-        if given.value != ABSENT:
-            values.setdefault(name, {})[path] = messages[name].place(path).parse(str(given.value))
+        if vector_value.value != ABSENT:
+            values.setdefault(name, {})[path] = (
+                messages[name].place(path).parse(str(vector_value.value))
+            )
     lines = [line for name, message in messages.items() for line in message.fill(values[name])]
     return lines, [name for name in messages if name]
 

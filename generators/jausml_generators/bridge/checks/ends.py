@@ -100,11 +100,11 @@ class Ends:
 
     @functools.cached_property
     def _by_source(self) -> Mapping[str, Sequence[Chain]]:
-        found: dict[str, list[Chain]] = {}
+        chains_by_source: dict[str, list[Chain]] = {}
         for chain in self.chains:
             for path in dict.fromkeys(chain.sources):
-                found.setdefault(path, []).append(chain)
-        return found
+                chains_by_source.setdefault(path, []).append(chain)
+        return chains_by_source
 
     def _unit_step(self, assignment: bridge.FieldAssignment) -> tuple[float, float]:
         return self.uses.unit_step(self.map, assignment, to_ros=self.to_ros) or NO_STEP
@@ -174,13 +174,13 @@ class Ends:
                 yield from (word.strip() for word in assignment.target.split(","))
 
     @functools.cached_property
-    def _made(self) -> set[object]:
+    def _surroundings(self) -> set[object]:
         """What stands around the target paths that assignments write to."""
         return {container for path in self._targets() for container in self.target.around(path)}
 
     def is_made(self, path: str) -> bool:
         """Whether all that stands around a target path is there, since assignments make it."""
-        return self.target.around(path) <= self._made
+        return self.target.around(path) <= self._surroundings
 
     def is_alone(self, path: str) -> bool:
         """Whether one assignment at most writes to a target path, or to what is in it."""
@@ -188,8 +188,8 @@ class Ends:
 
     def default(self, path: str) -> str:
         """Returns Python for what a target as it is made has at a path."""
-        made = "expected" if self.target.around(path) else f"{self.view.target_name}()"
-        return self.target.place(path).code.replace("target", made, 1)
+        new_target = "expected" if self.target.around(path) else f"{self.view.target_name}()"
+        return self.target.place(path).code.replace("target", new_target, 1)
 
     def defaults(self, paths: Iterable[str]) -> list[str]:
         """Returns the statements that `default` needs for paths: those that make `expected`."""
@@ -197,58 +197,58 @@ class Ends:
         expected = self.message("expected", is_ros=self.to_ros)
         return expected.fill(dict.fromkeys(within)) if within else []
 
-    def translated(self, given: Iterable[str] = ()) -> list[str]:
+    def translated(self, join_names: Iterable[str] = ()) -> list[str]:
         """Returns the statements that translate `source` into `target`.
 
         Args:
-            given: Names of joins, in Python, whose message is a variable of that name.
+            join_names: Names of joins, in Python, whose message is a variable of that name.
         """
-        present = set(given)
+        present = set(join_names)
         return [
             *self.joined(present),
             store("target", self.call("source", present)),
             f"assert isinstance(target, {self.view.target_name})",
         ]
 
-    def refused(self, error: str, before: str = "", given: Iterable[str] = ()) -> list[str]:
+    def refused(self, error: str, before: str = "", join_names: Iterable[str] = ()) -> list[str]:
         """Returns the statements that show that `source` is not translated.
 
         Args:
             before: What keeps the error, e.g. ` as caught`.
-            given: Names of joins, in Python, whose message is a variable of that name.
+            join_names: Names of joins, in Python, whose message is a variable of that name.
         """
-        present = set(given)
+        present = set(join_names)
         refusal = f"with pytest.raises({error}){before}:\n    {self.call('source', present)}"
         return [*self.joined(present), refusal]
 
-    def call(self, source: str, given: Iterable[str] = ()) -> str:
+    def call(self, source: str, join_names: Iterable[str] = ()) -> str:
         """Returns the call that translates a message.
 
         Args:
             source: The message, as Python text.
-            given: Names of joins, in Python, whose message is a variable of that name.
+            join_names: Names of joins, in Python, whose message is a variable of that name.
         """
-        return call(f"bridge.translate_{self.name}", source, *self.join_arguments(given))
+        return call(f"bridge.translate_{self.name}", source, *self.join_arguments(join_names))
 
-    def join_arguments(self, given: Iterable[str] = ()) -> list[str]:
+    def join_arguments(self, join_names: Iterable[str] = ()) -> list[str]:
         """Returns the arguments that give joined messages to a translation.
 
         Args:
-            given: Names of joins, in Python, whose message is a variable of that name.
+            join_names: Names of joins, in Python, whose message is a variable of that name.
         """
-        present = set(given)
+        present = set(join_names)
         return [
             f"{join.name}={join.name if self._is_given(join, present) else 'None'}"
             for join in self.view.joins
         ]
 
-    def joined(self, given: Iterable[str] = ()) -> list[str]:
+    def joined(self, join_names: Iterable[str] = ()) -> list[str]:
         """Returns the statements that make joined messages without which nothing is translated.
 
         Args:
-            given: Names of joins, in Python, whose message is there.
+            join_names: Names of joins, in Python, whose message is there.
         """
-        present = set(given)
+        present = set(join_names)
         return [
             line
             for join in self.view.joins
@@ -258,7 +258,7 @@ class Ends:
 
     def _needed(self, join: AnyJoin) -> dict[str, Scalar]:
         """Returns values of what a joined report has to hold, so that nothing is refused."""
-        found: dict[str, Scalar] = {}
+        values: dict[str, Scalar] = {}
         for assignment in self.assignments:
             is_needed = isinstance(assignment, bridge.FieldAssignment) and (
                 assignment.whenAbsent.name == "dropMessage" and isinstance(join, ReportJoinView)
@@ -266,8 +266,8 @@ class Ends:
             for path in source_paths(assignment) if is_needed else ():
                 first, _, rest = path.partition(".")
                 if first == join.model_name:
-                    found[rest] = _usual(self.joined_message(join).place(rest))
-        return found
+                    values[rest] = _usual(self.joined_message(join).place(rest))
+        return values
 
     @staticmethod
     def _is_given(join: AnyJoin, present: set[str]) -> bool:

@@ -142,18 +142,18 @@ class JausMessage:
 
     def place(self, path: str) -> Place:
         """Returns the attribute at the end of a path."""
-        found = self.field(path)
-        limited = found.kind in {REAL, INTEGER, OCTETS}
-        low, high = found.limits if limited else (-math.inf, math.inf)
+        field = self.field(path)
+        limited = field.kind in {REAL, INTEGER, OCTETS}
+        low, high = field.limits if limited else (-math.inf, math.inf)
         return Place(
             path,
-            place_text(found.value),
-            found.kind,
+            place_text(field.value),
+            field.kind,
             (low, high),
-            found.values,
+            field.values,
             self._step(path),
-            tuple((name, str(value)) for name, value in found.listed),
-            tuple(map(condition_text, conditions(found.conditions))),
+            tuple((name, str(value)) for name, value in field.listed),
+            tuple(map(condition_text, conditions(field.conditions))),
         )
 
     def unknown(self, path: str) -> str:
@@ -175,8 +175,8 @@ class JausMessage:
         }
 
     def _step(self, path: str) -> float:
-        found = message_place(self.element).follow(path)
-        return found.attribute().step or 0.0 if isinstance(found, JausPlace) else 0.0
+        place = message_place(self.element).follow(path)
+        return place.attribute().step or 0.0 if isinstance(place, JausPlace) else 0.0
 
     def fill(self, values: Mapping[str, Scalar | None]) -> list[str]:
         """Returns the statements that make the message with some values.
@@ -185,11 +185,11 @@ class JausMessage:
             values: The values by path; None for what stays as it is made, where it stands.
         """
         lines = [f"{self.name} = {self.message.class_name}()"]
-        made: set[places.Place] = set()
+        made_places: set[places.Place] = set()
         for path, value in values.items():
             field = self.field(path)
             for place, container in field.containers:
-                lines += _made(place, container, made)
+                lines += _creation(place, container, made_places)
             if value is not None:
                 lines.append(self.set(field, value))
         return lines
@@ -247,9 +247,9 @@ class Marker:
         trials = product(*([e for e in _TRIED if _may_be(place, e)] for place in changed))
         for numbers in islice(trials, _MOST_TRIALS):
             pairs = zip(changed, numbers, strict=True)
-            found = {place.path: int(e) if place.kind == INTEGER else e for place, e in pairs}
-            if self.holds({**values, **found}) is (free is None):
-                return dict(found)
+            trial = {place.path: int(e) if place.kind == INTEGER else e for place, e in pairs}
+            if self.holds({**values, **trial}) is (free is None):
+                return dict(trial)
         return None
 
 
@@ -271,9 +271,9 @@ class RosMessage:
 
     def place(self, path: str) -> Place:
         """Returns the attribute at the end of a path."""
-        found = self.field(path)
-        limits = INTEGER_RANGES.get(found.type, (-math.inf, math.inf))
-        return Place(path, place_text(found.place), ros_kind(found), limits, names=found.constants)
+        field = self.field(path)
+        limits = INTEGER_RANGES.get(field.type, (-math.inf, math.inf))
+        return Place(path, place_text(field.place), ros_kind(field), limits, names=field.constants)
 
     def unknown(self, path: str) -> str:
         """Returns what a field takes that has no value; empty for what it has as it is made."""
@@ -282,12 +282,12 @@ class RosMessage:
 
     def is_told_unset(self, path: str) -> bool:
         """Tells whether something at a path says that it has no value where nothing sets it."""
-        found = self.field(path)
-        if found.field is None or found.is_array or "[" in path:
+        end = self.field(path)
+        if end.field is None or end.is_array or "[" in path:
             return False
-        if isinstance(found.field, ros.MessageField):
-            return any(marked_paths(found.field.messageType))
-        return bool(unknown(found.field))
+        if isinstance(end.field, ros.MessageField):
+            return any(marked_paths(end.field.messageType))
+        return bool(unknown(end.field))
 
     def markers(self, path: str) -> list[Marker]:
         """Returns the markers by which a message says that it has no value at a path.
@@ -299,12 +299,12 @@ class RosMessage:
             for condition in self.field(path).conditions
             if isinstance(condition, HasValue)
         )
-        found = (m for m in marks if all(operand.type for _, operand in m.operands))
+        typed_marks = (m for m in marks if all(operand.type for _, operand in m.operands))
         return [
             Marker(
                 self.type, mark.marker, {n: self.place(_path(e.place)) for n, e in mark.operands}
             )
-            for mark in found
+            for mark in typed_marks
         ]
 
     def around(self, path: str) -> set[places.Place]:
@@ -323,11 +323,11 @@ class RosMessage:
         for path in values:
             for prefix, index in self._sequences(path):
                 sizes[prefix] = max(sizes.get(prefix, 0), index + 1)
-        made: set[str] = set()
+        made_prefixes: set[str] = set()
         for path, value in values.items():
             for prefix, _ in self._sequences(path):
-                if prefix not in made:
-                    made.add(prefix)
+                if prefix not in made_prefixes:
+                    made_prefixes.add(prefix)
                     lines.append(self._elements(prefix, sizes[prefix]))
             if value is not None:
                 lines.append(self.set(path, value))
@@ -335,15 +335,15 @@ class RosMessage:
 
     def set(self, path: str, value: Scalar) -> str:
         """Returns the statement that gives a field a value."""
-        found = self.field(path)
+        field = self.field(path)
         if isinstance(value, Code):
-            return store(place_text(found.place), value)
-        is_real = ros_kind(found) == REAL and not isinstance(value, str | bytes)
-        return store(place_text(found.place), python_literal(float(value) if is_real else value))
+            return store(place_text(field.place), value)
+        is_real = ros_kind(field) == REAL and not isinstance(value, str | bytes)
+        return store(place_text(field.place), python_literal(float(value) if is_real else value))
 
     def _sequences(self, path: str) -> list[tuple[str, int]]:
         """The sequences on a path, which are empty in a new message, with the index in each."""
-        found = []
+        sequences = []
         steps = path.split(".")
         for number, step in enumerate(steps, 1):
             element = _ELEMENT.fullmatch(step)
@@ -352,16 +352,16 @@ class RosMessage:
             prefix = ".".join([*steps[: number - 1], element["list"]])
             array = self.field(prefix).field
             if array is None or array.arrayKind.name != "fixedArray":
-                found.append((prefix, int(element["index"])))
-        return found
+                sequences.append((prefix, int(element["index"])))
+        return sequences
 
     def _elements(self, prefix: str, count: int) -> str:
-        found = self.field(prefix)
-        if found.message_type is None:
-            zero = _ZEROS.get(ros_kind(replace(found, is_array=False)), "0")
-            return f"{place_text(found.place)} = [{zero}] * {count}"
-        name = self.type_name(found.message_type)
-        return f"{place_text(found.place)} = [{', '.join([f'{name}()'] * count)}]"
+        field = self.field(prefix)
+        if field.message_type is None:
+            zero = _ZEROS.get(ros_kind(replace(field, is_array=False)), "0")
+            return f"{place_text(field.place)} = [{zero}] * {count}"
+        name = self.type_name(field.message_type)
+        return f"{place_text(field.place)} = [{', '.join([f'{name}()'] * count)}]"
 
 
 def _path(place: places.Place) -> str:
@@ -379,16 +379,16 @@ def _up_to(place: places.Place) -> list[places.Place]:
     return [held.at(index) for index in range(last + 1)]
 
 
-def _made(place: places.Place, value: Expression, made: set[places.Place]) -> list[str]:
+def _creation(place: places.Place, value: Expression, made_places: set[places.Place]) -> list[str]:
     """The statements that make a container or an element that is not there yet."""
-    if place in made:
+    if place in made_places:
         return []
-    made.add(place)
+    made_places.add(place)
     text = expression_text(value)
     if isinstance(place.steps[-1], str):
         return [store(place_text(place), text)]
-    missing = [outer_place for outer_place in _up_to(place)[:-1] if outer_place not in made]
-    made.update(missing)
+    missing = [outer_place for outer_place in _up_to(place)[:-1] if outer_place not in made_places]
+    made_places.update(missing)
     held = replace(place, steps=place.steps[:-1])
     return [call(f"{place_text(held)}.append", text)] * (len(missing) + 1)
 

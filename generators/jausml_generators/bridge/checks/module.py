@@ -243,7 +243,7 @@ def _is_asked(back: Ends, chain: Chain, paths: Container[str]) -> bool:
 
 
 def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
-    found: dict[str, _Returning] = {}
+    returns_by_path: dict[str, _Returning] = {}
     lacking = back.lacking(sample.expected)
     homewards: defaultdict[object, list[Chain]] = defaultdict(list)
     for homeward in back.chains:
@@ -254,8 +254,8 @@ def _returning(there: Ends, back: Ends, sample: Sample) -> list[_Returning]:
                 continue
             for angle in (*_number(there, outward, homeward), *_angles(there, outward, homeward)):
                 if angle.place.path in sample.values:
-                    found.setdefault(angle.place.path, angle)
-    return list(found.values())
+                    returns_by_path.setdefault(angle.place.path, angle)
+    return list(returns_by_path.values())
 
 
 def _number(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning]:

@@ -85,7 +85,7 @@ class _Sampler:
     def __init__(self, ends: Ends) -> None:
         self._ends = ends
         self._sample = Sample()
-        self._given: set[str] = set()
+        self._places_set: set[str] = set()
 
     def sample(self) -> Sample:
         for chain in self._ends.chains:
@@ -105,10 +105,10 @@ class _Sampler:
         if not isinstance(source, filling.RosMessage):
             return
         paths = [path for chain in self._ends.chains for path in chain.sources]
-        given = frozenset(values)
+        fixed_paths = frozenset(values)
         for marker in (path_marker for path in paths for path_marker in source.markers(path)):
             if marker.holds(values):
-                values.update(marker.settled(values, given) or {})
+                values.update(marker.settled(values, fixed_paths) or {})
         if self._ends.lacking(values):
             raise _NoSampleError
 
@@ -138,9 +138,9 @@ class _Sampler:
 
     def _only_once(self, place: filling.Place) -> filling.Place:
         """Refuses alternatives of one field, of which a message has only one."""
-        if place.code in self._given:
+        if place.code in self._places_set:
             raise _NoSampleError
-        self._given.add(place.code)
+        self._places_set.add(place.code)
         return place
 
     def _candidates(self, place: filling.Place) -> Iterator[filling.Scalar]:
@@ -230,8 +230,8 @@ class _Sampler:
             self._sample.changed += filter(self._ends.is_alone, chain.targets)
             return
         try:
-            given = map(self._whole, chain.sources, values)
-            results = chain.results(list(given))
+            inputs = map(self._whole, chain.sources, values)
+            results = chain.results(list(inputs))
         except NoValueError:
             raise _NoSampleError from None
         if chain.has_unit_step:

@@ -116,8 +116,10 @@ class Chain:
         if step is None:
             return list(values)
         factor, offset = step
-        known, given = (numbers.Linear, (factor, offset)) if offset else (numbers.Scale, (factor,))
-        arguments = tuple(Constant(number, REAL) for number in given)
+        known, coefficients = (
+            (numbers.Linear, (factor, offset)) if offset else (numbers.Scale, (factor,))
+        )
+        arguments = tuple(Constant(number, REAL) for number in coefficients)
         # The limits and known values were those before the scale, and prove nothing afterwards.
         return [
             replace(
@@ -190,18 +192,20 @@ class Chain:
         path, bounds = self._target_paths[0], (minimum, maximum)
         return Limit(policy.owner, policy.name, "within", path, value.expression, bounds)
 
-    def _results(self, made: Expression, kinds: list[str], values: list[Value]) -> list[Value]:
+    def _results(
+        self, expression: Expression, kinds: list[str], values: list[Value]
+    ) -> list[Value]:
         """The results of a conversion; several get a variable each."""
         # What the source promised holds for its own value, not for the result.
         first = replace(values[0], limits=None, listed=(), known=())
         if len(kinds) == 1:
-            return [replace(first, expression=made, is_computed=True)]
+            return [replace(first, expression=expression, is_computed=True)]
         # A variable for each result, so that the conversion is computed once.
         locals_ = tuple(
             Local(snake_case(name.rpartition(".")[2]))
             for name in _names_for(kinds, self._target_paths)
         )
-        self._body.add(Let(locals_, made))
+        self._body.add(Let(locals_, expression))
         return [
             replace(first, expression=Read(Place(local), kind), is_computed=False)
             for local, kind in zip(locals_, kinds, strict=True)
@@ -213,10 +217,10 @@ class Chain:
         listed = self._target.listed(self._target_paths[0]) if is_last else ()
         table = look_up(conversion.table, value, kind, listed, to_ros=self._to_ros)
         name = self._surroundings.constant(*table.constant)
-        found = expressions.LookUp(value.expression, name, kind)
+        lookup = expressions.LookUp(value.expression, name, kind)
         limits = (table.known[0], table.known[-1]) if table.known else None
         return Value(
-            found,
+            lookup,
             value.conditions,
             limits=limits,
             policy=value.policy,
@@ -234,8 +238,8 @@ class Chain:
             for at in dict.fromkeys(names[name] for name in used)
         }
         operands = tuple((name, by_index[names[name]]) for name in used)
-        made = Authored(expression, operands)
-        return Value(made, values[0].conditions, policy=values[0].policy, is_computed=True)
+        formula = Authored(expression, operands)
+        return Value(formula, values[0].conditions, policy=values[0].policy, is_computed=True)
 
     @staticmethod
     def _operand(value: Value, path: str) -> Operand:
@@ -312,18 +316,18 @@ def look_up(
     for entry in table.entries:
         texts = (entry.jaus, entry.ros) if to_ros else (entry.ros, entry.jaus)
         key = _constant(str(texts[0] or ""), value.kind, value.listed, table.name)
-        found = _constant(str(texts[1] or ""), kind, listed, table.name)
+        result = _constant(str(texts[1] or ""), kind, listed, table.name)
         # The first entry of a key counts, so that tables read from top to bottom.
-        pairs.setdefault(literal(key), found)
+        pairs.setdefault(literal(key), result)
     ends = "JAUS to ROS" if to_ros else "ROS to JAUS"
     about = f"Table {table.name}, {ends}."
     annotation = f"dict[{_type(value.kind)}, {_type(kind)}]"
-    items = [f"{text}: {literal(found)}" for text, found in pairs.items()]
+    items = [f"{text}: {literal(output)}" for text, output in pairs.items()]
     name = f"{table.name} to {'ros' if to_ros else 'jaus'}"
     known: tuple[int, ...] = ()
     if kind == INTEGER:
         # With all results known, a limit at the target may prove unnecessary.
-        known = tuple(sorted({int(found.value or 0) for found in pairs.values()}))
+        known = tuple(sorted({int(output.value or 0) for output in pairs.values()}))
     return Table((name, annotation, items, "{}", about), known)
 
 

@@ -77,13 +77,13 @@ class _ListSteps:
         if self._outer.to_ros:
             inner = target.field(path).message_type
             names.append(None if inner is None else self._outer.surroundings.type_name(inner))
-        found: ManyTarget = target.many(path, *names)
-        return found
+        target_list: ManyTarget = target.many(path, *names)
+        return target_list
 
     def add(self) -> None:
         """Adds all statements."""
         self._outer.target.prepare(self._body, self._assignment.target.strip())
-        with self._body.given(self._all_conditions()):
+        with self._body.under(self._all_conditions()):
             items = self._converted()
             items = self._named(items)
             items = self._counted(items)
@@ -99,7 +99,7 @@ class _ListSteps:
     def _converted(self) -> _Items:
         """The elements after the conversions of the list as a whole."""
         first = Read(self._many.place, LIST)
-        made: Expression = first
+        expression: Expression = first
         # Asked without a policy: the values go to a conversion, which limits nothing.
         others = (self._outer.source.value(path, NO_POLICY) for path in self._paths[1:])
         inputs: tuple[Expression, ...] = (first, *(other.expression for other in others))
@@ -108,15 +108,15 @@ class _ListSteps:
             if isinstance(known, User):
                 types = ("Any",) * len(inputs)
                 method = self._outer.surroundings.user_method(conversion.method or "", types, "Any")
-                made = UserCall(method, inputs, LIST)
+                expression = UserCall(method, inputs, LIST)
             elif not known.changes_nothing:
-                made = Convert(known.name, inputs, kind=LIST)
-            inputs = (made,)
+                expression = Convert(known.name, inputs, kind=LIST)
+            inputs = (expression,)
         if len(inputs) > 1:
             raise AssignmentError(f"{self._assignment.source}: several sources need a conversion")
-        found = self._items(made, self._many.counts)
+        items = self._items(expression, self._many.counts)
         # A user may return what is no list of octets, so the short way by a table is closed.
-        return replace(found, is_put_together=isinstance(made, UserCall))
+        return replace(items, is_put_together=isinstance(expression, UserCall))
 
     def _items(self, value: Expression, counts: tuple[float, float]) -> _Items:
         """Elements by a variable, if they do not stand in one anyway."""

@@ -180,9 +180,9 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     source, target = ends if translation.to_ros else ends[::-1]
     name = around.attributes.claim(f"_{owner}_{snake_case(attribute_map.name)}")
     words = (f"{message.jaus_name} ({message.code_text})", full_name(attribute_map.type))
-    given, made = words if translation.to_ros else words[::-1]
+    source_words, target_words = words if translation.to_ros else words[::-1]
     about = printable(attribute_map.documentation or "")
-    text = "\n\n".join(filter(None, [f"{given} to {made}.", about]))
+    text = "\n\n".join(filter(None, [f"{source_words} to {target_words}.", about]))
     # Entered before its statements are made, so that a message within itself finds its method.
     nested = around.nested[key] = NestedTranslation(name, source, target, text)
     body = Body(owner, translation.body.policy)
@@ -221,7 +221,7 @@ def _to_ros(translation: Translation, assignment: bridge.MessageAssignment) -> N
     field: Any = source.carried(assignment.source.strip())  # type: ignore[union-attr]
     message = surroundings.view_of(assignment.map.message)
     method = translation.nested_method(translation, assignment.map)
-    with body.given(field.conditions):
+    with body.under(field.conditions):
         data = field.place
         if field.kind == FORMAT:
             text = f"{field.path} carries no JAUS message"
@@ -241,6 +241,6 @@ def _to_jaus(translation: Translation, assignment: bridge.MessageAssignment) -> 
     target.prepare(body, path)
     value: Value = translation.source.value(assignment.source.strip(), NO_POLICY)
     method = translation.nested_method(translation, assignment.map)
-    with body.given(value.conditions):
+    with body.under(value.conditions):
         payload = Encode(Translate(method, value.expression))
         target.put(body, path, target.carrier(path, payload, body.whole_policy))

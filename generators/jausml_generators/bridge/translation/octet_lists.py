@@ -46,12 +46,12 @@ def octet_limit(step: Each) -> values.Limit | None:
     if not isinstance(only, Write) or not isinstance(only.value, values.Limit):
         return None
     limit = only.value
-    made = limit.value
-    if limit.how != "integer" or limit.drops_field or not isinstance(made, values.Convert):
+    conversion = limit.value
+    if limit.how != "integer" or limit.drops_field or not isinstance(conversion, values.Convert):
         return None
-    (given,) = made.inputs if len(made.inputs) == 1 else (None,)
+    (operand,) = conversion.inputs if len(conversion.inputs) == 1 else (None,)
     # Casts to real change no octet, and the table has the result of each.
-    while isinstance(given, values.Cast):
-        given = given.value
-    is_plain = isinstance(given, values.Read) and given.place.root == step.item
-    return limit if is_plain and not made.arguments and made.near is None else None
+    while isinstance(operand, values.Cast):
+        operand = operand.value
+    is_plain = isinstance(operand, values.Read) and operand.place.root == step.item
+    return limit if is_plain and not conversion.arguments and conversion.near is None else None

@@ -254,19 +254,19 @@ def _end(asked: tuple[ros.MessageType, str, RosStart]) -> RosField:
     owner, elements = begin.owner, list[tuple[Longer, ros.Field]]()
     conditions: list[Condition] = []
     for step in [] if path == "." else path.split("."):
-        found = _STEP.fullmatch(step)
-        if current is None or is_array or found is None:
+        match = _STEP.fullmatch(step)
+        if current is None or is_array or match is None:
             raise PathError(f"'{path}' does not lead to a field of {full_name(message_type)}")
-        field = fields_by_name(current).get(found["name"])
+        field = fields_by_name(current).get(match["name"])
         if field is None:
-            raise PathError(f"{full_name(current)} has no field '{found['name']}' ('{path}')")
-        holder, owner, place = current, place, place.at(found["name"])
-        if found["index"] is not None:
+            raise PathError(f"{full_name(current)} has no field '{match['name']}' ('{path}')")
+        holder, owner, place = current, place, place.at(match["name"])
+        if match["index"] is not None:
             if is_sequence(field):
-                elements.append((Longer(place, int(found["index"])), field))
+                elements.append((Longer(place, int(match["index"])), field))
                 conditions.append(elements[-1][0])
-            place = place.at(int(found["index"]))
-        is_array = field.arrayKind.name != "single" and found["index"] is None
+            place = place.at(int(match["index"]))
+        is_array = field.arrayKind.name != "single" and match["index"] is None
         # Markers that speak of elements ask each element, others ask the field as a whole.
         marks = marks_at(field, is_element=not is_array)
         conditions += markers(marks, field, place, owner)
@@ -305,7 +305,7 @@ def markers(
 
 def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> MarkerOperand:
     """What a name in a marker stands for."""
-    holder, found = field.eContainer(), place
+    holder, operand_place = field.eContainer(), place
     if name != VALUE and isinstance(holder, ros.MessageType):
         end = RosPlace(type=holder).follow(name)
         if not isinstance(end, RosPlace) or end.field is None:
@@ -314,9 +314,9 @@ def _operand(field: ros.Field, place: Place, owner: Place, name: str) -> MarkerO
         steps = [int(part[1:-1]) if part.startswith("[") else part for part in parts]
         if end.is_count:
             return MarkerOperand(owner.at(*steps[:-1]), "")
-        field, found = end.field, owner.at(*steps)
+        field, operand_place = end.field, owner.at(*steps)
     return MarkerOperand(
-        found, field.type.name if isinstance(field, ros.PrimitiveField) else "int32"
+        operand_place, field.type.name if isinstance(field, ros.PrimitiveField) else "int32"
     )
 
 

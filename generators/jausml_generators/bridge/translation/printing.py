@@ -96,32 +96,32 @@ class _Printer:
     def __init__(self, names: Scope, locals_: dict[Local, str]) -> None:
         self._names = names
         self._locals = locals_
-        self._made: list[Statement] = []
+        self._statements: list[Statement] = []
 
     # -- steps -----------------------------------------------------------------------------------
 
     def statements(self, steps: Iterable[Step]) -> list[Statement]:
         """Returns the statements of steps."""
-        outer, self._made = self._made, []
+        outer, self._statements = self._statements, []
         for step in steps:
             self._step(step)
-        made, self._made = self._made, outer
-        return made
+        statements, self._statements = self._statements, outer
+        return statements
 
     def _step(self, step: Step) -> None:
         match step:
             case Let(locals=variables, value=value):
                 text = self.text(value)
-                self._made.append(Assign(", ".join(map(self._claim, variables)), text))
+                self._statements.append(Assign(", ".join(map(self._claim, variables)), text))
             case Write():
                 self._write(step)
             case Keep(name=name, value=value):
-                self._made.append(Assign(f"self.{name}", self.text(value)))
+                self._statements.append(Assign(f"self.{name}", self.text(value)))
             case Append(place=place, value=value):
-                self._made.append(Do(call(f"{self.place(place)}.append", self.text(value))))
+                self._statements.append(Do(call(f"{self.place(place)}.append", self.text(value))))
             case Require(condition=condition, error=error, texts=texts):
                 refusal = Raise(call(error, *map(python_string, texts)))
-                self._made.append(If(self.fails(condition), (refusal,)))
+                self._statements.append(If(self.fails(condition), (refusal,)))
             case Choose(conditions=alternatives, steps=inner):
                 self._choose(" or ".join(map(self._all, alternatives)), inner)
             case WhereKept(name=name, steps=inner):
@@ -130,14 +130,14 @@ class _Printer:
                 self._each(step)
 
     def _choose(self, test: str, steps: Sequence[Step]) -> None:
-        self._made.append(If(test, tuple(self.statements(steps))))
+        self._statements.append(If(test, tuple(self.statements(steps))))
 
     def _write(self, step: Write) -> None:
         place, text = self.place(step.place), self.text(step.value)
         if step.value.kind in {values.QUATERNION, values.TIME}:
-            self._made.append(Do(call(f"set_{step.value.kind}", place, text)))
+            self._statements.append(Do(call(f"set_{step.value.kind}", place, text)))
         else:
-            self._made.append(Assign(place, text, step.remark))
+            self._statements.append(Assign(place, text, step.remark))
 
     def _claim(self, local: Local) -> str:
         if local not in self._locals:
@@ -149,7 +149,7 @@ class _Printer:
     def _each(self, step: Each) -> None:
         limit = octet_limit(step)
         if limit is not None:
-            self._made.append(Assign(self.place(step.place), self._octets(step, limit)))
+            self._statements.append(Assign(self.place(step.place), self._octets(step, limit)))
             return
         items = self.text(step.items)
         item, index = self._claim(step.item), self._claim(step.index)
@@ -158,15 +158,17 @@ class _Printer:
         place = self.place(step.place)
         element = self._single(step)
         if element is not None:
-            made = f"[{element} for {variables} in {through}]"
-            self._made.append(Assign(place, call("list", through) if element == item else made))
+            comprehension = f"[{element} for {variables} in {through}]"
+            self._statements.append(
+                Assign(place, call("list", through) if element == item else comprehension)
+            )
             return
         self._loop(step, variables, through, place)
 
     def _octets(self, step: Each, limit: Limit) -> str:
         """Elements that are octets, by a conversion of the octet alone."""
-        made = limit.value
-        name = made.name if isinstance(made, values.Convert) else ""
+        conversion = limit.value
+        name = conversion.name if isinstance(conversion, values.Convert) else ""
         record = [step.octets.record] if step.octets and step.octets.record else []
         return call(
             "octets.each",
@@ -193,7 +195,7 @@ class _Printer:
         # On trial: a comprehension has no room for a statement that the element needs before.
         trial = _Printer(self._names.copy(), dict(self._locals))
         text = trial.text(value)
-        return None if trial._made else text
+        return None if trial._statements else text
 
     def _loop(self, step: Each, variables: str, through: str, place: str) -> None:
         element = self._claim(step.element)
@@ -205,11 +207,11 @@ class _Printer:
         if step.is_fresh and step.is_replaced:
             filled = self._names.claim("elements")
         if step.is_fresh:
-            self._made.append(Assign(filled, "[]"))
+            self._statements.append(Assign(filled, "[]"))
         body.append(Do(call(f"{filled}.append", element)))
-        self._made.append(For(variables, through, tuple(body)))
+        self._statements.append(For(variables, through, tuple(body)))
         if filled != place:
-            self._made.append(Assign(place, filled))
+            self._statements.append(Assign(place, filled))
 
     # -- places and conditions -------------------------------------------------------------------
 
@@ -252,11 +254,11 @@ class _Printer:
             case places.AsLongAs(names=names):
                 return f"len({at}) >= len({names})", f"len({at}) < len({names})"
             case places.HasValue(marker=marker, operands=operands):
-                given = {
+                operand_texts = {
                     name: self.text(values.marker_value(operand)) for name, operand in operands
                 }
-                holds = python_condition(condition.condition, given, is_joined=is_joined)
-                return holds, python_condition(marker, given)
+                holds = python_condition(condition.condition, operand_texts, is_joined=is_joined)
+                return holds, python_condition(marker, operand_texts)
 
     # -- expressions -----------------------------------------------------------------------------
 
@@ -297,8 +299,8 @@ class _Printer:
                 return call(name, *(f"*{text}" if is_spread else text for text in texts))
             case values.NewList():
                 return "[]"
-            case values.IfKept(kept=kept, made=made):
-                return f"None if {self.text(kept)} is None else {self.text(made)}"
+            case values.IfKept(kept=kept, made=value):
+                return f"None if {self.text(kept)} is None else {self.text(value)}"
             case values.Translate(method=method, message=message):
                 return call(f"self.{method}", self.text(message))
             case values.Decode(class_name=name, data=data):
@@ -307,8 +309,8 @@ class _Printer:
                 return call(f"{self.text(message)}.encode")
             case values.ByName(names=names, keys=keys, items=items, needed=needed, owner=owner):
                 function = f"self.{owner}.by_name" if owner else "by_name"
-                given = [names, self.text(keys), self.text(items)]
-                return call(function, *given, *([python_string(needed)] if needed else []))
+                arguments = [names, self.text(keys), self.text(items)]
+                return call(function, *arguments, *([python_string(needed)] if needed else []))
             case values.FirstOf(items=items, names=names):
                 return f"{self.text(items)}[: len({names})]"
             case values.NamesOf(names=names, items=place):
@@ -324,8 +326,8 @@ class _Printer:
 
     def _limit(self, value: Limit) -> str:
         function = ".".join(filter(None, ["self", value.owner, value.policy, value.how]))
-        given = [python_string(value.path), self.text(value.value)]
-        return call(function, *given, *map(self.text, value.bounds))
+        arguments = [python_string(value.path), self.text(value.value)]
+        return call(function, *arguments, *map(self.text, value.bounds))
 
     def _authored(self, value: values.Authored) -> str:
         names = dict(value.operands)
@@ -339,8 +341,8 @@ class _Printer:
             is_plain = times[id(operand)] == 1 or not operand.is_computed
             if len(text) > _SHORT or not is_plain:
                 local = self._names.claim(operand.hint)
-                self._made.append(Assign(local, text))
+                self._statements.append(Assign(local, text))
                 text = local
             texts[id(operand)] = text
         sources = {name: texts[id(operand)] for name, operand in names.items()}
-        return FormulaPrinter(self._made, self._names, sources).code(value.expression)
+        return FormulaPrinter(self._statements, self._names, sources).code(value.expression)

@@ -103,37 +103,37 @@ class JausSource:
         if self.top is None and name in self.joins:
             root, joined = self.joins[name]
             start = JausStart(root, names=self.start.names)
-            found = jaus_field(joined, rest or ".", start)
-            conditions = (There(Place(root)), *found.conditions)
-            return replace(found, path=f"{name}.{found.path}", conditions=conditions)
-        found = jaus_field(self.message, path, self.start)
-        return replace(found, conditions=(*self.conditions, *found.conditions))
+            end = jaus_field(joined, rest or ".", start)
+            conditions = (There(Place(root)), *end.conditions)
+            return replace(end, path=f"{name}.{end.path}", conditions=conditions)
+        end = jaus_field(self.message, path, self.start)
+        return replace(end, conditions=(*self.conditions, *end.conditions))
 
     def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path."""
         try:
             # A path may name a counter of the loop, but a field of that name comes first.
-            found = self.field(path)
+            end = self.field(path)
         except PathError:
             counter = self.counters.value(path, policy) or _count(self, path, policy)
             if counter is None:
                 raise
             return counter
-        limits = found.brought if found.kind == INTEGER else found.limits
-        value: Expression = Read(found.value, REAL if found.is_float else found.kind)
-        if found.is_float and not found.is_scaled:
+        limits = end.brought if end.kind == INTEGER else end.limits
+        value: Expression = Read(end.value, REAL if end.is_float else end.kind)
+        if end.is_float and not end.is_scaled:
             # The codec hands on what a peer sends; only here is it known what becomes of the rest.
-            value = real(policy, value, found.path, found.limits)
-        listed = tuple((name, str(number)) for name, number in found.listed)
-        return Value(value, found.conditions, found.units, limits, policy, listed)
+            value = real(policy, value, end.path, end.limits)
+        listed = tuple((name, str(number)) for name, number in end.listed)
+        return Value(value, end.conditions, end.units, limits, policy, listed)
 
     def many(self, path: str) -> Many:
         """Returns the list at the end of a path."""
-        found = self.field(path)
-        if found.kind != LIST:
-            raise PathError(f"'{found.path}' is no list")
-        start = JausStart("", found.element, found.path, self.start.names)
-        return Many(found.place, found.path, found.conditions, start, found.limits)
+        end = self.field(path)
+        if end.kind != LIST:
+            raise PathError(f"'{end.path}' is no list")
+        start = JausStart("", end.element, end.path, self.start.names)
+        return Many(end.place, end.path, end.conditions, start, end.limits)
 
     def element(
         self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]
@@ -144,10 +144,10 @@ class JausSource:
 
     def carried(self, path: str) -> JausField:
         """Returns the field that carries a message."""
-        found = self.field(path)
-        if found.kind not in {FORMAT, OCTETS}:
-            raise PathError(f"'{found.path}' carries no message")
-        return found
+        end = self.field(path)
+        if end.kind not in {FORMAT, OCTETS}:
+            raise PathError(f"'{end.path}' carries no message")
+        return end
 
 
 @dataclass(frozen=True)
@@ -177,31 +177,31 @@ class RosSource:
         name, _, rest = path.partition(".")
         if self.top is None and name in self.joins:
             root, joined = self.joins[name]
-            found = ros_field(joined, rest or ".", RosStart(root, joined, label=name))
-            return found, (There(Place(root)), *found.conditions)
-        found = ros_field(self.type, path, self.start)
-        return found, (*self.conditions, *found.conditions)
+            end = ros_field(joined, rest or ".", RosStart(root, joined, label=name))
+            return end, (There(Place(root)), *end.conditions)
+        end = ros_field(self.type, path, self.start)
+        return end, (*self.conditions, *end.conditions)
 
     def value(self, path: str, policy: Policy) -> Value:
         """Returns the value at the end of a path."""
         try:
-            found, conditions = self._field(path)
+            end, conditions = self._field(path)
         except PathError:
             counter = self.counters.value(path, policy) or _count(self, path, policy)
             if counter is None:
                 raise
             return counter
-        limits = None if found.is_array else INTEGER_RANGES.get(found.type)
-        value = Read(found.place, ros_kind(found))
-        return Value(value, conditions, limits=limits, policy=policy, listed=found.constants)
+        limits = None if end.is_array else INTEGER_RANGES.get(end.type)
+        value = Read(end.place, ros_kind(end))
+        return Value(value, conditions, limits=limits, policy=policy, listed=end.constants)
 
     def many(self, path: str) -> Many:
         """Returns the array at the end of a path."""
-        found, conditions = self._field(path)
-        if not found.is_array:
-            raise PathError(f"'{found.path}' is no array")
-        start = RosStart("", found.message_type, found.field, found.path, found.owner)
-        return Many(found.place, found.path, conditions, start, found.counts or (0, MANY))
+        end, conditions = self._field(path)
+        if not end.is_array:
+            raise PathError(f"'{end.path}' is no array")
+        start = RosStart("", end.message_type, end.field, end.path, end.owner)
+        return Many(end.place, end.path, conditions, start, end.counts or (0, MANY))
 
     def element(
         self, many: Many, root: Local, counters: Counters, conditions: tuple[Way, ...]

@@ -212,17 +212,17 @@ class Body:
         del self._required[known:]
 
     @contextmanager
-    def given(self, ways: Sequence[Way]) -> Iterator[None]:
+    def under(self, requirements: Sequence[Way]) -> Iterator[None]:
         """Puts what is added meanwhile under the condition that values are there."""
-        wanted = [requirement for requirement in ways if requirement not in self._required]
+        wanted = [requirement for requirement in requirements if requirement not in self._required]
         first = next(
             (at for at, requirement in enumerate(wanted) if isinstance(requirement, Named)), None
         )
         # Conditions before the variable stand around it, those behind it may use the variable.
         if first is not None:
-            with self.given(wanted[:first]):
+            with self.under(wanted[:first]):
                 self._name(wanted[first])
-                with self.given(wanted[first + 1 :]):
+                with self.under(wanted[first + 1 :]):
                     yield
         elif wanted:
             with self.where(conditions(wanted)):
@@ -237,9 +237,9 @@ class Body:
             if step not in self.steps:
                 self.add(step)
 
-    def require(self, ways: Sequence[Way], path: str) -> None:
+    def require(self, requirements: Sequence[Way], path: str) -> None:
         """Adds the refusal of messages that lack a field."""
-        for requirement in ways:
+        for requirement in requirements:
             if requirement in self._required:
                 continue
             self._required.append(requirement)
@@ -249,6 +249,6 @@ class Body:
                 self.add(Require(requirement, "AbsentFieldError", (path,)))
 
 
-def conditions(ways: Sequence[Way]) -> tuple[Condition, ...]:
+def conditions(requirements: Sequence[Way]) -> tuple[Condition, ...]:
     """Returns the conditions alone."""
-    return tuple(condition for condition in ways if not isinstance(condition, Named))
+    return tuple(condition for condition in requirements if not isinstance(condition, Named))

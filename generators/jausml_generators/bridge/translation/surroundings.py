@@ -165,8 +165,8 @@ class Surroundings:
         """Returns the attribute of a quantity, whose value a parameter may change."""
         key = self._quantity_key(quantity)
         if key not in self.quantities:
-            found = self.overrides.get(quantity.name, quantity)
-            about = found.documentation or quantity.documentation or ""
+            replacement = self.overrides.get(quantity.name, quantity)
+            about = replacement.documentation or quantity.documentation or ""
             name = self.attributes.claim(snake_case(quantity.name))
             self.quantities[key] = QuantityView(name, *key[1:], str(about))
         # Asked by one conversion, it holds for all that use the quantity.
@@ -203,19 +203,19 @@ class Surroundings:
         Returns:
             The values of the maps by names of attributes, of those that are used.
         """
-        found: dict[str, float] = {}
+        values: dict[str, float] = {}
         for quantity in quantities:
             used = self.quantities.get(self._quantity_key(quantity))
             # Where both state the same value, there is nothing to tell the user.
             if used is not None and used.value != quantity.value:
-                found.setdefault(used.name, float(quantity.value))
-        return found
+                values.setdefault(used.name, float(quantity.value))
+        return values
 
     def _quantity_key(self, quantity: bridge.Quantity) -> tuple[str, float, str]:
         """Returns name, value and unit: what is the same in all of them is one attribute."""
-        found = self.overrides.get(quantity.name, quantity)
+        replacement = self.overrides.get(quantity.name, quantity)
         value = value_of(quantity, self.overrides)
-        return str(quantity.name), value, str(quantity.units or found.units or "")
+        return str(quantity.name), value, str(quantity.units or replacement.units or "")
 
     def user_method(self, method: str, inputs: Sequence[str], output: str) -> str:
         """Returns the method of a conversion that the user writes."""

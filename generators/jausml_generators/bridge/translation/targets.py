@@ -83,13 +83,13 @@ class RosTarget:
     Attributes:
         type: The `ros.MessageType` of the message.
         class_of: Gives the name of the class of a type.
-        made: The elements of sequences that were made.
+        created: The elements of sequences that were made.
     """
 
     type: ros.MessageType
     start: RosStart
     class_of: Callable[[ros.MessageType], str]
-    made: set[Place] = field(default_factory=set)
+    created: set[Place] = field(default_factory=set)
 
     def field(self, path: str) -> RosField:
         """Returns the end of a path."""
@@ -109,29 +109,29 @@ class RosTarget:
 
     def prepare(self, body: Body, path: str) -> None:
         """Adds the elements of sequences on the way; all else is there in a new message."""
-        found = self.field(path)
-        for length, sequence in found.elements:
+        end = self.field(path)
+        for length, sequence in end.elements:
             for index in range(length.than + 1):
                 element = length.place.at(index)
-                if element in self.made:
+                if element in self.created:
                     continue
-                self.made.add(element)
+                self.created.add(element)
                 new: Expression
                 if isinstance(sequence, ros.MessageField):
-                    made = New(self.class_of(sequence.messageType))
-                    new = Read(Place(body.local(element.last, made)))
+                    message = New(self.class_of(sequence.messageType))
+                    new = Read(Place(body.local(element.last, message)))
                 else:
                     # An element that is no message has no class: it is the zero of its kind.
-                    kind = ros_kind(found)
+                    kind = ros_kind(end)
                     new = Constant(_ZEROS[kind], kind)
                 body.add(Append(length.place, new))
 
     def fitted(self, path: str, value: Value) -> Expression:
         """Returns a value as the end of a path takes it."""
-        found = self.field(path)
-        if ros_kind(found) in {QUATERNION, TIME} and value.kind == ros_kind(found):
+        end = self.field(path)
+        if ros_kind(end) in {QUATERNION, TIME} and value.kind == ros_kind(end):
             return value.expression
-        return fitted_to_ros(value, found)
+        return fitted_to_ros(value, end)
 
     def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
         """Adds the statement that stores a value that fits."""
@@ -143,8 +143,8 @@ class RosTarget:
 
     def unknown(self, path: str) -> str:
         """Returns what a field takes that has no value; empty for what it has as it is made."""
-        found = self.field(path)
-        return "" if found.is_array or found.field is None else unknown(found.field) or ""
+        end = self.field(path)
+        return "" if end.is_array or end.field is None else unknown(end.field) or ""
 
     def unset(self, taken: Iterable[str]) -> Iterator[str]:
         """Yields the paths of what says that it has no value where no path that is taken leads."""
@@ -153,10 +153,10 @@ class RosTarget:
 
     def unlimited(self, path: str) -> Iterator[HasValue]:
         """Yields what must hold so that a field does not say that nothing limits it."""
-        found = self.field(path)
-        if found.field is not None and not found.is_array:
-            marks = [mark for mark in marks_of(found.field) if mark.is_unlimited]
-            yield from markers(marks, found.field, found.place, found.owner)
+        end = self.field(path)
+        if end.field is not None and not end.is_array:
+            marks = [mark for mark in marks_of(end.field) if mark.is_unlimited]
+            yield from markers(marks, end.field, end.place, end.owner)
 
     def many(self, path: str, type_name: str | None) -> ManyTarget:
         """Returns the array at the end of a path.
@@ -164,21 +164,21 @@ class RosTarget:
         Args:
             type_name: Name of the class of its elements; None when they are no messages.
         """
-        found = self.field(path)
-        if not found.is_array:
-            raise AssignmentError(f"{found.path} is no array")
-        single = replace(found, is_array=False)
+        end = self.field(path)
+        if not end.is_array:
+            raise AssignmentError(f"{end.path} is no array")
+        single = replace(end, is_array=False)
         kind = ros_kind(single)
         new = New(type_name) if type_name else Constant(_ZEROS[kind], kind)
-        counts = found.counts
+        counts = end.counts
         return ManyTarget(
-            found.place,
-            found.path,
+            end.place,
+            end.path,
             counts,
             # ROS fills an array of fixed size with zeros; appending would make it too long.
             fresh=counts is not None and counts[0] > 0,
             new_element=new,
-            start=RosStart("", found.message_type, found.field, found.path, found.owner),
+            start=RosStart("", end.message_type, end.field, end.path, end.owner),
         )
 
     def element(self, many: ManyTarget, root: Local) -> RosTarget:
@@ -213,18 +213,18 @@ class JausTarget:
 
     message: MessageView
     start: JausStart = field(default_factory=lambda: JausStart("target"))
-    made: dict[Place, Local | None] = field(default_factory=dict)
+    created: dict[Place, Local | None] = field(default_factory=dict)
 
     def field(self, path: str) -> JausField:
         """Returns the end of a path."""
-        found = jaus_field(self.message, path, self.start)
-        return replace(found, place=self._named(found.place))
+        end = jaus_field(self.message, path, self.start)
+        return replace(end, place=self._named(end.place))
 
     def _named(self, place: Place) -> Place:
         """A place by the variable of the innermost element of a list on the way to it."""
         # The innermost was made last, and shortens the place the most.
-        for known in reversed(self.made):
-            local = self.made[known]
+        for known in reversed(self.created):
+            local = self.created[known]
             if local is not None and place.is_within(known):
                 return place.named(known, local)
         return place
@@ -244,12 +244,12 @@ class JausTarget:
     def prepare(self, body: Body, path: str) -> None:
         """Adds the statements that make the containers on the way to the end of a path."""
         for place, value in self.field(path).containers:
-            if place in self.made:
+            if place in self.created:
                 continue
             last = place.steps[-1] if place.steps else ""
             if isinstance(last, str):
                 body.add(Write(self._named(place), value))
-                self.made[place] = None
+                self.created[place] = None
                 continue
             # Elements before the wanted one are needed too; they stay as they are made.
             for index in range(last + 1):
@@ -258,44 +258,44 @@ class JausTarget:
     def _append(self, body: Body, place: Place, index: int, value: Expression) -> None:
         """Adds an element to a list, unless it is there."""
         element, appended = place.at(index), self._named(place)
-        if element in self.made:
+        if element in self.created:
             return
-        self.made[element] = None
+        self.created[element] = None
         if isinstance(value, New):
-            local = self.made[element] = body.local_of(element)
+            local = self.created[element] = body.local_of(element)
             body.add(Let((local,), value))
             value = Read(Place(local))
         body.add(Append(appended, value))
 
     def fitted(self, path: str, value: Value) -> Expression:
         """Returns a value as the end of a path takes it."""
-        found = self.field(path)
-        if found.kind == BITS and found.sub_fields != _TIMESTAMP:
-            raise AssignmentError(f"{found.path} is no TimeStamp")
-        return fitted_to_jaus(value, found)
+        end = self.field(path)
+        if end.kind == BITS and end.sub_fields != _TIMESTAMP:
+            raise AssignmentError(f"{end.path} is no TimeStamp")
+        return fitted_to_jaus(value, end)
 
     def put(self, body: Body, path: str, value: Expression, remark: str = "") -> None:
         """Adds the statement that stores a value that fits."""
-        found = self.field(path)
-        if found.index is not None:
-            value = self._alternative(body, found, value)
-        body.add(Write(found.place, value, remark or found.units))
+        end = self.field(path)
+        if end.index is not None:
+            value = self._alternative(body, end, value)
+        body.add(Write(end.place, value, remark or end.units))
 
     @staticmethod
-    def _alternative(body: Body, found: JausField, value: Expression) -> Expression:
+    def _alternative(body: Body, end: JausField, value: Expression) -> Expression:
         """A value as the alternative of a variable field; nothing where it was dropped."""
-        index = number(int(found.index or 0))
+        index = number(int(end.index or 0))
         if not (isinstance(value, Limit) and value.drops_field):
-            return New(found.class_name, (index, value))
+            return New(end.class_name, (index, value))
         # A variable field that holds None would be encoded: the field itself must be None.
         kept = Read(Place(body.local("value", value)), value.kind)
-        return IfKept(kept, New(found.class_name, (index, kept)))
+        return IfKept(kept, New(end.class_name, (index, kept)))
 
     def constant(self, path: str, text: str) -> Value:
         """Returns a text of the model as a value for the end of a path."""
-        found = self.field(path)
-        made = constant(found.kind, text, found.limits, found.path, self.listed(path))
-        return Value(made, limits=found.limits)
+        end = self.field(path)
+        expression = constant(end.kind, text, end.limits, end.path, self.listed(path))
+        return Value(expression, limits=end.limits)
 
     def unknown(self, path: str) -> str:
         """Returns nothing: what has no value is left out."""
@@ -314,11 +314,11 @@ class JausTarget:
 
     def many(self, path: str) -> ManyTarget:
         """Returns the list at the end of a path."""
-        found = self.field(path)
-        if found.kind != LIST:
-            raise AssignmentError(f"{found.path} is no list")
-        fewest, most = int(found.limits[0]), int(found.limits[1])
-        element = found.element
+        end = self.field(path)
+        if end.kind != LIST:
+            raise AssignmentError(f"{end.path} is no list")
+        fewest, most = int(end.limits[0]), int(end.limits[1])
+        element = end.element
         new: Expression | None = None
         if isinstance(element, PartValue | Bits):
             new = New(element.python_type)
@@ -328,13 +328,13 @@ class JausTarget:
         elif isinstance(element, Fixed | Blob):
             new = default_of(element)
         return ManyTarget(
-            found.place,
-            found.path,
+            end.place,
+            end.path,
             (fewest, most),
             # A list that may be absent is None as it is made, and a minimum fills it with elements.
-            fresh=found.is_optional or fewest > 0,
+            fresh=end.is_optional or fewest > 0,
             new_element=new,
-            start=JausStart("", found.element, found.path),
+            start=JausStart("", end.element, end.path),
         )
 
     def element(self, many: ManyTarget, root: Local) -> JausTarget:
@@ -343,12 +343,12 @@ class JausTarget:
 
     def carrier(self, path: str, payload: Expression, policy: Policy) -> Expression:
         """Returns an encoded message as the field that carries it takes it."""
-        found = self.field(path)
-        if found.kind == FORMAT:
-            return New(found.class_name, (number(0), payload))
-        if found.kind == OCTETS:
-            return policy.limit("octets", payload, found.path, found.limits)
-        raise AssignmentError(f"{found.path} carries no message")
+        end = self.field(path)
+        if end.kind == FORMAT:
+            return New(end.class_name, (number(0), payload))
+        if end.kind == OCTETS:
+            return policy.limit("octets", payload, end.path, end.limits)
+        raise AssignmentError(f"{end.path} carries no message")
 
 
 Target: TypeAlias = JausTarget | RosTarget

@@ -110,7 +110,7 @@ class SharedTranslations:
         self._uses = uses
         self._shared: dict[object, _Shared] = {}
 
-    def made(self, key: object, asked: _Asked) -> _Made:
+    def translation(self, key: object, asked: _Asked) -> _Made:
         """Returns a translation."""
         if key not in self._shared:
             # The very collections of the bridge, no copies: what is made here counts for all of it.
@@ -181,15 +181,15 @@ class AlikeMaps:
         if kind not in self._features:
             features = kind.eAllStructuralFeatures()
             self._features[kind] = [(e.name, e.many) for e in features if e.name not in without]
-        found: list[Hashable] = [kind]
+        key_parts: list[Hashable] = [kind]
         for name, is_many in self._features[kind]:
             # Names of frames are parameters, so maps that differ in nothing else share their code.
             if name == "value" and element in self._frames:
                 continue
             value = getattr(element, name)
             said = [self._said(element, item) for item in (value if is_many else [value])]
-            found.append(tuple(said))
-        return tuple(found)
+            key_parts.append(tuple(said))
+        return tuple(key_parts)
 
     def _said(self, owner: EObject, value: Hashable) -> Hashable:
         """Returns what a value says; an element that is only referred to stands for itself."""
@@ -332,11 +332,11 @@ def _translated_call(
     request, response = map(ros_classes.name_of, calls.types(connection))
     halves = {}
     for half in calls.halves(connection):
-        made = calls.as_connection(connection, half)
+        half_connection = calls.as_connection(connection, half)
         own = around.uses.attributes.claim(f"{name}_{half.kind}")
         ros_name = ros_classes.name_of(half.map.type)
-        translated = _translated(made, own, ros_name, around)
-        halves[half.kind] = (made, translated)
+        translated = _translated(half_connection, own, ros_name, around)
+        halves[half.kind] = (half_connection, translated)
     return TranslatedCall(name, request, response, halves)
 
 
@@ -392,19 +392,21 @@ def _translated(
     alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
     if any(attribute_map is not used for attribute_map in used_maps(used, to_ros=is_to_ros)):
         # Each connection has its own methods for the messages inside its message.
-        made = asked.alone(uses)
+        translation = asked.alone(uses)
     else:
-        made = around.shared.made(alike, asked)
+        translation = around.shared.translation(alike, asked)
     safe_lines: tuple[str, ...] = ()
     # Lists and calls, which are in no model as connections, end in ways of their own.
     if connection.eContainer() is not None and has_stop(connection):
         stopped = stop(connection, message, name, ros_name, uses)
         safe_lines = _returned(printed(stopped.steps))
-    return Translated(name, ros_name, joins, made.lines, safe_lines, alike, made.compiled)
+    return Translated(
+        name, ros_name, joins, translation.lines, safe_lines, alike, translation.compiled
+    )
 
 
 def _returned(lines: Sequence[str]) -> tuple[str, ...]:
     """Returns statements that make `target` as ones that return it, unnamed if nothing is set."""
     *before, last = lines
-    made = last.removeprefix("target = ")
-    return (*lines, "return target") if made == last else (*before, f"return {made}")
+    value = last.removeprefix("target = ")
+    return (*lines, "return target") if value == last else (*before, f"return {value}")

@@ -264,31 +264,38 @@ class Translation(ABC):
         if policy == "useDefault" and len(values) > 1:
             self._field_of_some(assignment)
             return
-        ways = joined(condition for value in values for condition in value.conditions)
-        chosen = self._chosen(assignment, values, ways) if policy == "useDefault" else None
+        requirements = joined(condition for value in values for condition in value.conditions)
+        chosen = self._chosen(assignment, values, requirements) if policy == "useDefault" else None
         if chosen is not None:
             self._put(assignment, [chosen])
             return
-        if ways:
+        if requirements:
             self._store_absent(assignment, policy)
-        if policy == "lastValue" and ways:
-            self._field_with_memory(assignment, values, ways)
+        if policy == "lastValue" and requirements:
+            self._field_with_memory(assignment, values, requirements)
             return
-        with self.body.given(ways):
+        with self.body.under(requirements):
             self._store(assignment, values)
 
     def _chosen(
-        self, assignment: bridge.FieldAssignment, values: Sequence[Value], ways: Sequence[Way]
+        self,
+        assignment: bridge.FieldAssignment,
+        values: Sequence[Value],
+        requirements: Sequence[Way],
     ) -> Value | None:
         """Returns one value for both cases, so that a list is translated as a whole.
 
         Returns:
             None where a conversion could refuse what a marker stands for, and outside of lists.
         """
-        is_element = self.source.top is not None and bool(ways) and all(map(_is_marker, ways))
+        is_element = (
+            self.source.top is not None
+            and bool(requirements)
+            and all(map(_is_marker, requirements))
+        )
         if not is_element or not all(map(_is_total, assignment.conversions)):
             return None
-        marks = [way for way in ways if isinstance(way, HasValue)]
+        marks = [way for way in requirements if isinstance(way, HasValue)]
         asked = dict(operand for mark in marks for operand in mark.operands)
         is_clear = all(
             asked[name] == marker_operand
@@ -308,11 +315,11 @@ class Translation(ABC):
             (name, marker_value(marker_operand)) for name, marker_operand in asked.items()
         )
         operands[_RESULT] = value.expression
-        given = tuple(
+        named_operands = tuple(
             (name, Operand(operand_value, name, is_computed=False))
             for name, operand_value in operands.items()
         )
-        return replace(value, expression=Authored(expression, given), is_computed=True)
+        return replace(value, expression=Authored(expression, named_operands), is_computed=True)
 
     def _store_absent(self, assignment: bridge.FieldAssignment, policy: str) -> None:
         """Gives the targets what they have unless the sources are there."""
@@ -349,7 +356,7 @@ class Translation(ABC):
         self,
         assignment: bridge.FieldAssignment,
         values: Sequence[Value],
-        ways: Sequence[Way],
+        requirements: Sequence[Way],
     ) -> None:
         """Keeps what the last message with the sources gave, and stores that."""
         targets = paths_of(assignment.target)
@@ -363,7 +370,7 @@ class Translation(ABC):
             )
             for path in targets
         ]
-        with self.body.given(ways):
+        with self.body.under(requirements):
             for path, setting, value in zip(
                 targets, kept, self.results_of(assignment, values), strict=True
             ):
@@ -400,9 +407,9 @@ class Translation(ABC):
         placed = place(self.map, assignment, to_ros=self.to_ros)
         if placed is None:
             raise AssignmentError(f"{assignment.target}: its map does not have it")
-        given = getattr(result_measure(placed), "text", "")
-        wanted = [attribute_measure(found) for _, found in placed.targets]
-        return f"{given} to {next(measure.text for measure in wanted if measure is not None)}"
+        source_unit = getattr(result_measure(placed), "text", "")
+        wanted = [attribute_measure(attribute) for _, attribute in placed.targets]
+        return f"{source_unit} to {next(measure.text for measure in wanted if measure is not None)}"
 
 
 def _hint(value: Expression) -> str:

@@ -180,11 +180,11 @@ def fitted_to_jaus(value: Value, target: JausField) -> Expression:
         policy = value.policy.of_identifiers if target.is_identifier else value.policy
         return _integer(value, policy, target.path, target.limits)
     if target.kind == REAL and value.kind in NUMBERS:
-        given = value.expression if value.kind == REAL else Cast(value.expression, REAL)
+        expression = value.expression if value.kind == REAL else Cast(value.expression, REAL)
         # Limits of the source that lie within those of the target make a check needless.
         if value.limits is None or not _within(value.limits, target.limits):
-            return real(value.policy, given, target.path, target.limits)
-        return given
+            return real(value.policy, expression, target.path, target.limits)
+        return expression
     if target.kind == BITS and value.kind == BITS:
         return New(target.class_name, (value.expression,), is_spread=True)
     if target.kind == value.kind == TEXT:
@@ -255,14 +255,14 @@ def constant(
     text = dict(reversed(listed)).get(text, text)
     if kind in {REAL, INTEGER}:
         try:
-            found = float(text) if kind == REAL else int(text, 0)
+            value = float(text) if kind == REAL else int(text, 0)
         except ValueError as error:
             raise AssignmentError(f"{text!a} is no number ({place})") from error
         # Some ROS fields say by NaN that a value is unknown; where there is a range, none does.
-        is_unknown = math.isnan(found) and limits == UNLIMITED
-        if not limits[0] <= found <= limits[1] and not is_unknown:
+        is_unknown = math.isnan(value) and limits == UNLIMITED
+        if not limits[0] <= value <= limits[1] and not is_unknown:
             raise AssignmentError(f"{text!a} is out of the range of {place}")
-        return Constant(found, kind)
+        return Constant(value, kind)
     if kind == BOOLEAN and text in {"true", "false"}:
         return Constant(text == "true", kind)
     if kind == TEXT:
@@ -274,5 +274,5 @@ def ros_constant(target: RosField, text: str) -> Value:
     """Returns a constant as the type of a ROS field needs it."""
     kind = ros_kind(target)
     limits = INTEGER_RANGES.get(target.type, UNLIMITED)
-    found = constant(kind, text, limits, target.path, target.constants)
-    return Value(found, limits=limits)
+    value = constant(kind, text, limits, target.path, target.constants)
+    return Value(value, limits=limits)

@@ -32,14 +32,14 @@ _LONGEST_EXAMPLE = 16_384  # bytes
 
 def examples(messages: Iterable[MessageView]) -> tuple[str, ...]:
     """Returns tuples of class name and bytes, without those that nobody could read in a test."""
-    found = ((view.class_name, example_bytes(view)) for view in messages)
-    return tuple(_example(*example) for example in found if len(example[1]) <= _LONGEST_EXAMPLE)
+    pairs = ((view.class_name, example_bytes(view)) for view in messages)
+    return tuple(_example(*example) for example in pairs if len(example[1]) <= _LONGEST_EXAMPLE)
 
 
 def numbers(messages: Iterable[MessageView]) -> tuple[str, ...]:
     """Returns tuples of class name and what the scaled fields of the example hold."""
-    found = ((message.class_name, example_numbers(message)) for message in messages)
-    return tuple(_numbers(name, held) for name, held in found if held)
+    pairs = ((message.class_name, example_numbers(message)) for message in messages)
+    return tuple(_numbers(name, held) for name, held in pairs if held)
 
 
 def _numbers(name: str, numbers: Mapping[str, float]) -> str:
@@ -70,15 +70,15 @@ def example_numbers(view: MessageView) -> dict[str, float]:
     Those in lists, variants and inner records are left out.
     """
     examples = _Examples({})
-    found = {}
+    values = {}
     for member in _present(view.body):
         value = member.value
         if isinstance(value, Fixed) and value.scale is not None:
             lower, upper = value.scale
-            found[member.attribute] = lower + (upper - lower) * examples.share()
+            values[member.attribute] = lower + (upper - lower) * examples.share()
         elif not isinstance(value, Fixed | Blob):
             break
-    return found
+    return values
 
 
 def _present(part: ContainerClass) -> list[Member]:

@@ -189,10 +189,12 @@ class _Walk:
             self._unwrap()
 
     def _split(self, step: str) -> tuple[str, list[int]]:
-        found = _INDEXED.fullmatch(step)
-        if found is None or step in self._names():
+        step_match = _INDEXED.fullmatch(step)
+        if step_match is None or step in self._names():
             return step, []
-        return found["name"], [int(match) for match in re.findall("[0-9]+", found["indices"])]
+        return step_match["name"], [
+            int(match) for match in re.findall("[0-9]+", step_match["indices"])
+        ]
 
     def _names(self) -> Container[str]:
         if isinstance(self._at, VariantValue):

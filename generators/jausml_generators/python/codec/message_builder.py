@@ -75,7 +75,7 @@ def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageD
     taken = {*names.WIRE, *runtime_names(), *STANDARD, *names.CONSTANTS}
     scope = names.Scope(frozenset(taken), separator="")
     classes: dict[MessageView, MessageView] = {}
-    found: dict[jaus.MessageDef, MessageView] = {}
+    views_by_element: dict[jaus.MessageDef, MessageView] = {}
     for element in sorted(
         dict.fromkeys(elements), key=lambda e: (int(str(e.code), 16), str(e.name))
     ):
@@ -83,8 +83,8 @@ def build_message_map(elements: Iterable[jaus.MessageDef]) -> dict[jaus.MessageD
         if view not in classes:
             name = scope.claim(view.class_name)
             classes[view] = view if name == view.class_name else _view(element, name)
-        found[element] = classes[view]
-    return found
+        views_by_element[element] = classes[view]
+    return views_by_element
 
 
 class MessageBuilder:
@@ -283,16 +283,16 @@ class MessageBuilder:
             case wire.Integer() | wire.Real() | wire.Scaled():
                 return self._fixed(scalars.number(field.kind))
             case wire.BitField():
-                made = self._scope.bit_field(field, field.kind)
+                bit_field = self._scope.bit_field(field, field.kind)
                 struct_format = field.kind.type.format
                 bits = scalars.Bits(
                     struct_format,
-                    made.path,
+                    bit_field.path,
                     "",
                     "",
                     (),
-                    reader=f"{made.path}.from_integer",
-                    is_stamp=made.is_inherited,
+                    reader=f"{bit_field.path}.from_integer",
+                    is_stamp=bit_field.is_inherited,
                 )
                 return self._fixed(bits)
             case wire.FixedText():

@@ -110,15 +110,15 @@ class MessageView:
         Args:
             path: Names joined by dots, relative to the flattened body, e.g. `TimeStamp.Hour`.
         """
-        found: list[Member | SubField] = []
+        path_members: list[Member | SubField] = []
         members: tuple[Member | SubField, ...] = self.body.members
         for name in path.split("."):
             match = [member for member in members if member.jaus_name == name]
             if not match:
                 return ()
-            found.append(match[0])
+            path_members.append(match[0])
             members = tuple(self._inside(match[0]))
-        return tuple(found)
+        return tuple(path_members)
 
     def _inside(self, member: Member | SubField) -> Iterator[Member | SubField]:
         for item in self.nested:
@@ -146,8 +146,8 @@ class MessagesModule:
     @property
     def structs(self) -> tuple[tuple[str, str], ...]:
         """Names and formats of the module's constants, those of one item first."""
-        found = {pair for message in self.messages for pair in message.structs}
-        return tuple(sorted(found, key=lambda pair: (len(pair[1]), pair[0])))
+        pairs = {pair for message in self.messages for pair in message.structs}
+        return tuple(sorted(pairs, key=lambda pair: (len(pair[1]), pair[0])))
 
     @property
     def is_complex(self) -> bool:
@@ -230,8 +230,8 @@ class MessageScope:
                 name, self.path(name), self.summary(field), subs, is_inherited
             )
             self.classes.append(self.known[key])
-        found: BitFieldClass = self.known[key]
-        return found
+        bit_field_class: BitFieldClass = self.known[key]
+        return bit_field_class
 
     def is_inherited(self, path: str) -> bool:
         """Returns whether the base of the message brings a class."""

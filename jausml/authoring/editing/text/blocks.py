@@ -99,18 +99,18 @@ class Blocks:
 
     def top(self, items: Sequence[Item]) -> list[Item]:
         """Returns the items of the text."""
-        found = self._kept(items)
+        pieces = self._kept(items)
         placed = self.placed
         owner = placed.owner if placed is not None else None
         if placed is not None and owner is not None and owner in self.implied:
             if placed.feature not in IMPLIED_PARTS.get(owner.table.qualified_name, ()):
                 raise self.refusal(owner)
-            self._put_in(found, placed, owner)
-        return list_of(found)
+            self._put_in(pieces, placed, owner)
+        return list_of(pieces)
 
     def _kept(self, items: Iterable[Item]) -> list[Piece]:
         """Returns the pieces of a list, with what changes in them."""
-        found = []
+        pieces = []
         heading: list[str] = []
         for piece in pieces_of(items):
             if id(piece.part) in self.gone:
@@ -118,21 +118,21 @@ class Blocks:
                 heading += heading_of(piece.item)
                 continue
             copy = self.touched.get(id(piece.part))
-            found.append(piece if copy is None else self._merged(piece, copy))
+            pieces.append(piece if copy is None else self._merged(piece, copy))
             if heading:
-                item = found[-1].item
-                found[-1].item = replace(item, comments=[*heading, *item.comments], spaced=True)
+                item = pieces[-1].item
+                pieces[-1].item = replace(item, comments=[*heading, *item.comments], spaced=True)
                 heading = []
-        return found
+        return pieces
 
     def _block(self, items: Iterable[Item], copy: ElementCopy) -> list[Item]:
         """Returns what stands in the block of an element."""
-        found = self._kept(items)
+        pieces = self._kept(items)
         for name, is_said in self.changed.get(copy, {}).items():
-            self._say(found, copy, name, is_said=is_said)
+            self._say(pieces, copy, name, is_said=is_said)
         if self.placed is not None and self.placed.owner is copy:
-            self._put_in(found, self.placed, copy)
-        return list_of(found)
+            self._put_in(pieces, self.placed, copy)
+        return list_of(pieces)
 
     # What changes where it stands
 
@@ -190,18 +190,18 @@ class Blocks:
             return replace(part, target=new.target) if isinstance(new, Ignored) else None
         if not isinstance(new, Assignment):
             return None
-        found = replace(part, items=self._block(part.items, copy))  # type: ignore[arg-type]
+        assignment = replace(part, items=self._block(part.items, copy))  # type: ignore[arg-type]
         if "target" in changed:
-            found.targets = new.targets
+            assignment.targets = new.targets
         if not changed.keys().isdisjoint({"source", "value"}):
-            found.sources = new.sources
+            assignment.sources = new.sources
         owned = copy.owned.get("conversions", ())
         if not self._has_blocks(copy):
             if len(new.conversions) < len(owned):
                 return None
             pairs = zip(owned, new.conversions, strict=True)
-            found.conversions = [self._call(conversion, call) for conversion, call in pairs]
-        return found
+            assignment.conversions = [self._call(conversion, call) for conversion, call in pairs]
+        return assignment
 
     def _call(self, copy: ElementCopy, new: Call) -> Call:
         part = self.part(copy)
@@ -218,38 +218,38 @@ class Blocks:
         new, changed = self._writer.item(copy, around), self.changed.get(copy, {})
         if type(new) is not type(part):
             return None
-        found = replace(part)
+        merged_part = replace(part)
         if isinstance(new, Table | Vector) and "name" in changed:
-            found.name = new.name
-        if isinstance(found, Vector) and isinstance(new, Vector):
-            found.to_ros = new.to_ros
-            found.given = self._entries(copy, "given", new.given)
-            found.expected = self._entries(copy, "expected", new.expected)
-        elif isinstance(found, Table) and isinstance(new, Table):
-            found.entries = self._entries(copy, "entries", new.entries)
-        return found
+            merged_part.name = new.name
+        if isinstance(merged_part, Vector) and isinstance(new, Vector):
+            merged_part.to_ros = new.to_ros
+            merged_part.given = self._entries(copy, "given", new.given)
+            merged_part.expected = self._entries(copy, "expected", new.expected)
+        elif isinstance(merged_part, Table) and isinstance(new, Table):
+            merged_part.entries = self._entries(copy, "entries", new.entries)
+        return merged_part
 
     def _entries(self, copy: ElementCopy, feature: str, new: Sequence[Item]) -> list[Any]:
-        found = []
+        entries = []
         for value_copy, item in zip(copy.owned.get(feature, ()), new, strict=True):
             part = self.part(value_copy)
             if not isinstance(part, Entry | VectorEntry):
-                found.append(item)
+                entries.append(item)
                 continue
             merged = replace(part)
             for name in self.changed.get(value_copy, ()):
                 setattr(merged, name, getattr(item, name))
-            found.append(merged)
-        return found
+            entries.append(merged)
+        return entries
 
     # Values of features
 
-    def _say(self, found: list[Piece], copy: ElementCopy, name: str, *, is_said: bool) -> None:
+    def _say(self, pieces: list[Piece], copy: ElementCopy, name: str, *, is_said: bool) -> None:
         """Has a block say what a feature has now."""
         is_assignment = isinstance(self.part(copy), Assignment)
         if is_assignment and name in _BY_ARROW:
             return
-        old = [piece for piece in found if _is_of(piece.item, name, copy.table)]
+        old = [piece for piece in pieces if _is_of(piece.item, name, copy.table)]
         if name in IN_THE_HEAD and not old:
             text = next(iter(copy.values.get(name, ())), None)
             is_sayable = is_name(text) if name == "name" else is_comment(text)
@@ -258,30 +258,30 @@ class Blocks:
         if old and item is not None:
             old[0].item = in_place_of(old[0].item, item)
         elif item is not None:
-            self._insert(found, Piece(item), copy, rank_of(item, copy.table, {}))
+            self._insert(pieces, Piece(item), copy, rank_of(item, copy.table, {}))
         kept = old[:1] if item is not None else []
-        found[:] = [piece for piece in found if piece in kept or piece not in old]
+        pieces[:] = [piece for piece in pieces if piece in kept or piece not in old]
 
     def _said(self, copy: ElementCopy, name: str, old: Sequence[Piece]) -> Item:
         is_end = copy.table.qualified_name == MAP and name in _ENDS
         if is_end and not (old and isinstance(old[0].item, Feature)):
             feature = copy.table.features[name]
-            made = self._writer.made(copy, is_whole=False)
-            type_ = self._names.name(cast("EObject", copy.obj), getattr(made, name), feature)
+            element = self._writer.detached_element(copy, is_whole=False)
+            type_ = self._names.name(cast("EObject", copy.obj), getattr(element, name), feature)
             if isinstance(type_, Name):
                 return End(_ENDS[name], type_, None)
         return self._writer.feature(copy, name)
 
     # What comes new, or comes from elsewhere
 
-    def _put_in(self, found: list[Piece], copy: ElementCopy, owner: ElementCopy) -> None:
+    def _put_in(self, pieces: list[Piece], copy: ElementCopy, owner: ElementCopy) -> None:
         """Puts an element where its siblings say."""
         around = self.part(owner)
         is_conversion = isinstance(around, Assignment) and copy.feature == "conversions"
         if is_conversion and not self._has_blocks(owner):
             return  # it stands behind the arrow
         piece = self._coming(copy, owner)
-        places = {id(present.part): at for at, present in enumerate(found)}
+        places = {id(present.part): at for at, present in enumerate(pieces)}
         earlier, later = (
             [places[at] for sibling in some if (at := id(self.part(sibling))) in places]
             for some in copy.siblings
@@ -290,27 +290,27 @@ class Blocks:
         is_arrow = is_way and isinstance(piece.item, Assignment | Ignored)
         before, behind = next(reversed(earlier), None), next(iter(later), None)
         if is_arrow:
-            self._put_arrow(found, piece, copy, before, behind)
+            self._put_arrow(pieces, piece, copy, before, behind)
             return
         near = before if before is not None else behind
         if isinstance(piece.item, Feature) and near is not None:
-            origin = found[near].origin
+            origin = pieces[near].origin
             is_alike = isinstance(origin, Feature) and origin.name.text == piece.item.name.text
             piece.origin = origin if is_alike else None
         if before is not None:
-            self._insert_at(found, before + 1, piece, is_top=around is None)
+            self._insert_at(pieces, before + 1, piece, is_top=around is None)
         elif behind is not None:
             # Before the head of a direction, not between it and its first arrow.
-            at = behind - isinstance(found[behind].origin, Direction)
-            self._insert_at(found, at, piece, is_top=around is None)
+            at = behind - isinstance(pieces[behind].origin, Direction)
+            self._insert_at(pieces, at, piece, is_top=around is None)
         elif around is None:
-            self._insert_at(found, len(found), piece, is_top=True)
+            self._insert_at(pieces, len(pieces), piece, is_top=True)
         else:
-            self._insert(found, piece, owner, rank(owner.table, copy.feature))
+            self._insert(pieces, piece, owner, rank(owner.table, copy.feature))
 
     def _put_arrow(
         self,
-        found: list[Piece],
+        pieces: list[Piece],
         piece: Piece,
         copy: ElementCopy,
         before: int | None,
@@ -320,21 +320,21 @@ class Blocks:
         to_ros = copy.feature == "toRos"
         piece.item = replace(piece.item, spaced=False)
         for near, step in ((before, 1), (behind, 0)):
-            if near is not None and isinstance(found[near].origin, Direction):
-                piece.origin = found[near].origin
-                found.insert(near + step, piece)
+            if near is not None and isinstance(pieces[near].origin, Direction):
+                piece.origin = pieces[near].origin
+                pieces.insert(near + step, piece)
                 return
         piece.origin = Direction(to_ros)
         if before is not None or behind is not None:
-            found.insert(before + 1 if before is not None else cast("int", behind), piece)
+            pieces.insert(before + 1 if before is not None else cast("int", behind), piece)
             return
-        for at, present in enumerate(found):
+        for at, present in enumerate(pieces):
             if isinstance(present.item, Direction) and present.item.to_ros == to_ros:
                 piece.origin = present.item
-                found.insert(at + 1, piece)
+                pieces.insert(at + 1, piece)
                 return
         owner = cast("ElementCopy", copy.owner)
-        self._insert(found, piece, owner, rank(owner.table, copy.feature))
+        self._insert(pieces, piece, owner, rank(owner.table, copy.feature))
 
     def _coming(self, copy: ElementCopy, owner: ElementCopy) -> Piece:
         """Returns an element as it is written in an owner, with the comments that it has."""
@@ -353,27 +353,28 @@ class Blocks:
             return Piece(old.item, part)
         return Piece(in_place_of(old.item, self._writer.item(copy, around)), part)
 
-    def _insert(self, found: list[Piece], piece: Piece, owner: ElementCopy, wanted: int) -> None:
+    def _insert(self, pieces: list[Piece], piece: Piece, owner: ElementCopy, wanted: int) -> None:
         """Puts a piece behind the last that does not come after it by the metamodel."""
         owned = {id(self.part(e)): e.feature for some in owner.owned.values() for e in some}
-        ranks = (rank_of(present.item, owner.table, owned, present.part) for present in found)
+        ranks = (rank_of(present.item, owner.table, owned, present.part) for present in pieces)
         at = max((i + 1 for i, rank in enumerate(ranks) if rank <= wanted), default=0)
-        self._insert_at(found, at, piece, is_top=False)
+        self._insert_at(pieces, at, piece, is_top=False)
 
-    def _insert_at(self, found: list[Piece], at: int, piece: Piece, *, is_top: bool) -> None:
+    def _insert_at(self, pieces: list[Piece], at: int, piece: Piece, *, is_top: bool) -> None:
         before = [
-            present.origin if present.origin is not None else present.item for present in found[:at]
+            present.origin if present.origin is not None else present.item
+            for present in pieces[:at]
         ]
         if is_top:
             piece.item.spaced = bool(at)
         else:
             set_apart(before, piece.item)
-        if at == 0 and found:
-            behind = replace(found[0].item)
+        if at == 0 and pieces:
+            behind = replace(pieces[0].item)
             set_apart([piece.item], behind)
             behind.spaced |= is_top
-            found[0].item = behind
-        found.insert(at, piece)
+            pieces[0].item = behind
+        pieces.insert(at, piece)
 
 
 def _says(part: Item, name: str) -> bool:

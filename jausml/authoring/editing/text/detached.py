@@ -30,7 +30,7 @@ def detached(
     `find`: returns the element of the model that a reference means. `is_whole`: with all that it
     owns.
     """
-    made: Any = new_object(copy.table)
+    element: Any = new_object(copy.table)
     features = copy.table.features
     for name, texts in copy.values.items():
         feature = features[name]
@@ -39,37 +39,37 @@ def detached(
         if not feature.settable:
             continue
         if feature.many:
-            set_values(made, feature, values)
+            set_values(element, feature, values)
         elif values:
-            set_value(made, feature, values[0])
+            set_value(element, feature, values[0])
     for name, targets in copy.references.items():
         if features[name].settable:
             for target in targets:
                 # Not linked: elements of the model must not refer back to one that is thrown away.
-                point(made, features[name], find(target))
+                point(element, features[name], find(target))
     for name, owned in copy.owned.items() if is_whole else ():
         for owned_copy in owned:
-            link(made, features[name], detached(owned_copy, find))
-    return made  # type: ignore[no-any-return]
+            link(element, features[name], detached(owned_copy, find))
+    return element  # type: ignore[no-any-return]
 
 
-def settle_new(made: EObject, copy: ElementCopy) -> None:
+def settle_new(new_element: EObject, copy: ElementCopy) -> None:
     """Gives new connections the way that follows from all else, where a command leaves it open.
 
     So the text leaves it open too.
     """
-    if isinstance(made, bridge.Connection) and copy.open:
+    if isinstance(new_element, bridge.Connection) and copy.open:
         stated = [
-            None if feature_name in copy.open else getattr(made, feature_name).name
+            None if feature_name in copy.open else getattr(new_element, feature_name).name
             for feature_name in FEATURES
         ]
-        inferred = infer(made, *stated)
+        inferred = infer(new_element, *stated)
         for name in FEATURES:
             feature = copy.table.features[name]
             literals = cast("DataTypeTable", feature.data_type).literals
-            set_value(made, feature, literals[getattr(inferred, name)])
+            set_value(new_element, feature, literals[getattr(inferred, name)])
     for name, owned in copy.owned.items():
-        elements = getattr(made, name)
+        elements = getattr(new_element, name)
         for element, inner in zip(
             elements if copy.table.features[name].many else [elements], owned, strict=True
         ):

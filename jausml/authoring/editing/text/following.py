@@ -79,10 +79,10 @@ def with_words(value: Any, words: Mapping[int, Name | Href]) -> Any:
     if isinstance(value, Name):
         return words.get(id(value.span), value)
     if isinstance(value, list | tuple):
-        found = [with_words(element, words) for element in value]
-        is_same = all(one is other for one, other in zip(value, found, strict=True))
+        elements = [with_words(element, words) for element in value]
+        is_same = all(one is other for one, other in zip(value, elements, strict=True))
         # What stays must be the same object, since spans are known by their ids.
-        return value if is_same else tuple(found) if isinstance(value, tuple) else found
+        return value if is_same else tuple(elements) if isinstance(value, tuple) else elements
     if not isinstance(value, Item | Call):
         return value
     kind: Any = type(value)

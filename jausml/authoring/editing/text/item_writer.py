@@ -32,15 +32,15 @@ class ItemWriter:
         self.maps = MapWriter(self.elements, names, metamodels)
         self.elements.special[MAP] = self.maps.items
 
-    def made(self, copy: ElementCopy, *, is_whole: bool = True) -> EObject:
+    def detached_element(self, copy: ElementCopy, *, is_whole: bool = True) -> EObject:
         """Returns a detached element as it will be; its owner is an element of the model."""
-        made = detached(copy, self.find, is_whole=is_whole)
+        element = detached(copy, self.find, is_whole=is_whole)
         if copy.owner is not None:
             # Names are looked up from the owner, but the owner must not learn of the element.
-            hang(made, self.find(copy.owner), copy.owner.table.features[copy.feature])
+            hang(element, self.find(copy.owner), copy.owner.table.features[copy.feature])
         if copy.obj is None:
-            settle_new(made, copy)
-        return made
+            settle_new(element, copy)
+        return element
 
     def find(self, target: ElementCopy | Ref) -> EObject:
         """Returns the element of the model that a reference means."""
@@ -52,41 +52,43 @@ class ItemWriter:
 
     def arrow(self, copy: ElementCopy) -> Assignment | Ignored | None:
         """Returns an assignment as an arrow, None where no arrow says it."""
-        made = self.made(copy)
-        return self.maps.arrow(made) if isinstance(made, bridge.Assignment) else None
+        element = self.detached_element(copy)
+        return self.maps.arrow(element) if isinstance(element, bridge.Assignment) else None
 
     def call(self, copy: ElementCopy) -> Call | None:
         """Returns a conversion as a call, None where no call says it."""
-        made = self.made(copy)
-        return self.maps.call(made) if isinstance(made, bridge.Conversion) else None
+        element = self.detached_element(copy)
+        return self.maps.call(element) if isinstance(element, bridge.Conversion) else None
 
     def item(self, copy: ElementCopy, around: Part | None) -> Item:
         """Returns an element as it is written in its owner.
 
         `around`: what stands for the owner; in a table, a vector and an arrow less need be said.
         """
-        made, owner = self.made(copy), copy.owner
+        element, owner = self.detached_element(copy), copy.owner
         if owner is None:
-            return self.elements.root(made)
+            return self.elements.root(element)
         feature = owner.table.features[copy.feature]
-        found: Item | None = None
-        if isinstance(made, bridge.Assignment):
+        item: Item | None = None
+        if isinstance(element, bridge.Assignment):
             is_way = isinstance(around, Element) and feature.name in ("toRos", "toJaus")
             is_sayable = is_way or isinstance(around, Assignment)
-            found = self.maps.arrow(made) if is_sayable else None
-            return found or self.elements.value_item(made, feature)
-        if isinstance(around, Table) and isinstance(made, bridge.TableEntry):
-            found = table_entry(made)
-        elif isinstance(around, Vector) and isinstance(made, bridge.VectorValue):
-            found = vector_entry(made)
-        elif owner.table.qualified_name == MAP and isinstance(made, bridge.ValueTable):
-            found = self.maps.table(made)
-        elif owner.table.qualified_name == MAP and isinstance(made, bridge.TestVector):
-            found = self.maps.vector(made)
+            item = self.maps.arrow(element) if is_sayable else None
+            return item or self.elements.value_item(element, feature)
+        if isinstance(around, Table) and isinstance(element, bridge.TableEntry):
+            item = table_entry(element)
+        elif isinstance(around, Vector) and isinstance(element, bridge.VectorValue):
+            item = vector_entry(element)
+        elif owner.table.qualified_name == MAP and isinstance(element, bridge.ValueTable):
+            item = self.maps.table(element)
+        elif owner.table.qualified_name == MAP and isinstance(element, bridge.TestVector):
+            item = self.maps.vector(element)
         elif owner.table.qualified_name == MAP and feature.name in ("stopRos", "stopJaus"):
-            found = self.elements.value_item(made, feature)
-        return found or self.elements.item(self.find(owner), made, feature)
+            item = self.elements.value_item(element, feature)
+        return item or self.elements.item(self.find(owner), element, feature)
 
     def feature(self, copy: ElementCopy, name: str) -> Feature:
         """Returns the values of an attribute or of a reference."""
-        return self.elements.feature(self.made(copy, is_whole=False), copy.table.features[name])
+        return self.elements.feature(
+            self.detached_element(copy, is_whole=False), copy.table.features[name]
+        )

@@ -33,35 +33,35 @@ class Naming(DocumentNames):
         self._context = context
         self._home_document = context.document
         self._apart: dict[EObject, Model] = {}
-        self._given: list[tuple[str, EObject, EObject, ClassTable]] = []
+        self._references: list[tuple[str, EObject, EObject, ClassTable]] = []
         self.imports: list[Name | Text] = []
 
     def find(self, ref: str) -> EObject:
         """Returns the element of a ref, of the library too."""
-        found = self._context.find(ref)
-        if found is None:
-            found, model = self._context.locate(ref)
-            self._apart[found] = model
-        return found
+        element = self._context.find(ref)
+        if element is None:
+            element, model = self._context.locate(ref)
+            self._apart[element] = model
+        return element
 
     def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:
         """Returns how an element is referred to: by name, if need be after an import."""
-        found = self.short_name(owner, target, feature)
-        if found is None and self._import(target):
-            found = self.short_name(owner, target, feature)
-        if found is not None:
+        short_name = self.short_name(owner, target, feature)
+        if short_name is None and self._import(target):
+            short_name = self.short_name(owner, target, feature)
+        if short_name is not None:
             if feature.target is not None:
-                self._given.append((found, target, owner, feature.target))
-            return Name(found)
+                self._references.append((short_name, target, owner, feature.target))
+            return Name(short_name)
         home = self._apart.get(target)
         return self.href(target) if home is None else Href(self._foreign(target, home))
 
     def meant(self, text: str, owner: EObject, feature: FeatureTable) -> EObject | None:
         """Returns the element that a name means now, None unless it is one."""
-        found: list[EObject] = []
+        candidates: list[EObject] = []
         if feature.target is not None:
-            found = self._finder.find(text, feature.target, self._document, owner)
-        return found[0] if len(found) == 1 else None
+            candidates = self._finder.find(text, feature.target, self._document, owner)
+        return candidates[0] if len(candidates) == 1 else None
 
     def _foreign(self, target: EObject, home: Model) -> str:
         return external_href(target, home, self._folder)
@@ -104,12 +104,12 @@ class Naming(DocumentNames):
             if text.replace("/", ".").rpartition(".")[2] not in names:
                 continue
             wanted = classes.class_of(node.obj).features[child.tag].target
-            found = self._finder.find(text, wanted, self._document, node.obj) if wanted else []
-            if found != self._finder_before(text, node, child):
+            candidates = self._finder.find(text, wanted, self._document, node.obj) if wanted else []
+            if candidates != self._finder_before(text, node, child):
                 return True
         return any(
             self._finder.find(text, wanted, self._document, owner) != [target]
-            for text, target, owner, wanted in self._given
+            for text, target, owner, wanted in self._references
         )
 
     def _finder_before(self, text: str, node: Node, child: Node) -> list[EObject]:

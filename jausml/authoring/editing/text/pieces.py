@@ -80,42 +80,42 @@ def piece_of(part: Item, items: Iterable[Item]) -> Piece | None:
             return Piece(replace(piece.item, comments=own), part, piece.origin)
         is_whole = isinstance(piece.part, Item) and not isinstance(piece.item, Direction)
         for inner, _ in lists_of(piece.part) if is_whole else ():  # type: ignore[arg-type]
-            found = piece_of(part, inner)
-            if found is not None:
-                return found
+            inner_piece = piece_of(part, inner)
+            if inner_piece is not None:
+                return inner_piece
     return None
 
 
 def list_of(pieces: Iterable[Piece]) -> list[Item]:
     """Returns the list that pieces make. A direction that has lost all it had goes."""
-    found: list[Item] = []
+    items: list[Item] = []
     heads: list[tuple[Direction, Direction]] = []
     origin: Direction | Feature | None = None
     for piece in pieces:
         item = piece.item
         if isinstance(item, Direction):
             heads.append((item, replace(item, assignments=[])))
-            found.append(heads[-1][1])
+            items.append(heads[-1][1])
         elif isinstance(piece.origin, Direction):
             # Something came between the arrows of one direction, so its brackets open again.
             if piece.origin is not origin:
                 again = Direction(piece.origin.to_ros)
-                set_apart(found, again)
-                found.append(again)
-            cast("Direction", found[-1]).assignments.append(cast("Assignment", item))
+                set_apart(items, again)
+                items.append(again)
+            cast("Direction", items[-1]).assignments.append(cast("Assignment", item))
         elif isinstance(piece.origin, Feature) and isinstance(item, Feature):
-            last = found[-1] if found else None
+            last = items[-1] if items else None
             if piece.origin is origin and isinstance(last, Feature) and _can_join(last, item):
                 last.values += item.values
                 last.trailing = item.trailing
             else:
-                found.append(replace(item, values=[*item.values]))
+                items.append(replace(item, values=[*item.values]))
         else:
-            found.append(item)
+            items.append(item)
         origin = piece.origin
     # A direction that was empty before was meant to be there.
     emptied = {id(new) for old, new in heads if old.assignments and _says_nothing(new)}
-    return [entry for entry in found if id(entry) not in emptied]
+    return [entry for entry in items if id(entry) not in emptied]
 
 
 def _says_nothing(item: Direction) -> bool:

@@ -34,8 +34,8 @@ class Names:
     def target(self, uri: str, fragment: str) -> ElementCopy | Ref | None:
         """Returns what an href or a fragment of the file meant; None when it leads nowhere."""
         document = self._document(uri)
-        found = self._finder.find(document, fragment) if document is not None else None
-        obj = found.node.obj if found is not None else None
+        match = self._finder.find(document, fragment) if document is not None else None
+        obj = match.node.obj if match is not None else None
         if obj is None:
             return None
         known = self._context.working_copy.copies.get(obj)
@@ -75,7 +75,7 @@ class Names:
         return self._uris.get(file) or self._usual_uri(file)
 
     def _written_uris(self) -> dict[str, str]:
-        found: dict[str, str] = {}
+        uris_by_file: dict[str, str] = {}
         seen: set[str] = set()
         pending = [self._root]
         while pending:
@@ -86,8 +86,8 @@ class Names:
                 seen.add(uri)
                 document = self._document(uri)
                 if document is not None:
-                    found.setdefault(refs.file_of(document, self._context.root), uri)
-        return found
+                    uris_by_file.setdefault(refs.file_of(document, self._context.root), uri)
+        return uris_by_file
 
     def _usual_uri(self, file: str) -> str:
         context = self._context

@@ -129,7 +129,7 @@ class _Printer(DocumentPrinter[Target]):
         self._is_wrapped = root.parent is not None
         self._names = Names(context, self._root)
         self._comments: dict[str, Comments] = {}
-        self._given: dict[str, str] = {}
+        self._spaces: dict[str, str] = {}
         self._set = {
             (context.working_copy.find(command.element), command.feature)
             for command in commands
@@ -167,8 +167,8 @@ class _Printer(DocumentPrinter[Target]):
     def targets_of(self, element: Target, feature: FeatureTable) -> Sequence[Target]:
         if not isinstance(element, ElementCopy):
             return ()
-        found: list[Target] = [*element.references.get(feature.name, ())]
-        return [*found, *element.owned.get(feature.name, ())]
+        targets: list[Target] = [*element.references.get(feature.name, ())]
+        return [*targets, *element.owned.get(feature.name, ())]
 
     def fragment_of(self, target: Target) -> str | None:
         return self._names.fragment(target) if self._names.is_local(target) else None
@@ -180,18 +180,18 @@ class _Printer(DocumentPrinter[Target]):
         return not self._names.is_local(element)
 
     def namespaces(self) -> Mapping[str, str]:
-        return {**super().namespaces(), **self._given}
+        return {**super().namespaces(), **self._spaces}
 
     def further_attributes(self) -> str:
         """Returns what the root says of the places of metamodels, Eclipse's own words."""
-        found = ""
+        attributes = ""
         for name, text in _attributes(self._root):
             space, _, local = name.rpartition(" ")
             if space == XSI and local != "type":
                 places = self._located(text) if local == "schemaLocation" else text
-                found += f' xsi:{local}="{attribute_text(places)}"'
+                attributes += f' xsi:{local}="{attribute_text(places)}"'
                 self.has_types = True
-        return found
+        return attributes
 
     def _located(self, text: str) -> str:
         """Tells Eclipse where the metamodel of a new namespace is, if the file says it of others.
@@ -260,8 +260,8 @@ class _Printer(DocumentPrinter[Target]):
             if is_unread:
                 yield from self._raw(child_node, element.file, indent)
             else:
-                found = (line for line in (next(lines, None),) if line is not None)
-                yield from self._commented(child_node, element.file, found, indent)
+                child_lines = (line for line in (next(lines, None),) if line is not None)
+                yield from self._commented(child_node, element.file, child_lines, indent)
         yield from lines
 
     def _mixed(self, copy: ElementCopy, feature: FeatureTable, indent: str) -> Iterator[str]:
@@ -327,7 +327,7 @@ class _Printer(DocumentPrinter[Target]):
             space, _, local = name.rpartition(" ")
             if local == "type" and ":" in text:
                 prefix = text.partition(":")[0].strip()
-                self._given |= {prefix: node.prefixes[prefix]} if prefix in node.prefixes else {}
+                self._spaces |= {prefix: node.prefixes[prefix]} if prefix in node.prefixes else {}
             value = self._followed(text) if name == "href" else text
             head += f' {self._prefixed(node, space)}{local}="{attribute_text(value)}"'
         inner = [line for e in node.children for line in self._raw(e, file, f"{indent}  ")]
@@ -343,7 +343,7 @@ class _Printer(DocumentPrinter[Target]):
             return ""
         prefix = next(prefix for prefix, uri in node.prefixes.items() if uri == space)
         if prefix and prefix != "xml" and not is_xmi(space):
-            self._given[prefix] = space
+            self._spaces[prefix] = space
         # Whatever version of XMI was read, what is written has one.
         return f"{'xmi' if is_xmi(space) else prefix}:" if prefix else ""
 
@@ -364,11 +364,11 @@ class _Printer(DocumentPrinter[Target]):
         return model.node_of(element.obj) if model.documents[0].is_xml else None
 
     def _comments_of(self, file: str) -> Comments:
-        found = self._comments.get(file)
-        if found is None:
+        comments = self._comments.get(file)
+        if comments is None:
             document = self._context.working_copy.models[file].documents[0]
-            found = self._comments[file] = Comments(document.data)
-        return found
+            comments = self._comments[file] = Comments(document.data)
+        return comments
 
     def _commented(
         self,

@@ -90,20 +90,20 @@ class _Draft:
 
 def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Options:
     """Returns the ways to assign a member to one of the other side, the best first."""
-    found = candidates(scope, used, source, target)
-    if not found.candidates:
-        return Options(refusal=found.refusal)
+    proposals = candidates(scope, used, source, target)
+    if not proposals.candidates:
+        return Options(refusal=proposals.refusal)
     options = []
-    for index, candidate in enumerate(found.candidates):
+    for index, candidate in enumerate(proposals.candidates):
         table = tabled(used, [candidate.assignment])
-        [made] = table.assignments
-        ends = found.source, found.target
+        [assignment] = table.assignments
+        ends = proposals.source, proposals.target
         option = Option(
-            label=_label(made),
-            why=_why(candidate, made, found.plain, *ends),
-            preview=statement(made),
-            commands=filling(scope, used, made, *ends, made.feature, table.tables),
-            is_best=index == 0 and not set(steps(made)) & set(OF_AUTHORS),
+            label=_label(assignment),
+            why=_why(candidate, assignment, proposals.plain, *ends),
+            preview=statement(assignment),
+            commands=filling(scope, used, assignment, *ends, assignment.feature, table.tables),
+            is_best=index == 0 and not set(steps(assignment)) & set(OF_AUTHORS),
         )
         options.append(option)
     return Options(tuple(options))
@@ -138,9 +138,11 @@ def candidates(
             " there once; draw between members of elements, or name one element by its index"
         )
         return Candidates(source, target, refusal=refusal)
-    found = _found(scope, used, source, target)
-    refusal = found.plain.said or "no conversion leads from one to the other"
-    return Candidates(source, target, found.plain, tuple(_distinct(found.good)[:_MOST]), refusal)
+    judgements = _best_conversion(scope, used, source, target)
+    refusal = judgements.plain.said or "no conversion leads from one to the other"
+    return Candidates(
+        source, target, judgements.plain, tuple(_distinct(judgements.good)[:_MOST]), refusal
+    )
 
 
 @dataclass(frozen=True)
@@ -154,7 +156,9 @@ class _Found:
     good: list[Judged]
 
 
-def _found(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> _Found:
+def _best_conversion(
+    scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
+) -> _Found:
     own = (source.inner,), (target.inner,)
     direct = [_Draft(*own, (), tuple(policy.items())) for policy in _policies(target)]
     judged = _judged(scope, used, source, target, direct)
@@ -286,7 +290,7 @@ def _along(used: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple
     names = [
         str(sibling.name) for sibling in getattr(place, "members", list)() or () if sibling.name
     ]
-    found: dict[str, str] = {}
+    paths_by_axis: dict[str, str] = {}
     for name in names:
         path = f"{before}{dot}{name}"
         try:
@@ -294,37 +298,39 @@ def _along(used: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple
         except AnswerError:
             continue
         if axis is not None and axis.is_angle and axis.name:
-            found.setdefault(axis.name, path)
-    paths = tuple(found[axis_name] for axis_name in axes if axis_name in found)
+            paths_by_axis.setdefault(axis.name, path)
+    paths = tuple(paths_by_axis[axis_name] for axis_name in axes if axis_name in paths_by_axis)
     return paths if len(paths) == len(axes) and one.inner in paths else ()
 
 
-def _distinct(found: Iterable[Judged]) -> list[Judged]:
+def _distinct(judgements: Iterable[Judged]) -> list[Judged]:
     """Returns what was found with one policy for each chain, plain ones first."""
     kept: dict[tuple[object, ...], Judged] = {}
-    for candidate in found:
+    for candidate in judgements:
         kept.setdefault(
             (steps(candidate.assignment), statement(candidate.assignment).count(",")), candidate
         )
     return sorted(kept.values(), key=_effort)
 
 
-def _effort(found: Judged) -> tuple[int, int]:
-    own = steps(found.assignment)
+def _effort(judged: Judged) -> tuple[int, int]:
+    own = steps(judged.assignment)
     odd = sum(_is_last_choice(CONVERSIONS[step]) for step in own)
     return odd + 2 * sum(step in OF_AUTHORS for step in own), len(own)
 
 
-def _label(made: Child) -> str:
-    return ", then ".join(steps(made)) or "as it is"
+def _label(assignment: Child) -> str:
+    return ", then ".join(steps(assignment)) or "as it is"
 
 
-def _why(found: Judged, made: Child, plain: Judged | None, source: Member, target: Member) -> str:
+def _why(
+    judged: Judged, assignment: Child, plain: Judged | None, source: Member, target: Member
+) -> str:
     """Returns why an assignment is as it is."""
-    names = steps(made)
-    is_other = plain is not None and plain.said and found is not plain
+    names = steps(assignment)
+    is_other = plain is not None and plain.said and judged is not plain
     reasons = [plain.said.partition("; ")[0]] if plain is not None and is_other else []
-    if names != steps(found.assignment):
+    if names != steps(judged.assignment):
         reasons.append(f"'{source.path}' and '{target.path}' number what they name alike otherwise")
     reasons += [f"{name}: {CONVERSIONS[name].documentation}" for name in names]
     own, other = (attribute_measure(end.attribute) for end in (source, target))
@@ -335,14 +341,14 @@ def _why(found: Judged, made: Child, plain: Judged | None, source: Member, targe
             reasons.append(f"both are in {other.text}, along the same axis")
     if any(name in OF_AUTHORS for name in names):
         reasons.append(f"write the number of your vehicle in the place of {UNKNOWN}")
-    inner = innermost(found.assignment)
+    inner = innermost(judged.assignment)
     [absent] = inner.values.get("whenAbsent", ("",))
     if absent:
         reasons.append(_WITHOUT[absent].format(source.path))
     if "outOfRange" in inner.values:
         reasons.append(f"what '{target.path}' cannot carry is moved to the end of its range")
-    if not found.is_accepted:
-        reasons.append(found.said)
+    if not judged.is_accepted:
+        reasons.append(judged.said)
     return "; ".join(dict.fromkeys(reasons)) or "both are alike"
 
 
@@ -366,15 +372,15 @@ def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tu
         for other in others
         for draft in [_Draft((own,), (other.inner,))]
     ]
-    found = []
+    pairs = []
     for partner, judged in zip(others, judge(scope.model.metamodels, used, plain), strict=True):
         if judged.is_possible:
-            found.append((partner, "as it is"))
+            pairs.append((partner, "as it is"))
         elif conversions_between([source.attribute.kind], partner.attribute.kind) and _may_become(
             source, partner
         ):
-            found.append((partner, "by a conversion"))
-    return sorted(found, key=lambda pair: pair[1])
+            pairs.append((partner, "by a conversion"))
+    return sorted(pairs, key=lambda pair: pair[1])
 
 
 def _may_become(source: Member, target: Member) -> bool:

@@ -159,8 +159,8 @@ def _sourceless(
     if target.outer:
         return Options(refusal=f"'{target.path}' is of each element of '{target.outer}'")
     child = Child(feature, kind, values)
-    [found] = judge(scope.model.metamodels, used, [child])
-    if not found.is_possible:
-        return Options(refusal=found.said)
+    [judged] = judge(scope.model.metamodels, used, [child])
+    if not judged.is_possible:
+        return Options(refusal=judged.said)
     commands = filling(scope, used, child, None, target, feature)
-    return Options((Option(label, found.said or label, statement(child), commands, is_best=True),))
+    return Options((Option(label, judged.said or label, statement(child), commands, is_best=True),))

@@ -123,31 +123,37 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
     `AnswerError`: what the author says is forbidden by a rule, or names nothing.
     """
     metamodels = scope.model.metamodels
-    made = fresh_map(metamodels, wish.name, wish.message, wish.type)
+    new_map = fresh_map(metamodels, wish.name, wish.message, wish.type)
     tables: list[Child] = []
     children: list[Child] = []
     doubts: list[Doubt] = []
 
     def take(more: Iterable[Child]) -> None:
-        found = tabled(made, more)
-        tables.extend(found.tables)
-        children.extend(found.assignments)
-        with_assignments(metamodels, made, (*found.tables, *found.assignments))
+        tabled_children = tabled(new_map, more)
+        tables.extend(tabled_children.tables)
+        children.extend(tabled_children.assignments)
+        with_assignments(
+            metamodels, new_map, (*tabled_children.tables, *tabled_children.assignments)
+        )
 
     for way in wish.ways:
-        take(_said(scope, made, wish, doubts, to_ros=way))
-    proposals = propose_assignments(scope, made, wish.ways)
+        take(_said(scope, new_map, wish, doubts, to_ros=way))
+    proposals = propose_assignments(scope, new_map, wish.ways)
     take(proposals.assignments)
     found_of = [way for way in wish.ways if _directed(children, to_ros=way)]
     begun = found_of or list(wish.ways)
     for way in begun:
-        take(completed(scope, made, to_ros=way, ignores=way in found_of))
+        take(completed(scope, new_map, to_ros=way, ignores=way in found_of))
     doubts += _alike(proposals.doubtful, begun)
-    doubts += _of_values(made, found_of)
-    by_zeros = stops_by_zeros(made, found_of)
+    doubts += _of_values(new_map, found_of)
+    by_zeros = stops_by_zeros(new_map, found_of)
     for way in by_zeros if wish.zeros_stop else ():
         take([zeros(_directed(children, to_ros=way), to_ros=way)])
-    left = (*opens(made, children, begun), *map(blocking, wish.taken), *_as_opens(made, doubts))
+    left = (
+        *opens(new_map, children, begun),
+        *map(blocking, wish.taken),
+        *_as_opens(new_map, doubts),
+    )
     by_tables = [child for child in children if any(map(table_of, child.children))]
     plain = [child for child in children if child not in by_tables]
     values = {
@@ -167,7 +173,7 @@ def begin_map(scope: Scope, owner: bridge.Bridge, wish: Wish) -> Begun:
         },
         left,
         tuple(doubts),
-        tuple(f"{rule.id} {finding.message}" for rule, finding in findings(metamodels, made)),
+        tuple(f"{rule.id} {finding.message}" for rule, finding in findings(metamodels, new_map)),
         tuple(by_zeros),
     )
 
@@ -193,24 +199,24 @@ def _said(
 ) -> Iterator[Child]:
     """Yields what the author says of a direction; how it may be meant else becomes a doubt."""
     for target, source in wish.said(to_ros=to_ros):
-        ways = assignments_of(scope, used, target, source, to_ros=to_ros)
-        if len(ways) > 1:
-            doubts.append(Doubt(to_ros, target, tuple(map(words_of, ways))))
-        yield ways[0]
+        assignments = assignments_of(scope, used, target, source, to_ros=to_ros)
+        if len(assignments) > 1:
+            doubts.append(Doubt(to_ros, target, tuple(map(words_of, assignments))))
+        yield assignments[0]
 
 
 def _alike(
-    doubtful: Iterable[tuple[tuple[Member, ...], Member]], ways: Collection[bool]
+    doubtful: Iterable[tuple[tuple[Member, ...], Member]], directions: Collection[bool]
 ) -> Iterator[Doubt]:
     """Yields the targets to which several sources are equally alike, and none that is in a list."""
     for sources, target in doubtful:
-        if not target.outer and (not target.is_jaus) in ways:
+        if not target.outer and (not target.is_jaus) in directions:
             yield Doubt(not target.is_jaus, target.path, tuple(source.path for source in sources))
 
 
-def _of_values(used: bridge.AttributeMap, ways: Collection[bool]) -> Iterator[Doubt]:
+def _of_values(used: bridge.AttributeMap, directions: Collection[bool]) -> Iterator[Doubt]:
     """Yields the unfilled fields that the message always has and whose values have names."""
-    for field in unfilled(used, to_ros=False) if False in ways else ():
+    for field in unfilled(used, to_ros=False) if False in directions else ():
         names = field.leaves[0].attribute.constants if field.leaves[0].path == field.path else ()
         if field.is_required and names:
             yield Doubt(
@@ -226,11 +232,13 @@ def assignments_of(
     path, colon, chain = (part.strip() for part in source.partition(":"))
     if not colon and (plain := _sourceless(feature, target, source)) is not None:
         return [_allowed(scope, used, plain)]
-    found = _ways(scope, used, target, path.partition(",")[0], to_ros=to_ros)
-    known = [] if found is None else [candidate.assignment for candidate in found.candidates]
+    proposals = _directions(scope, used, target, path.partition(",")[0], to_ros=to_ros)
+    known = (
+        [] if proposals is None else [candidate.assignment for candidate in proposals.candidates]
+    )
     if not colon and "," not in path:
-        if found is not None and not known:
-            raise AnswerError(f"{source} -> {target}: {found.refusal}")
+        if proposals is not None and not known:
+            raise AnswerError(f"{source} -> {target}: {proposals.refusal}")
         if known:
             return known
     values = {"target": (target,), "source": (path,)}
@@ -260,7 +268,7 @@ def _sourceless(feature: str, target: str, source: str) -> Child | None:
     return None
 
 
-def _ways(
+def _directions(
     scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
 ) -> Candidates | None:
     """Returns the ways from member to member; None for paths with an index."""
@@ -273,7 +281,7 @@ def _ways(
 
 
 def _conversions(text: str) -> tuple[Child, ...]:
-    found: list[Child] = []
+    conversions: list[Child] = []
     rest = text.strip()
     while rest:
         call = _CALL.match(rest)
@@ -284,9 +292,9 @@ def _conversions(text: str) -> tuple[Child, ...]:
         values: dict[str, tuple[str, ...]] = {"kind": (call["name"],)}
         if arguments := tuple(word.strip() for word in (call["arguments"] or "").split(",")):
             values |= {"arguments": arguments} if any(arguments) else {}
-        found.append(Child("conversions", "bridge.Conversion", values))
+        conversions.append(Child("conversions", "bridge.Conversion", values))
         rest = rest[call.end() :].lstrip(", ")
-    return tuple(found)
+    return tuple(conversions)
 
 
 def _allowed(scope: Scope, used: bridge.AttributeMap, child: Child) -> Child:

@@ -51,17 +51,17 @@ def member(used: bridge.AttributeMap, path: str, *, is_jaus: bool) -> Member:
         around = scope.find_source(outer)
         if is_many(around):
             inner = ".".join(steps[count:]) or "."
-            found = _within(around, inner)
-            if found is not None:
-                return Member(is_jaus, path, outer, inner, found.attribute())
+            leaf = _within(around, inner)
+            if leaf is not None:
+                return Member(is_jaus, path, outer, inner, leaf.attribute())
             break
     raise AnswerError(f"there is no member {path!a} that can be assigned by itself")
 
 
 def _within(around: PathPlace, path: str) -> PathPlace | None:
     element = around.element()
-    found = element.follow(path) if element is not None else None
-    return found if isinstance(found, JausPlace | RosPlace) else None
+    place = element.follow(path) if element is not None else None
+    return place if isinstance(place, JausPlace | RosPlace) else None
 
 
 def leaves(used: bridge.AttributeMap, *, is_jaus: bool) -> list[Member]:
@@ -69,15 +69,15 @@ def leaves(used: bridge.AttributeMap, *, is_jaus: bool) -> list[Member]:
     if used.message is None or used.type is None:
         return []
     scope = outer_scope(used, to_ros=is_jaus)
-    found = []
+    members = []
     for path in _paths(scope.source, "", 0):
         try:
             leaf = member(used, path, is_jaus=is_jaus)
         except AnswerError:
             continue
         if leaf.attribute.kind:
-            found.append(leaf)
-    return found
+            members.append(leaf)
+    return members
 
 
 def _paths(place: PathPlace, before: str, depth: int) -> Iterator[str]:
@@ -92,11 +92,11 @@ def _paths(place: PathPlace, before: str, depth: int) -> Iterator[str]:
     else:
         names = [str(field.name) for field in inner.type.fields] if inner.type is not None else []
     for name in names:
-        found = inner.step(name)
-        if isinstance(found, JausPlace | RosPlace):
+        inner_place = inner.step(name)
+        if isinstance(inner_place, JausPlace | RosPlace):
             path = f"{before}.{name}" if before else name
             yield path
-            yield from _paths(found, path, depth + 1)
+            yield from _paths(inner_place, path, depth + 1)
 
 
 _ALIKE = 1.0
@@ -159,18 +159,18 @@ def corresponding(sources: Iterable[Member], targets: Iterable[Member]) -> Corre
     back = [_best([row[at] for row in likeness]) for at in range(len(starts))]
     singled = (*_orientation(starts, ends), *_lone(starts, ends))
     meant = {end.member.path: start.member for start, end in singled}
-    found = Correspondence([], [])
+    correspondence = Correspondence([], [])
     for index, end in enumerate(ends):
         at = best[index]
         if end.member.path in meant:
-            found.pairs.append((meant[end.member.path], end.member))
+            correspondence.pairs.append((meant[end.member.path], end.member))
         elif at is not None and back[at] == index:
-            found.pairs.append((starts[at].member, end.member))
+            correspondence.pairs.append((starts[at].member, end.member))
         elif top := max(likeness[index], default=0.0):
             known = zip(starts, likeness[index], strict=True)
             alike = tuple(start.member for start, much in known if much == top)
-            found.doubtful.append((alike, end.member))
-    return found
+            correspondence.doubtful.append((alike, end.member))
+    return correspondence
 
 
 def _known(one: Member) -> _Known:
@@ -228,9 +228,9 @@ def _orientation(
 ) -> Iterator[tuple[_Known, _Known]]:
     """Yields the only orientation and the only angle about z at the other end, in their order."""
     for is_given, wholes, angles in ((True, starts, ends), (False, ends, starts)):
-        found = [list(_turns(wholes, "")), list(_turns(angles, "z"))]
-        if [len(group) for group in found] == [1, 1]:
-            [whole], [angle] = found
+        groups = [list(_turns(wholes, "")), list(_turns(angles, "z"))]
+        if [len(group) for group in groups] == [1, 1]:
+            [whole], [angle] = groups
             yield (whole, angle) if is_given else (angle, whole)
             return
 

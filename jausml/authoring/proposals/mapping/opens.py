@@ -37,10 +37,10 @@ STOPS = {True: "stopRos", False: "stopJaus"}
 
 
 def opens(
-    used: bridge.AttributeMap, assignments: Sequence[Child], ways: Collection[bool]
+    used: bridge.AttributeMap, assignments: Sequence[Child], directions: Collection[bool]
 ) -> Iterator[OpenPoint]:
     """Yields what is left to the author of a new map."""
-    for to_ros in ways:
+    for to_ros in directions:
         feature = assignments_feature(to_ros=to_ros)
         own = [assignment for assignment in assignments if assignment.feature == feature]
         ends = [name_of(used.message), ros_name(used.type)]
@@ -48,7 +48,7 @@ def opens(
         yield from _unfilled(used, own, source, target, to_ros=to_ros)
         yield from _untaken(used, own, source, target, to_ros=to_ros)
         yield from _decisions(own)
-    yield from _of_connections(used, ways)
+    yield from _of_connections(used, directions)
 
 
 def _unfilled(
@@ -119,18 +119,18 @@ def _stating(own: Iterable[Child], policy: str, value: str, end: str) -> str:
     return _listed([child.values[end][0] for child in own if child.values.get(policy) == (value,)])
 
 
-def _of_connections(used: bridge.AttributeMap, ways: Iterable[bool]) -> Iterator[OpenPoint]:
+def _of_connections(used: bridge.AttributeMap, directions: Iterable[bool]) -> Iterator[OpenPoint]:
     """Yields what a connection of a topic by the map will ask for."""
     if not _is_of_topics(used):
         return
     if is_command(used.message) and used.message.moves:
-        if stops := [way for way in ways if getattr(used, STOPS[way]) is None]:
+        if stops := [way for way in directions if getattr(used, STOPS[way]) is None]:
             text = f"state what stops the command: {_named(stops)}"
             if zeros := [way for way in stops if fills_rates_alone(used, to_ros=way)]:
                 text += f"; all of its numbers are rates, so that {_named(zeros)} of zeros may be "
                 text += "what stops it: write it if that is so for what you drive"
             yield OpenPoint(text, "JML451")
-    elif False in ways:
+    elif False in directions:
         text = "state freshness, or whenStale: keep, for a topic that falls silent"
         yield OpenPoint(text, "JML455")
 
@@ -140,8 +140,8 @@ def _is_of_topics(used: bridge.AttributeMap) -> bool:
     return isinstance(used.type.eContainer(), ros.InterfacePackage)
 
 
-def _named(ways: Iterable[bool]) -> str:
-    return " and ".join(STOPS[way] for way in ways)
+def _named(directions: Iterable[bool]) -> str:
+    return " and ".join(STOPS[way] for way in directions)
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -163,14 +163,14 @@ def completed(
 ) -> list[Child]:
     """Returns what completes a direction of a map."""
     feature = assignments_feature(to_ros=to_ros)
-    made = list(_header(used)) if to_ros else []
-    named = {parse_path(child.values["target"][0]) for child in made}
+    header_assignments = list(_header(used)) if to_ros else []
+    named = {parse_path(child.values["target"][0]) for child in header_assignments}
     ignored = [
         Child(feature, "bridge.Ignore", {"target": (field.path,)})
         for field in unfilled(used, named, to_ros=to_ros)
         if ignores and not field.is_required
     ]
-    judged = judge(scope.model.metamodels, used, [*made, *ignored])
+    judged = judge(scope.model.metamodels, used, [*header_assignments, *ignored])
     return [candidate.assignment for candidate in judged if candidate.is_possible]
 
 
@@ -182,19 +182,19 @@ def unfilled(
     Options that are not chosen are left out.
     """
     taken = [*filled_paths(used, to_ros=to_ros), *filled]
-    found: dict[str, list[Member]] = {}
+    members_by_path: dict[str, list[Member]] = {}
     for leaf in leaves(used, is_jaus=not to_ros):
         if not is_filled(leaf.outer or leaf.path, taken):
             steps = parse_path(leaf.outer or leaf.path)
-            found.setdefault(_widest(steps, taken), []).append(leaf)
-    return list(_bare(used, found.items(), to_ros=to_ros))
+            members_by_path.setdefault(_widest(steps, taken), []).append(leaf)
+    return list(_bare(used, members_by_path.items(), to_ros=to_ros))
 
 
 def _bare(
-    used: bridge.AttributeMap, found: Iterable[tuple[str, Sequence[Member]]], *, to_ros: bool
+    used: bridge.AttributeMap, path_groups: Iterable[tuple[str, Sequence[Member]]], *, to_ros: bool
 ) -> Iterator[Unfilled]:
     target = outer_scope(used, to_ros=to_ros).target
-    for path, inner in found:
+    for path, inner in path_groups:
         place, before = target.follow(path), target.follow(path.rpartition(".")[0] or ".")
         around = before.field if isinstance(before, JausPlace) else None
         if isinstance(around, jaus.Variant | jaus.VariableField | jaus.VariableFormatField):
@@ -228,14 +228,14 @@ def _header(used: bridge.AttributeMap) -> Iterator[Child]:
             yield Child(feature, "bridge.ConstantAssignment", values)
 
 
-def stops_by_zeros(used: bridge.AttributeMap, ways: Collection[bool]) -> list[bool]:
+def stops_by_zeros(used: bridge.AttributeMap, directions: Collection[bool]) -> list[bool]:
     """Returns the directions of a command in which zeros may be what stops it.
 
     That they do is for a person to say: what receives them may be at rest by other numbers.
     """
     if not (is_command(used.message) and used.message.moves and _is_of_topics(used)):
         return []
-    return [way for way in ways if fills_rates_alone(used, to_ros=way)]
+    return [way for way in directions if fills_rates_alone(used, to_ros=way)]
 
 
 def zeros(assignments: Sequence[Child], *, to_ros: bool) -> Child:

@@ -56,22 +56,22 @@ def tabled(used: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
     `assignments`: those that are to be. What lies in lists, or has conversions, stays as it is.
     """
     names = {table.name: _pairs_of(table) for table in used.tables}
-    found, made = [], []
+    tables, new_assignments = [], []
     for assignment in assignments:
         pairs = _needed(used, assignment)
         if not pairs:
-            made.append(assignment)
+            new_assignments.append(assignment)
             continue
         name = next((name for name, known in names.items() if known == pairs), "")
         if not name:
             jaus = "source" if assignment.feature == "toRos" else "target"
             name = free_name(assignment.values[jaus][0].rpartition(".")[2], names)
             names[name] = pairs
-            found.append(_table(name, pairs))
+            tables.append(_table(name, pairs))
         values = {"kind": (LookUp.name,), _TABLE: (name,)}
         conversion = Child("conversions", "bridge.Conversion", values)
-        made.append(replace(assignment, children=(conversion,)))
-    return Tabled(tuple(found), tuple(made))
+        new_assignments.append(replace(assignment, children=(conversion,)))
+    return Tabled(tuple(tables), tuple(new_assignments))
 
 
 def table_of(conversion: Child) -> str:
@@ -113,10 +113,12 @@ def _needed(used: bridge.AttributeMap, child: Child) -> Pairs:
     if child.kind != "bridge.FieldAssignment" or child.children:
         return ()
     to_ros = child.feature == "toRos"
-    found = _compared(used, child.values["source"][0], child.values["target"][0], to_ros=to_ros)
-    if found is None or not (found.renumbered and found.is_of_one_enumeration):
+    comparison = _compared(
+        used, child.values["source"][0], child.values["target"][0], to_ros=to_ros
+    )
+    if comparison is None or not (comparison.renumbered and comparison.is_of_one_enumeration):
         return ()
-    return tuple((jaus.name, ros.name) for jaus, ros in table_entries(found, to_ros=to_ros))
+    return tuple((jaus.name, ros.name) for jaus, ros in table_entries(comparison, to_ros=to_ros))
 
 
 def _compared(
@@ -189,10 +191,10 @@ def judge(
     Nothing of the model is touched: maps are made that refer to the same message and type.
     """
     library = new_object(metamodels.classes["bridge.MapLibrary"])
-    made: list[EObject] = []
+    elements: list[EObject] = []
     for assignment in assignments:
-        made += with_assignments(metamodels, _map_like(metamodels, used, library), [assignment])
-    return _judged(metamodels, library, assignments, made, _RULES)
+        elements += with_assignments(metamodels, _map_like(metamodels, used, library), [assignment])
+    return _judged(metamodels, library, assignments, elements, _RULES)
 
 
 def judge_together(
@@ -204,8 +206,8 @@ def judge_together(
     for name in ("toRos", "toJaus"):
         for assignment in getattr(used, name):
             link(whole, metamodels.class_of(whole).features[name], _copied(metamodels, assignment))
-    made = with_assignments(metamodels, whole, assignments)
-    return _judged(metamodels, library, assignments, made, _TOGETHER)
+    elements = with_assignments(metamodels, whole, assignments)
+    return _judged(metamodels, library, assignments, elements, _TOGETHER)
 
 
 def fresh_map(
@@ -214,17 +216,17 @@ def fresh_map(
     """Makes a map without assignments that stands in no model."""
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     table = metamodels.classes["bridge.AttributeMap"]
-    made: bridge.AttributeMap = new_object(table)
-    set_value(made, table.features["name"], name)
-    point(made, table.features["message"], message)
-    point(made, table.features["type"], kind)
-    link(library, metamodels.class_of(library).features["maps"], made)
-    return made
+    new_map: bridge.AttributeMap = new_object(table)
+    set_value(new_map, table.features["name"], name)
+    point(new_map, table.features["message"], message)
+    point(new_map, table.features["type"], kind)
+    link(library, metamodels.class_of(library).features["maps"], new_map)
+    return new_map
 
 
-def findings(metamodels: Metamodels, made: bridge.AttributeMap) -> list[tuple[Rule, Finding]]:
+def findings(metamodels: Metamodels, new_map: bridge.AttributeMap) -> list[tuple[Rule, Finding]]:
     """Returns what all rules say of a map that `fresh_map` made, errors first, notes left out."""
-    subject = Subject(made_model(metamodels, made.eContainer() or made))
+    subject = Subject(made_model(metamodels, new_map.eContainer() or new_map))
     with remembering():
         said = [(rule, finding) for rule in all_rules() for finding in rule.findings(subject)]
     return sorted((pair for pair in said if _severity(pair) != "info"), key=_gravity)
@@ -234,47 +236,49 @@ def _judged(
     metamodels: Metamodels,
     library: EObject,
     assignments: Sequence[Child],
-    made: Sequence[EObject],
+    elements: Sequence[EObject],
     rules: Collection[str],
 ) -> list[Judged]:
     """Returns what rules say of elements that were made of assignments."""
     subject = Subject(made_model(metamodels, library))
-    found: dict[EObject, list[tuple[Rule, Finding]]] = {made_element: [] for made_element in made}
+    findings_by_element: dict[EObject, list[tuple[Rule, Finding]]] = {
+        made_element: [] for made_element in elements
+    }
     with remembering():
         for rule in all_rules():
             for finding in rule.findings(subject) if rule.id in rules else ():
                 element: EObject | None = finding.element
-                while element is not None and element not in found:
+                while element is not None and element not in findings_by_element:
                     element = element.eContainer()
                 if element is not None:
-                    found[element].append((rule, finding))
+                    findings_by_element[element].append((rule, finding))
     return [
-        Judged(child, tuple(sorted(found[own], key=_gravity)))
-        for child, own in zip(assignments, made, strict=True)
+        Judged(child, tuple(sorted(findings_by_element[own], key=_gravity)))
+        for child, own in zip(assignments, elements, strict=True)
     ]
 
 
-def _severity(found: tuple[Rule, Finding]) -> str:
-    rule, finding = found
+def _severity(pair: tuple[Rule, Finding]) -> str:
+    rule, finding = pair
     return (finding.severity or rule.severity).value
 
 
-def _gravity(found: tuple[Rule, Finding]) -> tuple[int, str]:
-    return ("error", "warning", "info").index(_severity(found)), found[0].id
+def _gravity(pair: tuple[Rule, Finding]) -> tuple[int, str]:
+    return ("error", "warning", "info").index(_severity(pair)), pair[0].id
 
 
 def _map_like(metamodels: Metamodels, used: bridge.AttributeMap, owner: EObject) -> EObject:
     """Makes a map with the ends of another one, without assignments."""
     table = metamodels.class_of(used)
-    made: EObject = new_object(table)
-    set_value(made, table.features["name"], used.name)
+    new_map: EObject = new_object(table)
+    set_value(new_map, table.features["name"], used.name)
     for name in ("message", "type"):
-        point(made, table.features[name], getattr(used, name))
+        point(new_map, table.features[name], getattr(used, name))
     for name in ("joins", "reportJoins"):
         for join in getattr(used, name):
-            link(made, table.features[name], _copied(metamodels, join))
-    link(owner, metamodels.class_of(owner).features["maps"], made)
-    return made
+            link(new_map, table.features[name], _copied(metamodels, join))
+    link(owner, metamodels.class_of(owner).features["maps"], new_map)
+    return new_map
 
 
 def with_assignments(
@@ -285,17 +289,17 @@ def with_assignments(
     `assignments`: each with the feature of the map that shall own it; tables come before what names
     them.
     """
-    made = [made_of(metamodels, assignment) for assignment in assignments]
-    for child, element in zip(assignments, made, strict=True):
+    elements = [made_of(metamodels, assignment) for assignment in assignments]
+    for child, element in zip(assignments, elements, strict=True):
         link(whole, metamodels.class_of(whole).features[child.feature], element)
         _refer_to_tables(metamodels, whole, child, element)
-    return made
+    return elements
 
 
-def _refer_to_tables(metamodels: Metamodels, whole: Any, child: Child, made: Any) -> None:
+def _refer_to_tables(metamodels: Metamodels, whole: Any, child: Child, assignment: Any) -> None:
     """Lets conversions refer to tables of the map, which they name."""
     named = [table_of(step) for step in child.children]
-    for name, conversion in zip(named, made.conversions if any(named) else (), strict=False):
+    for name, conversion in zip(named, assignment.conversions if any(named) else (), strict=False):
         for table in whole.tables if name else ():
             if table.name == name:
                 point(conversion, metamodels.class_of(conversion).features["table"], table)
@@ -304,40 +308,40 @@ def _refer_to_tables(metamodels: Metamodels, whole: Any, child: Child, made: Any
 def _copied(metamodels: Metamodels, element: EObject) -> EObject:
     """Returns an element like another one, with all that it owns; what it refers to is the same."""
     table = metamodels.class_of(element)
-    made: EObject = new_object(table)
+    duplicate: EObject = new_object(table)
     for name, feature in table.features.items():
         if name not in element.__dict__ or not feature.settable:
             continue
         values = contents(element, feature)
         if feature.kind is FeatureKind.CROSS_REFERENCE:
             for value in values:
-                point(made, feature, value)
+                point(duplicate, feature, value)
         elif feature.kind is FeatureKind.CONTAINMENT:
             for value in values:
-                link(made, feature, _copied(metamodels, value))
+                link(duplicate, feature, _copied(metamodels, value))
         elif feature.many:
-            set_values(made, feature, values)
+            set_values(duplicate, feature, values)
         elif feature.kind is FeatureKind.ATTRIBUTE and values:
-            set_value(made, feature, values[0])
-    return made
+            set_value(duplicate, feature, values[0])
+    return duplicate
 
 
 def made_of(metamodels: Metamodels, child: Child) -> EObject:
     """Makes an element of what a command would add; references are left out."""
     table = metamodels.classes[child.kind]
-    made: EObject = new_object(table)
+    element: EObject = new_object(table)
     for name, texts in child.values.items():
-        _set(made, table.features[name], texts)
+        _set(element, table.features[name], texts)
     for inner_child in child.children:
-        link(made, table.features[inner_child.feature], made_of(metamodels, inner_child))
-    return made
+        link(element, table.features[inner_child.feature], made_of(metamodels, inner_child))
+    return element
 
 
-def _set(made: Any, feature: FeatureTable, texts: Sequence[str]) -> None:
+def _set(element: Any, feature: FeatureTable, texts: Sequence[str]) -> None:
     if feature.data_type is None:
         return
     values = [convert(text, feature.data_type)[0] for text in texts]
     if feature.many:
-        set_values(made, feature, values)
+        set_values(element, feature, values)
     elif values:
-        set_value(made, feature, values[0])
+        set_value(element, feature, values[0])

@@ -28,9 +28,9 @@ _PERIODS = 3
 """How many messages may be lost before a source counts as silent."""
 
 
-def stop(found: Found) -> Iterator[QuickFix]:
+def stop(finding: Found) -> Iterator[QuickFix]:
     """Adds a stop, where zeros can be one: all numbers that commands fill are rates."""
-    connection = found.element
+    connection = finding.element
     to_ros = connection.direction.name == "jausToRos"
     used = connection.map
     feature = "stopRos" if to_ros else "stopJaus"
@@ -38,13 +38,13 @@ def stop(found: Found) -> Iterator[QuickFix]:
         return
     kind = "bridge.ConstantAssignment"
     zeros = [{"target": (path,), "value": ("0",)} for path in _filled(used, to_ros=to_ros)]
-    if not found.scope.model.is_library(used) and (to_ros or zeros):
+    if not finding.scope.model.is_library(used) and (to_ros or zeros):
         # Of ROS all is zero that a stop does not name.
         inner = () if to_ros else tuple(Child("values", kind, zero) for zero in zeros)
-        add = Add(found.scope.ref(used), feature, "bridge.Stop", {}, inner)
+        add = Add(finding.scope.ref(used), feature, "bridge.Stop", {}, inner)
         yield QuickFix(f"give the map a {feature} of zeros", (add,))
     elif zeros:
-        adds = tuple(Add(found.ref, "safeValue", kind, zero) for zero in zeros)
+        adds = tuple(Add(finding.ref, "safeValue", kind, zero) for zero in zeros)
         yield QuickFix("give it a safe value of zeros", adds)
 
 
@@ -60,17 +60,17 @@ def _filled(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
                 yield path
 
 
-def _has_zero(found: Attribute) -> bool:
-    lower = found.lower if found.lower is not None else 0
-    upper = found.upper if found.upper is not None else 0
-    return found.kind == NUMBER and lower <= 0 <= upper
+def _has_zero(attribute: Attribute) -> bool:
+    lower = attribute.lower if attribute.lower is not None else 0
+    upper = attribute.upper if attribute.upper is not None else 0
+    return attribute.kind == NUMBER and lower <= 0 <= upper
 
 
-def silence(found: Found) -> Iterator[QuickFix]:
+def silence(finding: Found) -> Iterator[QuickFix]:
     """Gives a safe value a time after which it is sent, longer than the period of messages."""
-    rate = _rate(found.element)
+    rate = _rate(finding.element)
     seconds = max(1.0, round(_PERIODS / rate, 3)) if rate else 1.0
-    yield found.set(f"after {seconds:g} s of silence", "silenceTimeout", f"{seconds:g}")
+    yield finding.set(f"after {seconds:g} s of silence", "silenceTimeout", f"{seconds:g}")
 
 
 def _rate(connection: bridge.Connection) -> float:
@@ -81,63 +81,67 @@ def _rate(connection: bridge.Connection) -> float:
     return float(owner.frequency) if is_timed and isinstance(owner, bridge.Bridge) else 0.0
 
 
-def freshness(found: Found) -> Iterator[QuickFix]:
+def freshness(finding: Found) -> Iterator[QuickFix]:
     """Says for how long a report is fresh."""
-    yield found.set("fresh for 1 s", "freshness", "1.0")
+    yield finding.set("fresh for 1 s", "freshness", "1.0")
 
 
-def control(found: Found) -> Iterator[QuickFix]:
+def control(finding: Found) -> Iterator[QuickFix]:
     """Does without control of what cannot be controlled."""
-    if 'control="false"' in found.hint or "control: false" in found.hint:
-        yield found.set("send without control", "control", "false")
+    if 'control="false"' in finding.hint or "control: false" in finding.hint:
+        yield finding.set("send without control", "control", "false")
 
 
-def service(found: Found) -> Iterator[QuickFix]:
+def service(finding: Found) -> Iterator[QuickFix]:
     """Lets the component that is named provide the service that has the message."""
-    match = re.search(r"add (\w+) to what it provides", found.hint)
+    match = re.search(r"add (\w+) to what it provides", finding.hint)
     owner = next(
-        (component for component in _components(found) if name_of(component) in found.quoted[:1]),
+        (
+            component
+            for component in _components(finding)
+            if name_of(component) in finding.quoted[:1]
+        ),
         None,
     )
-    message = _message(found)
+    message = _message(finding)
     offered = message.eContainer() if message is not None else None
     if match is None or owner is None or offered is None or offered.name != match[1]:
         return
-    known = tuple(found.scope.ref(provide) for provide in owner.provides)
-    commands = (Set(found.scope.ref(owner), "provides", (*known, found.scope.ref(offered))),)
+    known = tuple(finding.scope.ref(provide) for provide in owner.provides)
+    commands = (Set(finding.scope.ref(owner), "provides", (*known, finding.scope.ref(offered))),)
     yield QuickFix(f"let {name_of(owner)} provide {match[1]}", commands)
 
 
-def peer(found: Found) -> Iterator[QuickFix]:
+def peer(finding: Found) -> Iterator[QuickFix]:
     """Names the one component that has the message, or searches for its service."""
-    message, connection = _message(found), found.element
+    message, connection = _message(finding), finding.element
     if message is None or connection.peers or connection.search is not None:
         return
     to_ros = connection.direction.name == "jausToRos"
     fits = [
         component
-        for component in _components(found)
+        for component in _components(finding)
         if not isinstance(component, bridge.Bridge)
         and find_same(message, outputs(component) if to_ros else inputs(component)) is not None
     ]
     if len(fits) == 1:
         name = name_of(fits[0])
-        yield found.set(f"name {name} as its peer", "peers", found.scope.ref(fits[0]))
+        yield finding.set(f"name {name} as its peer", "peers", finding.scope.ref(fits[0]))
     elif not fits and isinstance(offered := message.eContainer(), jaus.Service):
-        values = {"services": (found.scope.ref(offered),)}
-        add = Add(found.ref, "search", "jaus.PeerSearch", values)
+        values = {"services": (finding.scope.ref(offered),)}
+        add = Add(finding.ref, "search", "jaus.PeerSearch", values)
         yield QuickFix(f"search for {offered.name}", (add,))
 
 
-def published_twice(found: Found) -> Iterator[QuickFix]:
+def published_twice(finding: Found) -> Iterator[QuickFix]:
     """Takes away the topic or the connection that says it a second time."""
-    noun = "topic" if isinstance(found.element, bridge.Topic) else "connection"
-    yield QuickFix(f"take this {noun} away", (Remove(found.ref),))
+    noun = "topic" if isinstance(finding.element, bridge.Topic) else "connection"
+    yield QuickFix(f"take this {noun} away", (Remove(finding.ref),))
 
 
-def success(found: Found) -> Iterator[QuickFix]:
+def success(finding: Found) -> Iterator[QuickFix]:
     """Names the one bool of a response that can tell of a failure."""
-    response = found.element.type.response if found.element.type is not None else None
+    response = finding.element.type.response if finding.element.type is not None else None
     fields = response.fields if response is not None else ()
     bools = [
         field
@@ -147,25 +151,25 @@ def success(found: Found) -> Iterator[QuickFix]:
     ]
     if len(bools) == 1:
         name = name_of(bools[0])
-        yield found.set(f"tell it in {name}", "successMember", name)
+        yield finding.set(f"tell it in {name}", "successMember", name)
 
 
-def allowed_hosts(found: Found) -> Iterator[QuickFix]:
+def allowed_hosts(finding: Found) -> Iterator[QuickFix]:
     """Writes the network in which an address lies."""
-    hosts = list(found.element.allowedHosts)
-    for wrong in found.quoted[:1]:
-        if "not the network" in found.message and wrong in hosts:
+    hosts = list(finding.element.allowedHosts)
+    for wrong in finding.quoted[:1]:
+        if "not the network" in finding.message and wrong in hosts:
             network = str(ipaddress.ip_network(wrong, strict=False))
             values = [network if host == wrong else host for host in hosts]
-            yield found.set(f"write {network}", "allowedHosts", *values)
+            yield finding.set(f"write {network}", "allowedHosts", *values)
 
 
-def _components(found: Found) -> list[jaus.Component]:
-    return found.scope.model.instances(jaus.Component, library=False)
+def _components(finding: Found) -> list[jaus.Component]:
+    return finding.scope.model.instances(jaus.Component, library=False)
 
 
-def _message(found: Found) -> jaus.MessageDef | None:
-    element = found.element
+def _message(finding: Found) -> jaus.MessageDef | None:
+    element = finding.element
     if isinstance(element, jaus.ServiceConnection):
         return element.message
     if isinstance(element, bridge.Connection):
@@ -173,7 +177,7 @@ def _message(found: Found) -> jaus.MessageDef | None:
     return None
 
 
-_LEFT_OUT = unset_where(lambda found: "leave" in found.hint or not found.hint)
+_LEFT_OUT = unset_where(lambda finding: "leave" in finding.hint or not finding.hint)
 
 QUICK_FIXES: Mapping[str, Fixer] = {
     "JML304": service,
@@ -182,16 +186,16 @@ QUICK_FIXES: Mapping[str, Fixer] = {
     "JML426": silence,
     "JML427": control,
     "JML451": stop,
-    "JML452": unset_where(lambda found: "carries no command" in found.message),
+    "JML452": unset_where(lambda finding: "carries no command" in finding.message),
     "JML453": unset,
     "JML454": silence,
     "JML455": freshness,
     "JML456": unset_where(
-        lambda found: "is no time" in found.message or "makes no report" in found.message
+        lambda finding: "is no time" in finding.message or "makes no report" in finding.message
     ),
     "JML463": unset,
     "JML464": published_twice,
-    "JML467": unset_where(lambda found: found.hint == "leave it out"),
+    "JML467": unset_where(lambda finding: finding.hint == "leave it out"),
     "JML471": control,
     "JML473": success,
     "JML474": unset,

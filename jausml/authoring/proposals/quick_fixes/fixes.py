@@ -44,117 +44,117 @@ _NOT_LETTERS = re.compile("[^A-Za-z0-9_]+")
 _CONTROLLED = "isControllingClient"
 
 
-def address(found: Found) -> Iterator[QuickFix]:
+def address(finding: Found) -> Iterator[QuickFix]:
     """Gives a component an address that is free."""
-    free = free_address(found.scope.model)
-    yield found.set(f"take {free}", "address", free)
+    free = free_address(finding.scope.model)
+    yield finding.set(f"take {free}", "address", free)
 
 
-def name(found: Found) -> Iterator[QuickFix]:
+def name(finding: Found) -> Iterator[QuickFix]:
     """Gives an element a name that code can have and nobody else has."""
-    own = name_of(found.element)
+    own = name_of(finding.element)
     wanted = _NOT_LETTERS.sub("_", own).strip("_")
     if not wanted or not wanted[0].isalpha():
-        wanted = f"a_{wanted}" if wanted else found.element.eClass.name
+        wanted = f"a_{wanted}" if wanted else finding.element.eClass.name
     if wanted == own or not is_identifier(wanted):
-        wanted = _other(found)
-    yield QuickFix(f"name it {wanted}", (Rename(found.ref, wanted),))
+        wanted = _other(finding)
+    yield QuickFix(f"name it {wanted}", (Rename(finding.ref, wanted),))
 
 
-def _other(found: Found) -> str:
-    own = name_of(found.element)
-    if isinstance(found.element, jaus.Component) or found.element.eClass.name == "Node":
-        return participant_name(own, found.element.eContainer())
-    if found.diagnostic.rule == "JML502":
+def _other(finding: Found) -> str:
+    own = name_of(finding.element)
+    if isinstance(finding.element, jaus.Component) or finding.element.eClass.name == "Node":
+        return participant_name(own, finding.element.eContainer())
+    if finding.diagnostic.rule == "JML502":
         return free_name(f"{own}_interfaces", ())
-    feature = found.element.eContainmentFeature()
-    siblings = getattr(found.element.eContainer(), feature.name) if feature is not None else ()
+    feature = finding.element.eContainmentFeature()
+    siblings = getattr(finding.element.eContainer(), feature.name) if feature is not None else ()
     return name_among(f"{own}_2", siblings)
 
 
-def topic(found: Found) -> Iterator[QuickFix]:
+def topic(finding: Found) -> Iterator[QuickFix]:
     """Writes a name of ROS with the characters that it may have."""
-    feature = found.table.features.get(found.feature)
+    feature = finding.table.features.get(finding.feature)
     if feature is None or feature.is_reference:
         return
-    for text in map(literal, values_of(found.element, feature)):
+    for text in map(literal, values_of(finding.element, feature)):
         steps = [_NOT_LETTERS.sub("_", step).strip("_") for step in text.split("/")]
         steps = [f"a{step}" if step[:1].isdigit() else step for step in steps if step]
         better = ("/" if text.startswith("/") else "") + re.sub("__+", "_", "/".join(steps))
         if better != text and not topic_fault(better):
-            yield found.set(f"write {better}", feature.name, better)
+            yield finding.set(f"write {better}", feature.name, better)
 
 
-def presence(found: Found) -> Iterator[QuickFix]:
+def presence(finding: Found) -> Iterator[QuickFix]:
     """Gives a record a presence vector that has room for all optional members."""
-    match = re.search(r"presenceVector\W+(\w+)", found.hint)
-    group = found.element if "presenceVector" in found.table.features else _owner(found)
+    match = re.search(r"presenceVector\W+(\w+)", finding.hint)
+    group = finding.element if "presenceVector" in finding.table.features else _owner(finding)
     if match is not None and group is not None:
         label = f"take a presence vector of {match[1]}"
-        yield found.set(label, "presenceVector", match[1], element=group)
+        yield finding.set(label, "presenceVector", match[1], element=group)
 
 
-def _owner(found: Found) -> EObject | None:
-    around: EObject | None = found.element.eContainer()
+def _owner(finding: Found) -> EObject | None:
+    around: EObject | None = finding.element.eContainer()
     return around if hasattr(around, "presenceVector") else None
 
 
-def guard(found: Found) -> Iterator[QuickFix]:
+def guard(finding: Found) -> Iterator[QuickFix]:
     """Obeys a command of the controller alone."""
-    own = str(found.element.guard or "")
+    own = str(finding.element.guard or "")
     text = f"({own}) && {_CONTROLLED}" if "||" in own else f"{own} && {_CONTROLLED}"
-    yield found.set("obey the controller alone", "guard", text if own else _CONTROLLED)
+    yield finding.set("obey the controller alone", "guard", text if own else _CONTROLLED)
 
 
-def authority(found: Found) -> Iterator[QuickFix]:
+def authority(finding: Found) -> Iterator[QuickFix]:
     """Raises the authority of who controls."""
-    match = re.match(r"'.*' obeys authority (\d+) and above, '(.*)' has", found.message)
-    for component in found.scope.model.instances(jaus.Component, library=False) if match else ():
+    match = re.match(r"'.*' obeys authority (\d+) and above, '(.*)' has", finding.message)
+    for component in finding.scope.model.instances(jaus.Component, library=False) if match else ():
         if match is not None and name_of(component) == match[2]:
-            commands = (Set(found.scope.ref(component), "authority", (match[1],)),)
+            commands = (Set(finding.scope.ref(component), "authority", (match[1],)),)
             yield QuickFix(f"give {match[2]} the authority {match[1]}", commands)
 
 
-def twice(found: Found) -> Iterator[QuickFix]:
+def twice(finding: Found) -> Iterator[QuickFix]:
     """Leaves out the older ones of a service in several versions."""
     kept: dict[str, jaus.Service] = {}
-    for provide in found.element.provides:
+    for provide in finding.element.provides:
         best = kept.get(str(provide.urn))
         if best is None or version_of(provide) > version_of(best):
             kept[str(provide.urn)] = provide
-    if len(kept) < len(found.element.provides):
-        refs = [found.scope.ref(service) for service in kept.values()]
-        yield found.set("provide the newest version alone", "provides", *refs)
+    if len(kept) < len(finding.element.provides):
+        refs = [finding.scope.ref(service) for service in kept.values()]
+        yield finding.set("provide the newest version alone", "provides", *refs)
 
 
-def placed_twice(found: Found) -> Iterator[QuickFix]:
+def placed_twice(finding: Found) -> Iterator[QuickFix]:
     """Takes what is placed twice out of one of its places."""
     for feature in ("components", "nodes"):
-        values = list(getattr(found.element, feature, ()))
-        others = [value for value in values if name_of(value) not in found.quoted[:1]]
-        if "is placed twice" in found.message and len(others) < len(values):
-            refs = [found.scope.ref(other) for other in others]
-            yield found.set("place it here no more", feature, *refs)
+        values = list(getattr(finding.element, feature, ()))
+        others = [value for value in values if name_of(value) not in finding.quoted[:1]]
+        if "is placed twice" in finding.message and len(others) < len(values):
+            refs = [finding.scope.ref(other) for other in others]
+            yield finding.set("place it here no more", feature, *refs)
 
 
-def meant_element(found: Found) -> Iterator[QuickFix]:
+def meant_element(finding: Found) -> Iterator[QuickFix]:
     """Refers to the element that has the name that was meant, where only one has it."""
-    feature = found.table.features.get(found.feature)
+    feature = finding.table.features.get(finding.feature)
     if feature is None or not feature.is_reference:
         return
-    choices = everywhere(found.scope, feature.target, found.element)
-    known = [found.scope.ref(value) for value in values_of(found.element, feature)]
-    for wanted in found.meant:
+    choices = everywhere(finding.scope, feature.target, finding.element)
+    known = [finding.scope.ref(value) for value in values_of(finding.element, feature)]
+    for wanted in finding.meant:
         named = [choice for choice in choices if re.split(r"[./]", choice.label)[-1] == wanted]
         if len(named) == 1:
             values = [*known, named[0].value] if feature.many else [named[0].value]
-            yield found.set(f"refer to {named[0].label}", feature.name, *values)
+            yield finding.set(f"refer to {named[0].label}", feature.name, *values)
 
 
-def meant_literal(found: Found) -> Iterator[QuickFix]:
+def meant_literal(finding: Found) -> Iterator[QuickFix]:
     """Writes the literal that was meant."""
-    if found.feature in found.table.features and len(found.meant) == 1:
-        yield found.set(f"write {found.meant[0]}", found.feature, found.meant[0])
+    if finding.feature in finding.table.features and len(finding.meant) == 1:
+        yield finding.set(f"write {finding.meant[0]}", finding.feature, finding.meant[0])
 
 
 QUICK_FIXES: Mapping[str, Fixer] = {

@@ -89,41 +89,41 @@ Fixer: TypeAlias = Callable[[Found], Iterator[QuickFix]]
 """Yields the quick fixes of a finding, the best first; none where none is sensible."""
 
 
-def unset(found: Found) -> Iterator[QuickFix]:
+def unset(finding: Found) -> Iterator[QuickFix]:
     """Leaves out what a feature states, so that its default holds."""
-    feature = found.table.features.get(found.feature)
+    feature = finding.table.features.get(finding.feature)
     if feature is None or (feature.can_be_missing and feature.lower > 0):
         return
-    if not values_of(found.element, feature) and found.diagnostic.unread is None:
+    if not values_of(finding.element, feature) and finding.diagnostic.unread is None:
         return
     words = in_words(feature.name)
     default = "" if feature.default is None else literal(feature.default)
     shown = f", which makes it {default}" if default else ""
-    yield found.set(f"leave out {words}{shown}", feature.name)
+    yield finding.set(f"leave out {words}{shown}", feature.name)
 
 
 def unset_where(is_meant: Callable[[Found], bool]) -> Fixer:
     """Leaves out what a feature states, of those findings of a rule that call for it."""
-    return lambda found: unset(found) if is_meant(found) else iter(())
+    return lambda finding: unset(finding) if is_meant(finding) else iter(())
 
 
 def removed(label: str) -> Fixer:
     """Takes the element away."""
-    return lambda found: iter((QuickFix(label, (Remove(found.ref),)),))
+    return lambda finding: iter((QuickFix(label, (Remove(finding.ref),)),))
 
 
-def renamed_as_meant(found: Found) -> Iterator[QuickFix]:
+def renamed_as_meant(finding: Found) -> Iterator[QuickFix]:
     """Puts what was meant in the place of the text of a feature, or of the wrong part of it."""
-    feature = found.table.features.get(found.feature)
+    feature = finding.table.features.get(finding.feature)
     if feature is None or feature.is_reference:
         return
-    values = [literal(value) for value in values_of(found.element, feature)]
+    values = [literal(value) for value in values_of(finding.element, feature)]
     if len(values) != 1:
         return
-    wrong = next((word for word in reversed(found.quoted) if word and word in values[0]), "")
-    for meant in found.meant:
+    wrong = next((word for word in reversed(finding.quoted) if word and word in values[0]), "")
+    for meant in finding.meant:
         text = _replaced(values[0], wrong, meant) if wrong else meant
-        yield found.set(f"write {meant}", feature.name, text)
+        yield finding.set(f"write {meant}", feature.name, text)
 
 
 def _replaced(text: str, wrong: str, meant: str) -> str:

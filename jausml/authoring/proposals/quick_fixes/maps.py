@@ -30,20 +30,20 @@ _MISSING = re.compile(r"has no (?:attribute|field) '([^']*)'")
 _HEADER = re.compile(r"([\w.]+\.(?:stamp|frame_id))")
 
 
-def path(found: Found) -> Iterator[QuickFix]:
+def path(finding: Found) -> Iterator[QuickFix]:
     """Writes the member that is meant into a path."""
-    side, _, rest = found.message.partition(" ")
-    wrong = _MISSING.search(found.message)
-    if side not in ("source", "target") or wrong is None or not found.meant:
+    side, _, rest = finding.message.partition(" ")
+    wrong = _MISSING.search(finding.message)
+    if side not in ("source", "target") or wrong is None or not finding.meant:
         return
-    text, own = str(getattr(found.element, side)), re.match(r"'([^']*)'", rest)
+    text, own = str(getattr(finding.element, side)), re.match(r"'([^']*)'", rest)
     if own is None:
         return
-    fitting = _with_step(own[1], wrong[1], found.meant[0])
-    if not _is_found(found.element, fitting, is_source=side == "source"):
+    fitting = _with_step(own[1], wrong[1], finding.meant[0])
+    if not _is_found(finding.element, fitting, is_source=side == "source"):
         return
     paths = [fitting if word.strip() == own[1] else word.strip() for word in text.split(",")]
-    yield found.set(f"write {found.meant[0]}", side, ", ".join(paths))
+    yield finding.set(f"write {finding.meant[0]}", side, ", ".join(paths))
 
 
 def _with_step(whole: str, wrong: str, meant: str) -> str:
@@ -63,8 +63,8 @@ def _is_found(assignment: bridge.Assignment, path: str, *, is_source: bool) -> b
     if placed is None:
         return False
     scope = placed.scope
-    found = scope.find_source(path) if is_source else scope.find_target(path)
-    return isinstance(found, JausPlace | RosPlace) and bool(found.attribute().kind)
+    path_place = scope.find_source(path) if is_source else scope.find_target(path)
+    return isinstance(path_place, JausPlace | RosPlace) and bool(path_place.attribute().kind)
 
 
 def _to_ros(assignment: bridge.Assignment) -> bool:
@@ -75,150 +75,150 @@ def _to_ros(assignment: bridge.Assignment) -> bool:
     return feature is not None and feature.name in ("toRos", "stopRos")
 
 
-def conversion(found: Found) -> Iterator[QuickFix]:
+def conversion(finding: Found) -> Iterator[QuickFix]:
     """Adds, leaves out or exchanges the conversion that the rule names."""
-    names = [match for match in re.findall(r"\w+", found.hint) if match in CONVERSIONS]
-    if isinstance(found.element, bridge.Conversion):
-        if found.hint.startswith("use ") and names:
-            yield found.set(f"use {names[0]}", "kind", names[0])
+    names = [match for match in re.findall(r"\w+", finding.hint) if match in CONVERSIONS]
+    if isinstance(finding.element, bridge.Conversion):
+        if finding.hint.startswith("use ") and names:
+            yield finding.set(f"use {names[0]}", "kind", names[0])
         return
-    if not isinstance(found.element, bridge.FieldAssignment) or len(names) != 1:
+    if not isinstance(finding.element, bridge.FieldAssignment) or len(names) != 1:
         return
     [name] = names
-    if found.hint.startswith("leave out"):
-        gone = [step for step in found.element.conversions if step.kind.name == name]
+    if finding.hint.startswith("leave out"):
+        gone = [step for step in finding.element.conversions if step.kind.name == name]
         if gone:
-            yield QuickFix(f"leave out {name}", (Remove(found.scope.ref(gone[-1])),))
-    elif found.hint.startswith(("add the conversion", "convert it by")):
+            yield QuickFix(f"leave out {name}", (Remove(finding.scope.ref(gone[-1])),))
+    elif finding.hint.startswith(("add the conversion", "convert it by")):
         values = {"kind": (name,)}
-        add = Add(found.ref, "conversions", "bridge.Conversion", values)
+        add = Add(finding.ref, "conversions", "bridge.Conversion", values)
         yield QuickFix(f"convert it by {name}", (add,))
 
 
-def absent(found: Found) -> Iterator[QuickFix]:
+def absent(finding: Found) -> Iterator[QuickFix]:
     """Says what becomes of a target without its source: what fits best comes first."""
-    if "whenStale" in found.hint:
-        yield from stale_join(found)
-    if "receptionTime" in found.hint:
-        yield found.set("take the time of reception then", "whenAbsent", "receptionTime")
-    yield found.set("drop the message then", "whenAbsent", "dropMessage")
-    yield found.set("leave its default on purpose", "whenAbsent", "leave")
+    if "whenStale" in finding.hint:
+        yield from stale_join(finding)
+    if "receptionTime" in finding.hint:
+        yield finding.set("take the time of reception then", "whenAbsent", "receptionTime")
+    yield finding.set("drop the message then", "whenAbsent", "dropMessage")
+    yield finding.set("leave its default on purpose", "whenAbsent", "leave")
 
 
-def out_of_range(found: Found) -> Iterator[QuickFix]:
+def out_of_range(finding: Found) -> Iterator[QuickFix]:
     """Says what becomes of values that do not fit."""
-    if "outOfRange" in found.table.features:
+    if "outOfRange" in finding.table.features:
         words = "move them to the end of the range"
-        if found.diagnostic.rule == "JML418":
-            yield found.set("drop the message then", "outOfRange", "dropMessage")
+        if finding.diagnostic.rule == "JML418":
+            yield finding.set("drop the message then", "outOfRange", "dropMessage")
         else:
-            yield found.set(words, "outOfRange", "clamp")
+            yield finding.set(words, "outOfRange", "clamp")
 
 
-def default_value(found: Found) -> Iterator[QuickFix]:
+def default_value(finding: Found) -> Iterator[QuickFix]:
     """Uses a default that is stated, or asks for none."""
-    if "is not used" in found.message:
-        yield found.set("use it", "whenAbsent", "useDefault")
-    elif "has no defaultValue" in found.message:
-        yield found.set("drop the message then", "whenAbsent", "dropMessage")
+    if "is not used" in finding.message:
+        yield finding.set("use it", "whenAbsent", "useDefault")
+    elif "has no defaultValue" in finding.message:
+        yield finding.set("drop the message then", "whenAbsent", "dropMessage")
 
 
-def ignored(found: Found) -> Iterator[QuickFix]:
+def ignored(finding: Found) -> Iterator[QuickFix]:
     """Leaves out a required member on purpose."""
-    if "Ignore" in found.hint and found.quoted:
-        target = found.quoted[0]
-        feature = "assignments" if isinstance(found.element, bridge.ListAssignment) else "toJaus"
-        add = Add(found.ref, feature, "bridge.Ignore", {"target": (target,)})
+    if "Ignore" in finding.hint and finding.quoted:
+        target = finding.quoted[0]
+        feature = "assignments" if isinstance(finding.element, bridge.ListAssignment) else "toJaus"
+        add = Add(finding.ref, feature, "bridge.Ignore", {"target": (target,)})
         yield QuickFix(f"leave {target} out on purpose", (add,))
 
 
-def header(found: Found) -> Iterator[QuickFix]:
+def header(finding: Found) -> Iterator[QuickFix]:
     """Stamps a message by the clock, and leaves out its frame on purpose."""
     words, commands = [], []
-    for target in _HEADER.findall(found.message):
+    for target in _HEADER.findall(finding.message):
         is_stamp = target.endswith(".stamp")
         kind = "bridge.ClockAssignment" if is_stamp else "bridge.Ignore"
         words.append(f"{target} by the clock" if is_stamp else f"leave out {target}")
-        commands.append(Add(found.ref, "toRos", kind, {"target": (target,)}))
+        commands.append(Add(finding.ref, "toRos", kind, {"target": (target,)}))
     if commands:
         yield QuickFix(", ".join(words), tuple(commands))
 
 
-def repeated(found: Found) -> Iterator[QuickFix]:
+def repeated(finding: Found) -> Iterator[QuickFix]:
     """Takes away what stands there a second time."""
-    if found.message.endswith("is assigned already"):
-        yield QuickFix("take this assignment away", (Remove(found.ref),))
+    if finding.message.endswith("is assigned already"):
+        yield QuickFix("take this assignment away", (Remove(finding.ref),))
 
 
-def frame_id(found: Found) -> Iterator[QuickFix]:
+def frame_id(finding: Found) -> Iterator[QuickFix]:
     """Writes the id of a frame without a slash."""
-    value = str(found.element.value).lstrip("/")
-    yield found.set(f"write {value}", "value", value)
+    value = str(finding.element.value).lstrip("/")
+    yield finding.set(f"write {value}", "value", value)
 
 
-def arguments(found: Found) -> Iterator[QuickFix]:
+def arguments(finding: Found) -> Iterator[QuickFix]:
     """Leaves out what a conversion does not take."""
-    if "takes no arguments" in found.message or re.match(r"\w+ has no \w+$", found.message):
-        yield from unset(found)
+    if "takes no arguments" in finding.message or re.match(r"\w+ has no \w+$", finding.message):
+        yield from unset(finding)
 
 
-def table_entry(found: Found) -> Iterator[QuickFix]:
+def table_entry(finding: Found) -> Iterator[QuickFix]:
     """Takes away an entry that never counts."""
-    if "stand in earlier entries" in found.message:
-        yield QuickFix("take this entry away", (Remove(found.ref),))
+    if "stand in earlier entries" in finding.message:
+        yield QuickFix("take this entry away", (Remove(finding.ref),))
 
 
-def unused_join(found: Found) -> Iterator[QuickFix]:
+def unused_join(finding: Found) -> Iterator[QuickFix]:
     """Takes away a join that nothing is taken of, or gives one a topic."""
-    if found.message.startswith("no assignment takes anything of"):
+    if finding.message.startswith("no assignment takes anything of"):
         feeding = (
             topic
-            for connection in found.scope.model.instances(bridge.Connection, library=False)
+            for connection in finding.scope.model.instances(bridge.Connection, library=False)
             for topic in connection.topics
-            if topic.join is found.element
+            if topic.join is finding.element
         )
-        topics = (Remove(found.scope.ref(topic)) for topic in feeding)
-        yield QuickFix("take the join away", (*topics, Remove(found.ref)))
-    elif isinstance(found.element, bridge.Connection) and found.hint.startswith("add a topic"):
-        name = found.quoted[-1]
-        for join in found.element.map.joins:
+        topics = (Remove(finding.scope.ref(topic)) for topic in feeding)
+        yield QuickFix("take the join away", (*topics, Remove(finding.ref)))
+    elif isinstance(finding.element, bridge.Connection) and finding.hint.startswith("add a topic"):
+        name = finding.quoted[-1]
+        for join in finding.element.map.joins:
             if join.name == name:
-                values = {"name": (name,), "join": (found.scope.ref(join),)}
-                add = Add(found.ref, "topics", "bridge.Topic", values)
+                values = {"name": (name,), "join": (finding.scope.ref(join),)}
+                add = Add(finding.ref, "topics", "bridge.Topic", values)
                 yield QuickFix(f"add a topic {name} for it", (add,))
 
 
-def stale_join(found: Found) -> Iterator[QuickFix]:
+def stale_join(finding: Found) -> Iterator[QuickFix]:
     """Drops messages without a fresh message of a join."""
-    used = around(found.element, bridge.AttributeMap)
+    used = around(finding.element, bridge.AttributeMap)
     for join in (*used.joins, *used.reportJoins) if used is not None else ():
-        if name_of(join) in found.quoted[-1:]:
-            ref = found.scope.ref(join)
+        if name_of(join) in finding.quoted[-1:]:
+            ref = finding.scope.ref(join)
             commands = (Set(ref, "whenStale", ("dropMessage",)),)
             yield QuickFix(f"drop the message without a fresh {join.name}", commands)
 
 
-def quantity(found: Found) -> Iterator[QuickFix]:
+def quantity(finding: Found) -> Iterator[QuickFix]:
     """Gives a quantity the unit or the name of the one that it overrides."""
-    if found.hint.startswith("state it in "):
-        unit = found.hint.removeprefix("state it in ")
-        yield found.set(f"state it in {unit}", "units", unit)
-    elif found.hint.startswith("they have ") and "," not in found.hint:
-        name = found.hint.removeprefix("they have ")
-        yield found.set(f"name it {name}", "name", name)
+    if finding.hint.startswith("state it in "):
+        unit = finding.hint.removeprefix("state it in ")
+        yield finding.set(f"state it in {unit}", "units", unit)
+    elif finding.hint.startswith("they have ") and "," not in finding.hint:
+        name = finding.hint.removeprefix("they have ")
+        yield finding.set(f"name it {name}", "name", name)
 
 
-def method(found: Found) -> Iterator[QuickFix]:
+def method(finding: Found) -> Iterator[QuickFix]:
     """Writes the name of a method as Python has it."""
-    name = snake_case(str(found.element.method))
-    if "is no name" in found.message and name and name != found.element.method:
-        yield found.set(f"name it {name}", "method", name)
+    name = snake_case(str(finding.element.method))
+    if "is no name" in finding.message and name and name != finding.element.method:
+        yield finding.set(f"name it {name}", "method", name)
 
 
-def precision(found: Found) -> Iterator[QuickFix]:
+def precision(finding: Found) -> Iterator[QuickFix]:
     """Leaves out a precision that is none."""
-    if found.message.endswith("is no distance"):
-        yield from unset(found)
+    if finding.message.endswith("is no distance"):
+        yield from unset(finding)
 
 
 QUICK_FIXES: Mapping[str, Fixer] = {

@@ -84,8 +84,8 @@ def _edit(
     return _carried_out(context, meant, label, project.revision if base is None else base)
 
 
-def _commands(given: tuple[Mapping[str, object], ...]) -> list[Command]:
-    return [command(description, f"commands[{i}]") for i, description in enumerate(given)]
+def _commands(descriptions: tuple[Mapping[str, object], ...]) -> list[Command]:
+    return [command(description, f"commands[{i}]") for i, description in enumerate(descriptions)]
 
 
 def _carried_out(
@@ -98,7 +98,7 @@ def _carried_out(
     project = context.project
     try:
         # Who does it again has seen what others did, and means it.
-        made = project.do(commands, label, base, is_first=kept is None)
+        entry = project.do(commands, label, base, is_first=kept is None)
     except EditError as error:
         why = for_people(str(error))
         if error.conflict and (kept or context.keep(commands, label, base, why)):
@@ -112,8 +112,8 @@ def _carried_out(
         # Only now, whatever kept it from being done.
         context.kept.discard(kept.number)
         context.notify_kept()
-    context.changed(made)
-    return {"revision": project.revision, "entry": entry_as_json(made), "created": made.created}
+    context.changed(entry)
+    return {"revision": project.revision, "entry": entry_as_json(entry), "created": entry.created}
 
 
 def _kept(context: StudioContext) -> dict[str, Any]:
@@ -141,12 +141,12 @@ def _paste(context: StudioContext, owner: str, text: str) -> dict[str, Any]:
     """Adds what a text has, be it of `copy` here, of another project, or typed by somebody."""
     clip = context.project.clip(text, owner)
     model = context.project.find(owner)[1]
-    made = context.project.paste(with_free_addresses(model, clip.commands), owner, "Paste")
-    context.changed(made)
+    entry = context.project.paste(with_free_addresses(model, clip.commands), owner, "Paste")
+    context.changed(entry)
     return {
         "revision": context.project.revision,
-        "entry": entry_as_json(made),
-        "created": made.created,
+        "entry": entry_as_json(entry),
+        "created": entry.created,
         "left_out": as_json(clip.left_out),
     }
 
@@ -159,9 +159,9 @@ def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
         data = model_text(origin, system_name(Path(file)), beside, is_text=is_text)
     except ProjectError as error:
         raise EditError(str(error)) from error
-    made = context.project.add_file(file, data, f"Create {file}")
-    context.changed(made)
-    return {"revision": context.project.revision, "entry": entry_as_json(made), "created": ()}
+    entry = context.project.add_file(file, data, f"Create {file}")
+    context.changed(entry)
+    return {"revision": context.project.revision, "entry": entry_as_json(entry), "created": ()}
 
 
 def _starting_points() -> dict[str, Any]:
@@ -176,10 +176,10 @@ def _redo(context: StudioContext) -> dict[str, Any]:
     return _done(context, context.project.redo())
 
 
-def _done(context: StudioContext, made: Entry | None) -> dict[str, Any]:
-    if made is not None:
-        context.changed(made)
-    return {"revision": context.project.revision, "entry": entry_as_json(made)}
+def _done(context: StudioContext, entry: Entry | None) -> dict[str, Any]:
+    if entry is not None:
+        context.changed(entry)
+    return {"revision": context.project.revision, "entry": entry_as_json(entry)}
 
 
 def _log(context: StudioContext) -> dict[str, Any]:
@@ -188,8 +188,8 @@ def _log(context: StudioContext) -> dict[str, Any]:
 
 
 def _write(context: StudioContext, file: str, text: str, base: int) -> dict[str, Any]:
-    made = context.project.write_text(file, text, base)
-    context.changed(made)
+    entry = context.project.write_text(file, text, base)
+    context.changed(entry)
     return {"revision": context.project.revision}
 
 
@@ -208,16 +208,16 @@ def with_free_addresses(model: Model, commands: Sequence[Add | Set]) -> list[Add
     """Returns what was copied with JAUS ids of its own, where those that it has are in use."""
     components = model.instances(jaus.Component, library=False)
     used = {str(component.address) for component in components if component.address}
-    found: list[Add | Set] = []
+    changes: list[Add | Set] = []
     for change in commands:
         own = change.values.get(_ADDRESS, ()) if isinstance(change, Add) else ()
         if isinstance(change, Add) and own and own[0] in used:
             own = (free_address(model, used),)
-            found.append(replace(change, values={**change.values, _ADDRESS: own}))
+            changes.append(replace(change, values={**change.values, _ADDRESS: own}))
         else:
-            found.append(change)
+            changes.append(change)
         used.update(own)
-    return found
+    return changes
 
 
 def _out(context: StudioContext, file: str, out: str) -> Path:

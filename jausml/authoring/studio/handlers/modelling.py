@@ -130,14 +130,14 @@ def _ends(context: StudioContext, file: str, view: str, node: str, port: str = "
         return {
             "ends": [_end(choice.value, choice.label, choice.documentation) for choice in choices]
         }
-    found = []
+    line_ends = []
     for end, why in ends(scope, spot(scope, node, port)):
         row = ids.id_of(end.element) if end.element is not None else ""
         label = " ".join(
             label_of(element) for element in (end.owner, end.element) if element is not None
         )
-        found.append(_end(ids.id_of(end.owner), label, why, row))
-    return {"ends": found}
+        line_ends.append(_end(ids.id_of(end.owner), label, why, row))
+    return {"ends": line_ends}
 
 
 def _end(node: str, label: str, why: str, port: str = "") -> dict[str, str]:

@@ -42,10 +42,10 @@ class _Requests:
 
     def open(self, recording: str) -> dict[str, Any]:
         """Returns how far a recording is read; once it is, what changed in it and when."""
-        found = self._recordings.opened(recording)
-        system = found.system
+        opened_recording = self._recordings.opened(recording)
+        system = opened_recording.system
         if system is None:
-            return {"share": found.share, "fault": found.fault, "read": None}
+            return {"share": opened_recording.share, "fault": opened_recording.fault, "read": None}
         read = {
             "duration": system.duration,
             "damage": system.damage,
@@ -67,8 +67,8 @@ class _Requests:
     ) -> dict[str, Any]:
         """Returns why a connection did not pass on what it dropped last."""
         system, (model, _) = self._recordings.system(recording), self._model(file)
-        found = explained(system, model, (bridge, connection), at)
-        return {"at": found.at, "counter": found.counter, "state": found.state}
+        explanation = explained(system, model, (bridge, connection), at)
+        return {"at": explanation.at, "counter": explanation.counter, "state": explanation.state}
 
     def _model(self, file: str) -> tuple[Model, Places]:
         model = self._context.project.model(file).model

@@ -203,7 +203,7 @@ def problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
 def _problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
     scope = Scope(verdict.report.model, context.project.root)
     documents = {document.display: document for document in scope.model.documents}
-    found = verdict.report.diagnostics
+    diagnostics = verdict.report.diagnostics
     return {
         "revision": verdict.revision,
         "fault": verdict.fault,
@@ -216,25 +216,25 @@ def _problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
                 diagnostic,
                 is_fixed=index < _MOST_CURED,
             )
-            for index, diagnostic in enumerate(found)
+            for index, diagnostic in enumerate(diagnostics)
         ],
     }
 
 
 def _problem(
-    scope: Scope, document: Document | None, found: Diagnostic, *, is_fixed: bool
+    scope: Scope, document: Document | None, diagnostic: Diagnostic, *, is_fixed: bool
 ) -> dict[str, Any]:
     return {
-        "file": file_of(document, scope.root) if document is not None else found.location.path,
-        "line": found.location.line,
-        "column": found.location.column,
-        "severity": found.severity,
-        "rule": found.rule,
-        "message": found.message,
-        "hint": found.hint,
-        "element": _element(scope, document, found.fragment),
-        "path": found.element,
-        "cures": quick_fixes(scope, found) if is_fixed else (),
+        "file": file_of(document, scope.root) if document is not None else diagnostic.location.path,
+        "line": diagnostic.location.line,
+        "column": diagnostic.location.column,
+        "severity": diagnostic.severity,
+        "rule": diagnostic.rule,
+        "message": diagnostic.message,
+        "hint": diagnostic.hint,
+        "element": _element(scope, document, diagnostic.fragment),
+        "path": diagnostic.element,
+        "cures": quick_fixes(scope, diagnostic) if is_fixed else (),
     }
 
 
@@ -276,15 +276,15 @@ def _source(context: StudioContext, element: str) -> dict[str, Any]:
         scope = Scope(context.project.find(element)[1], context.project.root)
     else:
         scope = context.scope_of(file)
-    found = source(scope, element)
+    location = source(scope, element)
     # A file that cannot be read as it is was shown as it was, where places are others.
-    start, end = (0, 0) if _is_stale(context, file) else (found.start, found.end)
+    start, end = (0, 0) if _is_stale(context, file) else (location.start, location.end)
     return {
-        "file": found.file,
-        "notation": found.notation,
+        "file": location.file,
+        "notation": location.notation,
         "start": start,
         "end": end,
-        "line": found.line,
+        "line": location.line,
         "revision": revision,
     }
 

@@ -44,9 +44,9 @@ class Alarm:
 class Journal:
     """The latest entries and alarms; any thread may add."""
 
-    def __init__(self, told: Callable[[str, object], None]) -> None:
-        """Has none (`told`: takes the name of a notification and its parameters)."""
-        self._told = told
+    def __init__(self, notify: Callable[[str, object], None]) -> None:
+        """Has none (`notify`: takes the name of a notification and its parameters)."""
+        self._notify = notify
         self._entries: deque[JournalEntry] = deque(maxlen=_MOST)
         self._alarms: dict[int, Alarm] = {}
         self._count = 0
@@ -69,7 +69,7 @@ class Journal:
         with self._lock:
             entry = self._entry(who, text)
         _LOG.info("%s: %s", who, text)
-        self._told("operate.journal", {"entry": asdict(entry)})
+        self._notify("operate.journal", {"entry": asdict(entry)})
 
     def alarm(self, subject: str, text: str) -> None:
         """Raises an alarm."""

@@ -58,7 +58,7 @@ class Operating:
         self.powers = powers
         self.subscribers = Subscribers()
         self._project, self._network = project, network
-        self._unit = self._made() if powers is not None else None
+        self._unit = self._new_unit() if powers is not None else None
         self._numbers = count(1)
         self._lock = threading.Lock()
 
@@ -76,13 +76,13 @@ class Operating:
         """Returns a place for a page."""
         with self._lock:
             if self._unit is None:
-                self._unit = self._made()
+                self._unit = self._new_unit()
             self._unit.start()
             return Seat(self._unit, self.subscribers, next(self._numbers))
 
-    def _made(self) -> OperatorUnit:
-        told = self.subscribers.notify
-        return OperatorUnit(self._project, self._network, self.powers, told)
+    def _new_unit(self) -> OperatorUnit:
+        notify = self.subscribers.notify
+        return OperatorUnit(self._project, self._network, self.powers, notify)
 
 
 class Seat:
@@ -233,8 +233,8 @@ class Seat:
     ) -> dict[str, Any]:
         within = min(max(seconds, 0.0), LONGEST_HISTORY)
         most = min(max(points, 2), MOST_POINTS)
-        found = self._unit.values.history(component, report, path, within, most)
-        return {"times": [time for time, _ in found], "values": [value for _, value in found]}
+        history = self._unit.values.history(component, report, path, within, most)
+        return {"times": [time for time, _ in history], "values": [value for _, value in history]}
 
     def _picture(self, component: str, report: str, path: str) -> dict[str, Any]:
         return {"url": self._unit.values.picture(component, report, path)}
@@ -274,16 +274,16 @@ class Seat:
         target, unit = component_address(component), self._unit
         unit.require_commander(self._number)
         entry = unit.operator.find(target, message)
-        given = entry.completed(fields)
-        entry.encode(given)
-        shown = shown_fields(entry, entry.decode(entry.encode(given)))
+        completed_fields = entry.completed(fields)
+        entry.encode(completed_fields)
+        shown = shown_fields(entry, entry.decode(entry.encode(completed_fields)))
         unit.journal.note(self._name, f"{entry.name} to {target}: {printable(shown)}")
         try:
-            answer, found = request(unit.operator, target, entry.name, given)
+            answer, answer_fields = request(unit.operator, target, entry.name, completed_fields)
         except (NoAnswer, Refused) as error:
             unit.journal.alarm(f"command {entry.name}", str(error))
             raise
-        text = f"{answer.name} {printable(shown_fields(answer, found))}"
+        text = f"{answer.name} {printable(shown_fields(answer, answer_fields))}"
         unit.journal.note(str(target), text)
         return {"answer": text}
 

@@ -55,25 +55,25 @@ def told_stop(text: str, catalogue: Catalogue) -> DeclaredStop:
     if not SHORTEST <= timeout <= LONGEST:
         raise ValueError(f"{seconds} s is not within {SHORTEST} s .. {LONGEST:g} s")
     entry = catalogue.message(name)
-    given = entry.completed(parse_fields(fields.strip() or "{}"))
-    entry.encode(given)
-    return DeclaredStop(entry.name, given, timeout, "the command line")
+    completed_fields = entry.completed(parse_fields(fields.strip() or "{}"))
+    entry.encode(completed_fields)
+    return DeclaredStop(entry.name, completed_fields, timeout, "the command line")
 
 
 class Stops:
     """The stops of one model and one start."""
 
-    def __init__(self, model: Model | None, told: Iterable[DeclaredStop]) -> None:
+    def __init__(self, model: Model | None, stated_stops: Iterable[DeclaredStop]) -> None:
         """Reads what is declared, once: what a page edits later changes no stop."""
-        self._told = {stop.message: stop for stop in told}
+        self._by_message = {stop.message: stop for stop in stated_stops}
         self._of_model: dict[tuple[str, str], list[DeclaredStop | str]] = {}
         for owner in () if model is None else model.instances(bridge.Bridge, library=False):
             for bridge_connection in owner.bridgeConnections:
                 for target in _receivers(owner, bridge_connection):
-                    found = self._of_model.setdefault(
+                    declarations = self._of_model.setdefault(
                         (target, str(bridge_connection.map.message.name)), []
                     )
-                    found.append(
+                    declarations.append(
                         _declared(bridge_connection, f"{owner.name}.{bridge_connection.name}")
                     )
 
@@ -83,17 +83,17 @@ class Stops:
         Raises:
             AnswerError: Nobody has declared one, or the declarations contradict each other.
         """
-        if entry.name in self._told:
-            return self._told[entry.name]
-        found = self._of_model.get((target, entry.name), [])
-        declared = [stop for stop in found if isinstance(stop, DeclaredStop)]
+        if entry.name in self._by_message:
+            return self._by_message[entry.name]
+        declarations = self._of_model.get((target, entry.name), [])
+        declared = [stop for stop in declarations if isinstance(stop, DeclaredStop)]
         meanings = {(json.dumps(stop.fields, sort_keys=True), stop.timeout) for stop in declared}
         if len(meanings) == 1:
             return _completed(declared[0], entry)
         if meanings:
             names = ", ".join(stop.source for stop in declared)
             raise AnswerError(f"the stops of {names} are different; say one with --stop")
-        why = next((reason for reason in found if isinstance(reason, str)), "")
+        why = next((reason for reason in declarations if isinstance(reason, str)), "")
         raise AnswerError(
             f"no stop of {entry.name} to {target} is declared"
             + (f" ({why})" if why else "")
@@ -147,8 +147,8 @@ def _completed(stop: DeclaredStop, entry: MessageEntry) -> DeclaredStop:
     return DeclaredStop(entry.name, fields, stop.timeout, stop.source)
 
 
-def _put(fields: dict[str, Any], given: dict[str, Any]) -> None:
-    for name, value in given.items():
+def _put(fields: dict[str, Any], values: dict[str, Any]) -> None:
+    for name, value in values.items():
         if isinstance(value, dict) and isinstance(fields.get(name), dict):
             _put(fields[name], value)
         else:

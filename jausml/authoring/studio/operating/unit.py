@@ -74,21 +74,21 @@ class OperatorUnit:
         project: Project,
         network: Network,
         powers: Powers | None,
-        told: Callable[[str, object], None],
+        notify: Callable[[str, object], None],
     ) -> None:
         """Sends nothing before `start`.
 
         Args:
             powers: What is allowed; None for a unit that watches only.
-            told: Takes what all pages are to be told: a notification and its parameters.
+            notify: Takes what all pages are to be told: a notification and its parameters.
 
         Raises:
             ValueError: A stop among the powers is none.
         """
         self.powers = powers
         self.values = Values()
-        self.journal = Journal(told)
-        self._told = told
+        self.journal = Journal(notify)
+        self._notify = notify
         self._system = WatchedSystem(project, network, self.journal, self._tell, self._leave_all)
         stops = powers.stops if powers is not None else ()
         told_stops = [told_stop(stop, self._system.catalogue) for stop in stops]
@@ -129,7 +129,7 @@ class OperatorUnit:
 
     def content(self, state: SystemState | None = None) -> dict[str, Any]:
         """Returns what all pages are told."""
-        told = state_as_json(self._system.monitor.state() if state is None else state)
+        state_entries = state_as_json(self._system.monitor.state() if state is None else state)
         operator, commander, stick = self._system.running, self._commander, self.sticks.held
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
@@ -148,10 +148,10 @@ class OperatorUnit:
                 for request in waiting
                 if operator is not None and operator.controls(request.target)
             ],
-            "components": [_without_age(component) for component in told["components"]],
+            "components": [_without_age(component) for component in state_entries["components"]],
             "connections": [
                 {name: connection[name] for name in ("bridge", "connection", "level", "reason")}
-                for connection in told["connections"]
+                for connection in state_entries["connections"]
             ],
             "alarms": self.journal.alarms,
         }  # fmt: skip
@@ -162,7 +162,7 @@ class OperatorUnit:
         last = self._told_last
         if last is None or content != last[1] or now - last[0] >= LONGEST:
             self._told_last = now, content
-            self._told("operate.state", content)
+            self._notify("operate.state", content)
 
     # ---- commanding -------------------------------------------------------------------------
 
@@ -241,8 +241,8 @@ class OperatorUnit:
             self.sticks.end(GIVEN_UP, target)
             is_confirmed = self.operator.release(target)
             self._end_commander_without_holds()
-        told = "" if is_confirmed else ", which does not confirm it"
-        self.journal.note(name, f"released {target}{told}")
+        remark = "" if is_confirmed else ", which does not confirm it"
+        self.journal.note(name, f"released {target}{remark}")
         return is_confirmed
 
     def _end_commander_without_holds(self) -> None:
@@ -293,7 +293,10 @@ class OperatorUnit:
             thread.join()
         for target, outcome in outcomes.items():
             self.journal.note("unit", f"after STOP, {target}: {outcome}")
-        return [{"component": target, "outcome": told} for target, told in outcomes.items()]
+        return [
+            {"component": target, "outcome": outcome_text}
+            for target, outcome_text in outcomes.items()
+        ]
 
     def _stop_one(self, operator: Operator, target: JausAddress, outcomes: dict[str, str]) -> None:
         try:

@@ -52,7 +52,7 @@ class Watched:
     report: str
     subscription: EventSubscription | None = None
     pages: set[int] = field(default_factory=set)
-    told: float = 0.0
+    last_heard: float = 0.0
     count: int = 0
     texts: list[tuple[str, str]] = field(default_factory=list)
     pictures: dict[str, str] = field(default_factory=dict)
@@ -93,7 +93,11 @@ class Values:
         if is_first:
             try:
                 subscription = operator.watch(
-                    target, report.name, rate, lambda *told: self._take(key, *told), fields
+                    target,
+                    report.name,
+                    rate,
+                    lambda *arguments: self._take(key, *arguments),
+                    fields,
                 )
             except BaseException:
                 with self._lock:
@@ -132,7 +136,7 @@ class Values:
                 {
                     "component": watch.component,
                     "report": watch.report,
-                    "age": round(now - watch.told, 2) if watch.told else None,
+                    "age": round(now - watch.last_heard, 2) if watch.last_heard else None,
                     "count": watch.count,
                     "fields": [list(pair) for pair in watch.texts],
                     "numbers": [path for path in watch.history if path != RATE],
@@ -146,8 +150,8 @@ class Values:
         """Returns the URL of the last picture of a report (`AnswerError`: there is none)."""
         with self._lock:
             known = self._watched.get((component, report))
-            found = known.pictures.get(path, "") if known is not None else ""
-        return picture_url(bytes.fromhex(found))
+            picture_hex = known.pictures.get(path, "") if known is not None else ""
+        return picture_url(bytes.fromhex(picture_hex))
 
     def history(
         self, component: str, report: str, path: str, seconds: float, most: int
@@ -164,17 +168,17 @@ class Values:
         now = time.time()
         texts = [(path, _short(text)) for path, text in field_texts(entry.record, fields)]
         leaves = list(_leaves(entry.record, fields))
-        found = dict(_numbers(leaves))
+        numbers_by_path = dict(_numbers(leaves))
         with self._lock:
             known = self._watched.get(key)
             if known is None:
                 return
-            if known.told and now > known.told:
-                found[RATE] = 1 / (now - known.told)
-            known.told, known.texts, known.pictures = now, texts, dict(_pictures(leaves))
+            if known.last_heard and now > known.last_heard:
+                numbers_by_path[RATE] = 1 / (now - known.last_heard)
+            known.last_heard, known.texts, known.pictures = now, texts, dict(_pictures(leaves))
             known.urls = tuple(_urls(leaves))
             known.count += 1
-            for path, value in found.items():
+            for path, value in numbers_by_path.items():
                 if path in known.history or len(known.history) < MOST_FIELDS:
                     kept = known.history.setdefault(path, deque(maxlen=MOST_KEPT))
                     kept.append((now, value))
@@ -228,12 +232,12 @@ def decimated(points: Sequence[Point], most: int) -> list[Point]:
     if len(points) <= most:
         return list(points)
     pieces = max(1, most // 2)
-    found: list[Point] = []
+    extremes: list[Point] = []
     for index in range(pieces):
         piece = points[index * len(points) // pieces : (index + 1) * len(points) // pieces]
         ends = {min(piece, key=lambda point: point[1]), max(piece, key=lambda point: point[1])}
-        found.extend(sorted(ends))
-    return found
+        extremes.extend(sorted(ends))
+    return extremes
 
 
 MOST_BYTES = 8 * 2**20

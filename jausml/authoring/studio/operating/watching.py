@@ -38,13 +38,13 @@ class WatchedSystem(RunningSystem):
         project: Project,
         network: Network,
         journal: Journal,
-        told: Callable[[SystemState], None],
+        listener: Callable[[SystemState], None],
         ending: Callable[[], None],
     ) -> None:
         """Sends nothing before `start`.
 
         Args:
-            told: Takes the state, once in `PERIOD`.
+            listener: Takes the state, once in `PERIOD`.
             ending: Is called before our component ends.
         """
         self.model, self.catalogue = _read(project)
@@ -52,7 +52,7 @@ class WatchedSystem(RunningSystem):
         super().__init__(network, self.model, lambda: self.catalogue, _TIMEOUT, identity)
         self.running: Operator | None = None
         self.fault = "the unit begins"
-        self._journal, self._told, self._ending = journal, told, ending
+        self._journal, self._notify, self._ending = journal, listener, ending
         self._levels: dict[str, Level] = {}
         self._ready = Event()
 
@@ -78,7 +78,7 @@ class WatchedSystem(RunningSystem):
     def _look(self) -> None:
         state = self.monitor.state()
         self._watch_for_alarms(state)
-        self._told(state)
+        self._notify(state)
 
     def _watch_for_alarms(self, state: SystemState) -> None:
         """Raises alarms for what went well, or has begun, and does no more."""

@@ -40,14 +40,14 @@ def connect(scope: Scope, source: Spot, target: Spot) -> Options:
     """Returns the ways to connect two ends of the system view, the best first."""
     if source.owner is target.owner:
         return Options(refusal=f"both ends are of {name_of(source.owner)}; draw to another box")
-    found = _ways(scope, source, target)
-    if found.options:
-        first, *others = found.options
+    options = _options(scope, source, target)
+    if options.options:
+        first, *others = options.options
         return Options((replace(first, is_best=True), *others))
-    return found
+    return options
 
 
-def _ways(scope: Scope, source: Spot, target: Spot) -> Options:
+def _options(scope: Scope, source: Spot, target: Spot) -> Options:
     match source.owner, target.owner:
         case ros.Node(), ros.Node():
             return topics_between(scope, source, target)
@@ -90,12 +90,12 @@ def _through_bridge(scope: Scope, source: Spot, target: Spot) -> Options | None:
 
 def ends(scope: Scope, start: Spot) -> list[tuple[Spot, str]]:
     """Returns the ends to which a line can be drawn from one, each with why."""
-    found = []
+    line_ends = []
     for other in all_spots(scope):
         answer = connect(scope, start, other)
         if answer.options:
-            found.append((other, answer.options[0].why))
-    return found
+            line_ends.append((other, answer.options[0].why))
+    return line_ends
 
 
 def asked(scope: Scope, source: Spot, target: Spot) -> Options:
@@ -103,7 +103,7 @@ def asked(scope: Scope, source: Spot, target: Spot) -> Options:
     provider, asking = source.owner, target.owner
     if not isinstance(provider, jaus.Component) or not isinstance(asking, jaus.Component):
         return Options(refusal="only components are asked")
-    found = [
+    fitting_offers = [
         provided_offer
         for provided_offer in offers(provider, TO_ROS)
         if provided_offer.is_provided
@@ -114,11 +114,11 @@ def asked(scope: Scope, source: Spot, target: Spot) -> Options:
             else not is_served(provided_offer.service)
         )
     ]
-    if not found:
+    if not fitting_offers:
         what = source.message or "report that can be asked for"
         return Options(refusal=f"no service that {name_of(provider)} provides has a {what}")
     options = []
-    for offer in found:
+    for offer in fitting_offers:
         name = name_among(name_of(offer.message).removeprefix("Report"), asking.connections)
         values = {
             "name": (name,),
@@ -282,8 +282,8 @@ def _placed(
             for name in _FEATURES
             if (refs := tuple(scope.ref(e) for e in elements if _feature(e) == name))
         }
-        given = {"host": (scope.ref(host),), **placed}
-        yield Add(scope.ref(whole), "placements", "system.Placement", given)
+        placement_values = {"host": (scope.ref(host),), **placed}
+        yield Add(scope.ref(whole), "placements", "system.Placement", placement_values)
     # The last one first: those behind one that goes have other positions.
     for empty_placement in reversed(emptied):
         yield Remove(scope.ref(empty_placement))

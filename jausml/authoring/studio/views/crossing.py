@@ -57,7 +57,7 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
         return Options(refusal=_nothing(component, at_jaus.message, direction))
     owners = sorted(owners, key=lambda owner: not _serves(owner, component))
 
-    def ways(end: Spot) -> list[Option]:
+    def options_at(end: Spot) -> list[Option]:
         return [
             option
             for owner in owners
@@ -68,8 +68,8 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
         ]
 
     # Where no ready map goes to a new topic, a new map may go to one that is there.
-    options = ways(at_ros) or [
-        option for end in _ends_of(at_ros, direction) for option in ways(end)
+    options = options_at(at_ros) or [
+        option for end in _ends_of(at_ros, direction) for option in options_at(end)
     ]
     options.sort(key=_order)
     if options:
@@ -146,13 +146,13 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
     wanted = _wanted(component, at_jaus.message, direction)
     if not wanted:
         return Options(refusal=_nothing(component, at_jaus.message, direction))
-    found = [
+    ready_pairs = [
         (offer, used)
         for offer in wanted
         for used in _ready(scope, offer, None)
         if not _is_mapped(scope, owner, component, used, direction)
     ]
-    options = [_by_ready_map(scope, owner, component, offer, used) for offer, used in found]
+    options = [_by_ready_map(scope, owner, component, offer, used) for offer, used in ready_pairs]
     options = options or [
         option
         for offer in wanted
@@ -172,8 +172,10 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
 
 def _wanted(component: jaus.Component, message: str, direction: str) -> list[Offer]:
     """Returns what a component offers for a direction; of one message where one is named."""
-    found = offers(component, direction)
-    wanted = [offer for offer in found if not message or name_of(offer.message) == message]
+    component_offers = offers(component, direction)
+    wanted = [
+        offer for offer in component_offers if not message or name_of(offer.message) == message
+    ]
     return sorted(wanted, key=_is_echo)
 
 

@@ -234,7 +234,7 @@ class _Problems:
         own, document = scope.model.location(element), scope.model.document_of(element)
         fragment = scope.model.fragment(element)
         path = document.display if document is not None else ""
-        self._found = [
+        self._diagnostics = [
             diagnostic
             for diagnostic in diagnostics
             if diagnostic.fragment == fragment
@@ -244,11 +244,11 @@ class _Problems:
 
     def of(self, feature: str) -> tuple[str, ...]:
         """Returns the messages at a feature."""
-        if not self._found:
+        if not self._diagnostics:
             return ()
         place = self._scope.model.location(self._element, feature)
         return tuple(
-            diagnostic.message for diagnostic in self._found if diagnostic.location == place
+            diagnostic.message for diagnostic in self._diagnostics if diagnostic.location == place
         )
 
 
@@ -323,14 +323,14 @@ def choices(scope: Scope, ref: str, feature: str, query: str = "") -> Choices:
     targets = {
         legal_target.value: legal_target for legal_target in legal_targets(scope, element, table)
     }
-    found = [
+    matches = [
         target
         for target in targets.values()
         if all(word in f"{target.label} {target.value}".lower() for word in words)
     ]
     if first:
-        found.sort(key=lambda choice: not choice.label.lower().startswith(first))
-    return Choices(tuple(found[:_MOST_CHOICES]), max(0, len(found) - _MOST_CHOICES))
+        matches.sort(key=lambda choice: not choice.label.lower().startswith(first))
+    return Choices(tuple(matches[:_MOST_CHOICES]), max(0, len(matches) - _MOST_CHOICES))
 
 
 def _unit(element: EObject, feature: FeatureTable) -> str:

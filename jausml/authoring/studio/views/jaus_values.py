@@ -59,10 +59,10 @@ def moment(text: str) -> datetime:
     if text.strip().lower() in ("", "now"):
         return datetime.now(timezone.utc)
     try:
-        found = datetime.fromisoformat(text.strip().replace("Z", "+00:00"))
+        instant = datetime.fromisoformat(text.strip().replace("Z", "+00:00"))
     except ValueError as error:
         raise AnswerError(f"{text!a} is no time such as 2026-05-17T12:30:15.250") from error
-    return found if found.tzinfo is not None else found.replace(tzinfo=timezone.utc)
+    return instant if instant.tzinfo is not None else instant.replace(tzinfo=timezone.utc)
 
 
 def _entry(message: jaus.MessageDef) -> MessageEntry:

@@ -68,13 +68,13 @@ def search(scope: Scope, query: str) -> list[OutlineRow]:
             named.append(element)
         elif all(word in f"{name} {_kind(element)}" for word in words):
             others.append(element)
-    found = [*named, *others]
+    hits = [*named, *others]
     rows = [
         _row(scope, hit, 0, len(scope.model.owned(hit)), note=_path(hit))
-        for hit in found[:_MOST_FOUND]
+        for hit in hits[:_MOST_FOUND]
     ]
-    if len(found) > _MOST_FOUND:
-        rows.append(OutlineRow("", f"{len(found) - _MOST_FOUND} more: type more of it", "", 0))
+    if len(hits) > _MOST_FOUND:
+        rows.append(OutlineRow("", f"{len(hits) - _MOST_FOUND} more: type more of it", "", 0))
     return rows
 
 

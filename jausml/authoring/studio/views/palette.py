@@ -105,11 +105,11 @@ def palette(
         for element, most in turns
     ]
     is_named = any(rank == 0 for *_, entries in ranked for rank, _ in entries)
-    found: list[PaletteItem] = []
+    items: list[PaletteItem] = []
     for element, most, entries in ranked:
         meant = (entry for rank, entry in entries if rank < _MENTIONED or not is_named)
-        found += islice(_items(scope, meant, element), most - len(found))
-    return found
+        items += islice(_items(scope, meant, element), most - len(items))
+    return items
 
 
 def _target(scope: Scope, onto: str) -> EObject | None:
@@ -117,10 +117,10 @@ def _target(scope: Scope, onto: str) -> EObject | None:
     if not onto or onto.startswith(LIBRARY):
         return None
     try:
-        found = scope.find(onto)
+        element = scope.find(onto)
     except AnswerError:  # it was chosen, and has gone meanwhile
         return None
-    return None if found in scope.model.documents[0].roots else found
+    return None if element in scope.model.documents[0].roots else element
 
 
 def _ranked(
@@ -318,8 +318,8 @@ def _entry(
     *more: str,
 ) -> Entry:
     text = " ".join((label, " ".join(words(label)), *more, note))
-    found = f"{' '.join(words(label))} {label}|{text} {about}".lower()
-    return Entry(id_, group, label, note, about, make, found)
+    search_text = f"{' '.join(words(label))} {label}|{text} {about}".lower()
+    return Entry(id_, group, label, note, about, make, search_text)
 
 
 def _component_with(scope: Scope, onto: EObject | None, service: jaus.Service) -> Sequence[Command]:

@@ -203,5 +203,7 @@ def _file(action: Action) -> PlannedFile:
     return PlannedFile(action.path, word, action.reason)
 
 
-def _drifted(found: Finding) -> Drifted:
-    return Drifted(found.path, found.line, found.severity.value, found.message, found.stub)
+def _drifted(finding: Finding) -> Drifted:
+    return Drifted(
+        finding.path, finding.line, finding.severity.value, finding.message, finding.stub
+    )

@@ -48,7 +48,7 @@ def join(scope: Scope, source: tuple[str, str], target: tuple[str, str]) -> Opti
 
     `target`: those where it ends; a box may be named by the reference to its service.
     """
-    start = _found(scope, source[1] or _service_of(source[0]))
+    start = _element_of(scope, source[1] or _service_of(source[0]))
     heir = start if isinstance(start, jaus.Service) else start.eContainer()
     if not isinstance(heir, jaus.Service):
         return Options(refusal=_HOW)
@@ -59,7 +59,7 @@ def join(scope: Scope, source: tuple[str, str], target: tuple[str, str]) -> Opti
         return _partner(scope, heir, start)
     if _MARK in source[0]:
         return Options(refusal=_HOW)
-    end = _found(scope, _service_of(target[0]))
+    end = _element_of(scope, _service_of(target[0]))
     return inherit(scope, heir, end) if isinstance(end, jaus.Service) else Options(refusal=_HOW)
 
 
@@ -80,12 +80,12 @@ def inherit(scope: Scope, heir: jaus.Service, base: jaus.Service) -> Options:
 
 def heritage(scope: Scope, box: str) -> Iterator[Choice]:
     """Yields the services that the service of a box may inherit; none for rows."""
-    own = _found(scope, _service_of(box))
+    own = _element_of(scope, _service_of(box))
     table = scope.model.metamodels.class_of(own)
     if isinstance(own, jaus.Service) and _MARK not in box:
         for choice in everywhere(scope, table, own):
-            found = scope.find(choice.value)
-            if isinstance(found, jaus.Service) and own not in lineage(found):
+            service = scope.find(choice.value)
+            if isinstance(service, jaus.Service) and own not in lineage(service):
                 yield choice
 
 
@@ -97,7 +97,7 @@ def cut(scope: Scope, line: str) -> Options:
             return _dropped(scope, owner, way, name)
     if not line.endswith(_INHERITS):
         return Options(refusal="this line follows from what it joins: delete one of its ends")
-    heir = _found(scope, line.removesuffix(_INHERITS))
+    heir = _element_of(scope, line.removesuffix(_INHERITS))
     if not isinstance(heir, jaus.Service) or heir.inherits is None:
         raise AnswerError("there is no such line any more")
     label = f"{name_of(heir)} no longer inherits {name_of(heir.inherits)}"
@@ -107,7 +107,7 @@ def cut(scope: Scope, line: str) -> Options:
 
 def _dropped(scope: Scope, owner: str, way: str, name: str) -> Options:
     """A component that provides or uses a service no more; the service itself stays."""
-    own = _found(scope, owner)
+    own = _element_of(scope, owner)
     services = list(getattr(own, way, ()))
     kept = [service for service in services if name_of(service) != name]
     if len(kept) == len(services):
@@ -121,7 +121,7 @@ def _service_of(box: str) -> str:
     return box.partition(_MARK)[0]
 
 
-def _found(scope: Scope, identifier: str) -> EObject:
+def _element_of(scope: Scope, identifier: str) -> EObject:
     """Returns the element of an id of the view, or of a reference."""
     try:
         return scope.find(identifier)
@@ -201,12 +201,14 @@ def usual_texts(element: EObject, feature: FeatureTable) -> list[Choice]:
 
 def targets_from(machine: Machine, source: str) -> dict[str, str]:
     """Returns what transitions of a state write for each state: as few names as do."""
-    found = {}
+    shortest_names = {}
     for path in dict.fromkeys([*machine.nodes, *machine.core_states]):
         names = path.split(".")
         shorter = (".".join(names[at:]) for at in range(len(names) - 1, -1, -1))
-        found[path] = next((e for e in shorter if machine.resolve(source, e) == path), path)
-    return found
+        shortest_names[path] = next(
+            (e for e in shorter if machine.resolve(source, e) == path), path
+        )
+    return shortest_names
 
 
 def events_of(element: jaus.StateMachine, machine: Machine) -> list[str]:

@@ -195,9 +195,9 @@ def _in_text(
 def _span(written: TextDocument, model: Model, element: EObject) -> Span | None:
     """Returns what is written of an element, or of the nearest of its owners."""
     for node in _nodes(model, element):
-        found = written.source_of(node)
-        if found is not None:
-            return found.span
+        text_source = written.source_of(node)
+        if text_source is not None:
+            return text_source.span
     return None
 
 

@@ -50,8 +50,8 @@ class Translation:
         counts = dict(self._connection.statistics.out_of_range)
         try:
             messages = {
-                name: _message(self._classes[name], given)
-                for name, given in request.items()
+                name: _message(self._classes[name], content)
+                for name, content in request.items()
                 if name in self._classes
             }
             target = self._translate(**messages)
@@ -73,11 +73,11 @@ def _class_of(hint: typing.Any) -> typing.Any:
     return inner[0] if inner else hint
 
 
-def _message(cls: typing.Any, given: dict[str, typing.Any]) -> typing.Any:
-    if "payload" in given:
-        return cls.decode(bytes.fromhex(given["payload"]))
+def _message(cls: typing.Any, content: dict[str, typing.Any]) -> typing.Any:
+    if "payload" in content:
+        return cls.decode(bytes.fromhex(content["payload"]))
     message = cls()
-    for path, text in given["values"].items():
+    for path, text in content["values"].items():
         _put(message, path.split("."), text, path)
     return message
 

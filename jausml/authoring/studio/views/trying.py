@@ -92,13 +92,13 @@ def inputs(used: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
     """Returns the values that a direction of a map takes."""
     _check_ends(used)
     scope = outer_scope(used, to_ros=to_ros)
-    found: dict[str, Input] = {}
+    inputs_by_path: dict[str, Input] = {}
     for path in _paths(used, to_ros=to_ros):
         place = scope.find_source(path)
         if isinstance(place, JausPlace | RosPlace):
             for map_input in _inputs(path, place):
-                found.setdefault(map_input.path, map_input)
-    return list(found.values())
+                inputs_by_path.setdefault(map_input.path, map_input)
+    return list(inputs_by_path.values())
 
 
 def _paths(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
@@ -116,30 +116,32 @@ def _paths(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
 
 
 def _inputs(path: str, place: PathPlace) -> Iterator[Input]:
-    found = place.attribute()
-    if found.kind in (TIME, TIME_STAMP):
+    attribute = place.attribute()
+    if attribute.kind in (TIME, TIME_STAMP):
         yield Input(path, "time", "", "now")
-    elif found.kind in _WORDS:
-        word = "integer" if found.integral else _WORDS[found.kind]
-        yield Input(path, word, "" if found.units == "one" else found.units, _default(found))
-    elif isinstance(place, RosPlace) and found.kind not in (LIST, NUMBERS, OCTETS):
+    elif attribute.kind in _WORDS:
+        word = "integer" if attribute.integral else _WORDS[attribute.kind]
+        yield Input(
+            path, word, "" if attribute.units == "one" else attribute.units, _default(attribute)
+        )
+    elif isinstance(place, RosPlace) and attribute.kind not in (LIST, NUMBERS, OCTETS):
         for field in place.type.fields if place.type is not None else ():
             inner = place.step(str(field.name))
             if isinstance(inner, RosPlace):
                 yield from _inputs(f"{path}.{field.name}", inner)
 
 
-def _default(found: Attribute) -> str:
-    if found.kind == BOOL:
+def _default(attribute: Attribute) -> str:
+    if attribute.kind == BOOL:
         return "false"
-    if found.kind == TEXT:
+    if attribute.kind == TEXT:
         return ""
-    if found.label == "w":
+    if attribute.label == "w":
         return "1"  # of an orientation that turns nothing
-    low = found.lower if found.lower is not None else 0
-    high = found.upper if found.upper is not None else 0
+    low = attribute.lower if attribute.lower is not None else 0
+    high = attribute.upper if attribute.upper is not None else 0
     value = min(max(0, low), max(high, low))
-    return str(int(value)) if found.integral else f"{value:g}"
+    return str(int(value)) if attribute.integral else f"{value:g}"
 
 
 class Trials:
@@ -173,10 +175,10 @@ class Trials:
         `values`: texts by path; those that are empty are left out. Returns what came out; what is
         wrong with values or the map is told as its error.
         """
-        given = {path: text for path, text in values.items() if text.strip()}
+        texts = {path: text for path, text in values.items() if text.strip()}
         try:
             _check_ends(used)
-            request = _request(used, given, to_ros=to_ros)
+            request = _request(used, texts, to_ros=to_ros)
             with self._lock:
                 process = self._process(scope, used, to_ros=to_ros)
             named = {process.parameters[name]: value for name, value in request.items()}
@@ -208,8 +210,8 @@ class Trials:
             known.close()
         while len(self._processes) >= _MOST_PROCESSES:
             self._processes.popitem(last=False)[1].close()
-        made = self._processes[key] = _Process(code, parameters, made_of)
-        return made
+        process = self._processes[key] = _Process(code, parameters, made_of)
+        return process
 
 
 def _code(
@@ -225,10 +227,10 @@ def _code(
     """
     maps = {CONNECTION_NAME: (used, to_ros)}
     try:
-        made = bridge_of_maps(scope.model.metamodels, BRIDGE_NAME, maps, users)
-        ((connection,),) = (view.connections for view in bridge_views(made))
+        trial_bridge = bridge_of_maps(scope.model.metamodels, BRIDGE_NAME, maps, users)
+        ((connection,),) = (view.connections for view in bridge_views(trial_bridge))
         joins = {str(join.join.name): join.name for join in connection.translated.joins}
-        return bridge_code(made), {"": "source", **joins}
+        return bridge_code(trial_bridge), {"": "source", **joins}
     except Exception as error:
         # Generators take models without errors; what an editor holds may have any.
         raise AnswerError(f"'{used.name}' cannot be tried before its errors are fixed") from error
@@ -251,7 +253,7 @@ def _check_ends(used: bridge.AttributeMap) -> None:
 
 
 def _request(
-    used: bridge.AttributeMap, given: Mapping[str, str], *, to_ros: bool
+    used: bridge.AttributeMap, texts: Mapping[str, str], *, to_ros: bool
 ) -> dict[str, Any]:
     """Returns the messages that values make: the main one, and those of joins that have values."""
     scope = outer_scope(used, to_ros=to_ros)
@@ -260,18 +262,18 @@ def _request(
         for report_join in (used.reportJoins if to_ros else used.joins)
     }
     parts: dict[str, dict[str, str]] = {"": {}}
-    for path, text in given.items():
+    for path, text in texts.items():
         first, _, rest = path.partition(".")
         name, inner = (first, rest) if first in joins and rest else ("", path)
         parts.setdefault(name, {}).update(_expanded(scope, path, inner, text))
     if not to_ros:
         return {name: {"values": values} for name, values in parts.items()}
-    made: dict[str, Any] = {}
+    messages: dict[str, Any] = {}
     for name, values in parts.items():
         join = joins.get(name)
         message = join.message if isinstance(join, bridge.ReportJoin) else used.message
-        made[name] = {"payload": jaus_values.payload(message, values).hex()}
-    return made
+        messages[name] = {"payload": jaus_values.payload(message, values).hex()}
+    return messages
 
 
 def _expanded(scope: PathScope, path: str, inner: str, text: str) -> dict[str, str]:
@@ -302,6 +304,6 @@ def _error(answer: Mapping[str, Any]) -> str:
 
 
 def _unit(place: PathPlace, path: str) -> str:
-    found = place.follow(path)
-    unit = found.attribute().units if isinstance(found, JausPlace | RosPlace) else ""
+    inner_place = place.follow(path)
+    unit = inner_place.attribute().units if isinstance(inner_place, JausPlace | RosPlace) else ""
     return "" if unit == "one" else unit

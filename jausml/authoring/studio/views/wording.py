@@ -22,12 +22,12 @@ _WORD = re.compile(r"\b[A-Za-z]\w*\b")
 
 def for_people(text: str) -> str:
     """Returns a sentence without refs and names of the metamodels; what is quoted stays."""
-    text = _REF.sub(lambda found: place_of(found[2], found[3]), text)
+    text = _REF.sub(lambda match: place_of(match[2], match[3]), text)
     parts = _QUOTED.split(_CLASS.sub(_class, text))
     names, kinds = _names()
     for at in range(0, len(parts), 2):
         is_kind = at + 1 < len(parts)
-        parts[at] = _WORD.sub(lambda found: _name(found[0], names), parts[at])
+        parts[at] = _WORD.sub(lambda match: _name(match[0], names), parts[at])
         if is_kind:
             first, space, last = parts[at].rstrip().rpartition(" ")
             if last in kinds and parts[at].endswith(" "):
@@ -40,7 +40,7 @@ def place_of(file: str, fragment: str) -> str:
     where = f"{file.rpartition('/')[2]} of the library" if file.startswith(LIBRARY) else file
     if not fragment.startswith("/"):
         return f"{fragment} of {where}"
-    steps = [found for word in fragment.split("/") if (found := _STEP.match(word))]
+    steps = [match for word in fragment.split("/") if (match := _STEP.match(word))]
     words = [_step(feature, number) for feature, number in (step.groups() for step in steps)]
     return " of ".join([*reversed(words), where])
 
@@ -53,9 +53,9 @@ def _step(feature: str, number: str | None) -> str:
     return f"{one} {int(number) + 1}"
 
 
-def _class(found: re.Match[str]) -> str:
-    words = in_words(found[2])
-    if not found[1]:
+def _class(match: re.Match[str]) -> str:
+    words = in_words(match[2])
+    if not match[1]:
         return words
     return f"{'an' if words[0] in 'aeiou' else 'a'} {words}"
 

@@ -73,8 +73,8 @@ class _Writer:
         while inside := self._initial(first):
             first = inside
         start = element("start", state_machine_name=name, state_name=first)
-        made = element("state_machine", self._inside(""), name=name)
-        return start, explained(made, *explaining)
+        machine_element = element("state_machine", self._inside(""), name=name)
+        return start, explained(machine_element, *explaining)
 
     def _paths_in(self, outer: str) -> list[str]:
         return [state for state in self._states if state.rpartition(".")[0] == outer]
@@ -95,8 +95,8 @@ class _Writer:
         if defaults := self._transitions(all_of("defaults"), path):
             parts.append(element("default_state", defaults))
         name, initial = path.rpartition(".")[2], (self._initial(path) or "").rpartition(".")[2]
-        made = element("state", parts, name=name, initial_state=initial or None)
-        return explained(made, *self._states[path])
+        state_element = element("state", parts, name=name, initial_state=initial or None)
+        return explained(state_element, *self._states[path])
 
     def _initial(self, outer: str) -> str | None:
         """Returns the state that is entered with one: as the machine says, or the core."""
@@ -137,8 +137,10 @@ class _Writer:
             parts.append(element("guard", condition=_called(transition.guard, of_message)))
         parts.append(self._kind(transition, path))
         parts += [self._action(a, has_sender=message is not None) for a in transition.actions]
-        made = element("transition" if name else "default_transition", parts, name=name)
-        return explained(made, transition)
+        transition_element = element(
+            "transition" if name else "default_transition", parts, name=name
+        )
+        return explained(transition_element, transition)
 
     def _parameters(self, transition: jaus.Transition) -> dict[str, str]:
         """Returns the types of the parameters of a transition by their names.
@@ -200,9 +202,9 @@ def arguments_of(action: jaus.Action, *, has_sender: bool) -> list[str]:
 def _names(transition: jaus.Transition) -> list[str]:
     """Returns the names among the arguments of the guard and the actions of a transition."""
     conditions = _CONDITION.finditer(transition.guard or "")
-    given = [word for match in conditions for word in (match[2] or "").strip(" ()").split(",")]
-    given += [argument for action in transition.actions for argument in action.arguments]
-    return [value.strip() for value in given if _NAME.fullmatch(value.strip())]
+    arguments = [word for match in conditions for word in (match[2] or "").strip(" ()").split(",")]
+    arguments += [argument for action in transition.actions for argument in action.arguments]
+    return [value.strip() for value in arguments if _NAME.fullmatch(value.strip())]
 
 
 def _called(guard: str, message: str | None) -> str:
@@ -215,17 +217,17 @@ def _called(guard: str, message: str | None) -> str:
     def with_arguments(match: re.Match[str]) -> str:
         name, arguments = match.groups()
         asked = _SENDER if name in _OF_SENDER else message
-        given = f"({asked})" if message else "()"
-        return f"{name}{arguments or given}"
+        default = f"({asked})" if message else "()"
+        return f"{name}{arguments or default}"
 
     parsed = parse_guard(guard)
-    found = (parsed and alternatives(parsed)) or []
+    choices = (parsed and alternatives(parsed)) or []
     flat = " || ".join(
         " && ".join(
             condition.written if holds else f"!{condition.written}"
             for condition, holds in alternative
         )
-        for alternative in found
+        for alternative in choices
     )
     return _CONDITION.sub(with_arguments, flat if 0 < len(flat) <= LONGEST else guard)
 

@@ -28,27 +28,27 @@ def element(
     tag: str, children: Iterable[Element] = (), /, **attributes: str | int | float | bool | None
 ) -> Element:
     """Makes an element; attributes without a value are left out."""
-    made = ElementTree.Element(tag)
+    node = ElementTree.Element(tag)
     for name, value in attributes.items():
         if value is not None:
-            made.set(name, _text(value))
-    made.extend(children)
-    return made
+            node.set(name, _text(value))
+    node.extend(children)
+    return node
 
 
 def text_element(tag: str, text: str | None) -> Element:
     """Makes an element that holds a text."""
-    made = ElementTree.Element(tag)
-    made.text = folded(text) or None
-    return made
+    node = ElementTree.Element(tag)
+    node.text = folded(text) or None
+    return node
 
 
-def explained(made: Element, *explaining: Documented) -> Element:
+def explained(node: Element, *explaining: Documented) -> Element:
     """Gives an element an `interpretation`, if what it stands for is documented."""
     texts = (folded(explanation.documentation) for explanation in explaining)
     if text := " ".join(filter(None, texts)):
-        made.set("interpretation", text)
-    return made
+        node.set("interpretation", text)
+    return node
 
 
 def document(root: Element) -> bytes:
@@ -83,16 +83,18 @@ class FieldWriter:
 
     def declared_types(self) -> list[Element]:
         """Returns the declared types that were referred to, by these types too."""
-        made: list[Element] = []
-        while len(made) < len(self._declared):
-            target, name = list(self._declared.items())[len(made)]
-            made.append(self._named(target, name))
-        return made
+        elements: list[Element] = []
+        while len(elements) < len(self._declared):
+            target, name = list(self._declared.items())[len(elements)]
+            elements.append(self._named(target, name))
+        return elements
 
     def _named(self, field: jaus.Field, name: str) -> Element:
         special, inside = self._attributes(field), self._inside(field)
-        made = element(_tag(field), inside, name=name, optional=bool(field.optional), **special)
-        return explained(made, field)
+        field_element = element(
+            _tag(field), inside, name=name, optional=bool(field.optional), **special
+        )
+        return explained(field_element, field)
 
     def _declare(self, target: jaus.Field) -> str:
         """Returns the name by which a declared type is known in the service."""
@@ -142,24 +144,24 @@ class FieldWriter:
 
 def _inside(field: jaus.Field) -> list[Element]:
     """Returns what a field that encloses no others consists of."""
-    made: list[Element] = []
+    elements: list[Element] = []
     match field:
         case jaus.FixedField():
-            made = _legal(field)
+            elements = _legal(field)
         case jaus.VariableField():
-            made = [element("type_and_units_field", map(_alternative, field.alternatives))]
+            elements = [element("type_and_units_field", map(_alternative, field.alternatives))]
         case jaus.BitField():
-            made = list(map(_sub_field, field.subFields))
+            elements = list(map(_sub_field, field.subFields))
         case jaus.VariableFormatField():
             known = (
                 element("format_enum", index=f.index, field_format=f.name) for f in field.formats
             )
-            made = [element("format_field", known)]
+            elements = [element("format_field", known)]
     match field:
         case jaus.VariableLengthString() | jaus.VariableLengthField() | jaus.VariableFormatField():
             kind = field.countType.name
-            made.append(_count(kind, field.minimumLength, field.maximumLength))
-    return made
+            elements.append(_count(kind, field.minimumLength, field.maximumLength))
+    return elements
 
 
 def _tag(field: jaus.Field) -> str:
@@ -190,11 +192,11 @@ def _number(field: jaus.FixedField | jaus.Alternative) -> dict[str, str | int]:
 def _legal(field: jaus.FixedField | jaus.Alternative) -> list[Element]:
     """Returns what says how the values of a number are scaled, or which are legal."""
     scale, values = field.scale, field.values
-    made = [] if values is None else [_value_set(values)]
+    elements = [] if values is None else [_value_set(values)]
     if scale is not None:
         limits = {"real_lower_limit": scale.lower, "real_upper_limit": scale.upper}
-        made.append(element("scale_range", **limits, integer_function=scale.rounding.name))
-    return made
+        elements.append(element("scale_range", **limits, integer_function=scale.rounding.name))
+    return elements
 
 
 def _value_set(values: jaus.ValueSet) -> Element:
@@ -207,17 +209,21 @@ def _value(value: jaus.Value) -> Element:
         kinds = ("exclusive", "inclusive")
         lower, upper = kinds[value.lowerInclusive], kinds[value.upperInclusive]
         bounds = {"lower_limit_type": lower, "upper_limit_type": upper}
-        made = element("value_range", lower_limit=value.lower, upper_limit=value.upper, **bounds)
+        value_element = element(
+            "value_range", lower_limit=value.lower, upper_limit=value.upper, **bounds
+        )
     else:
         named = cast("jaus.EnumeratedValue", value)
-        made = element("value_enum", enum_index=named.value, enum_const=named.name)
-    return explained(made, value)
+        value_element = element("value_enum", enum_index=named.value, enum_const=named.name)
+    return explained(value_element, value)
 
 
 def _alternative(choice: jaus.Alternative) -> Element:
     name, index = choice.name, choice.index
-    made = element("type_and_units_enum", _legal(choice), name=name, index=index, **_number(choice))
-    return explained(made, choice)
+    alternative_element = element(
+        "type_and_units_enum", _legal(choice), name=name, index=index, **_number(choice)
+    )
+    return explained(alternative_element, choice)
 
 
 def _sub_field(part: jaus.SubField) -> Element:

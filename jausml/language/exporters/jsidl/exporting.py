@@ -50,8 +50,8 @@ def differences(
     Declared types count as what they stand for, and machines by what they do: states by their
     paths, targets by where they lead. Runs of white space are one blank.
     """
-    found = [*_declared(service, imported, metamodels), *_done(service, imported)]
-    return [e for e in found if folded(e.first) != folded(e.second) and not _is_same_code(e)]
+    candidates = [*_declared(service, imported, metamodels), *_done(service, imported)]
+    return [e for e in candidates if folded(e.first) != folded(e.second) and not _is_same_code(e)]
 
 
 def _is_same_code(difference: Difference) -> bool:
@@ -89,24 +89,24 @@ def _done(service: jaus.Service, imported: jaus.Service) -> Iterator[Difference]
 
 
 def _facts(service: jaus.Service) -> Facts:
-    found: Facts = {}
+    facts: Facts = {}
     for machine in service.machines:
         whole = machine_with(machine)
         if whole is not None:
-            _note(found, str(machine.name), machine, machine=machine.name)
+            _note(facts, str(machine.name), machine, machine=machine.name)
             for path in ("", *whole.nodes):
                 inside = whole.initial(path)
                 if inside not in whole.core_states:  # of which the core itself says which is first
-                    found[f"{machine.name}/{path}", "initial"] = [inside or ""], machine
+                    facts[f"{machine.name}/{path}", "initial"] = [inside or ""], machine
             for path, state in states_of(machine):
-                _note_state(found, f"{machine.name}/{path}", path, state, whole)
-    return found
+                _note_state(facts, f"{machine.name}/{path}", path, state, whole)
+    return facts
 
 
-def _note_state(found: Facts, at: str, path: str, state: jaus.State, whole: Machine) -> None:
-    _note(found, at, state)
+def _note_state(facts: Facts, at: str, path: str, state: jaus.State, whole: Machine) -> None:
+    _note(facts, at, state)
     for feature in ("entry", "exit"):
-        _note_actions(found, f"{at}/{feature}", getattr(state, feature), has_sender=False)
+        _note_actions(facts, f"{at}/{feature}", getattr(state, feature), has_sender=False)
     for feature in ("transitions", "defaults"):
         number: Counter[str] = Counter()
         for transition in getattr(state, feature):
@@ -122,9 +122,9 @@ def _note_state(found: Facts, at: str, path: str, state: jaus.State, whole: Mach
             )
             leads_to = (whole.resolve(path, target) or target) if target else ""
             guard = _meaning(transition.guard)
-            _note(found, where, transition, kind=kind, target=leads_to, guard=guard)
+            _note(facts, where, transition, kind=kind, target=leads_to, guard=guard)
             _note_actions(
-                found, where, transition.actions, has_sender=transition.message is not None
+                facts, where, transition.actions, has_sender=transition.message is not None
             )
 
 
@@ -135,20 +135,20 @@ def _meaning(text: str | None) -> str:
 
 
 def _note_actions(
-    found: Facts, at: str, actions: Iterable[jaus.Action], *, has_sender: bool
+    facts: Facts, at: str, actions: Iterable[jaus.Action], *, has_sender: bool
 ) -> None:
     for number, action in enumerate(actions, 1):
         does = (
             f"{action.name} sends {action.sends.name}" if action.sends is not None else action.name
         )
         arguments = ", ".join(arguments_of(action, has_sender=has_sender))
-        _note(found, f"{at}/action {number}", action, action=does, arguments=arguments)
+        _note(facts, f"{at}/action {number}", action, action=does, arguments=arguments)
 
 
-def _note(found: Facts, at: str, element: Documented, **values: str | None) -> None:
+def _note(facts: Facts, at: str, element: Documented, **values: str | None) -> None:
     """Notes what an element says; of several states of one path what all of them say."""
     for feature, value in {**values, "documentation": element.documentation}.items():
-        found.setdefault((at, feature), ([], element))[0].append(folded(value))
+        facts.setdefault((at, feature), ([], element))[0].append(folded(value))
 
 
 _RULES = {
@@ -206,12 +206,12 @@ def service_element(service: jaus.Service) -> Element:
 
 
 def _message(message: jaus.MessageDef, fields: FieldWriter) -> Element:
-    made = _definition("message_def", message, fields)
-    made.set("message_id", str(message.code)[2:].upper())
-    made.set("is_command", str(bool(message.isCommand)).lower())
+    definition = _definition("message_def", message, fields)
+    definition.set("message_id", str(message.code)[2:].upper())
+    definition.set("is_command", str(bool(message.isCommand)).lower())
     code = element("fixed_field", name="MessageID", optional=False, **_CODE)
-    made[1].append(element("record", [code], name="HeaderRec", optional=False))
-    return made
+    definition[1].append(element("record", [code], name="HeaderRec", optional=False))
+    return definition
 
 
 def _definition(
@@ -252,12 +252,14 @@ def export_jsidl(model: Model, services: Iterable[jaus.Service]) -> ExportResult
         (service, document(service_element(service))) for service in with_inherited(services)
     ]
     again = import_sources(Source(f"{n}", data) for n, (_, data) in enumerate(written))
-    found = list(_refused(model, [service for service, _ in written], again))
-    if not found:
-        found = [diagnostic for service in services for diagnostic in _lost(model, service, again)]
-        found += _unsaid_sets(model, services)
+    diagnostics = list(_refused(model, [service for service, _ in written], again))
+    if not diagnostics:
+        diagnostics = [
+            diagnostic for service in services for diagnostic in _lost(model, service, again)
+        ]
+        diagnostics += _unsaid_sets(model, services)
     documents = {file_name(service): data for service, data in written if service in services}
-    return ExportResult(documents, sorted(dict.fromkeys(found)))
+    return ExportResult(documents, sorted(dict.fromkeys(diagnostics)))
 
 
 def file_name(service: jaus.Service) -> str:
@@ -296,10 +298,10 @@ def _lost(model: Model, service: jaus.Service, again: ImportResult) -> Iterator[
                 f"after an import {difference.second}"
             )
             yield finding("JML632", model.location(difference.first_element), message)
-    for (owner, feature), found in unsaid.items():
-        names = dict.fromkeys(difference.path.rpartition("/")[2] for difference in found)
+    for (owner, feature), losses in unsaid.items():
+        names = dict.fromkeys(difference.path.rpartition("/")[2] for difference in losses)
         message = f"{owner}: JSIDL has no place for '{feature}' of {', '.join(names)}"
-        yield finding("JML631", model.location(found[0].first_element, feature), message)
+        yield finding("JML631", model.location(losses[0].first_element, feature), message)
 
 
 def _unsaid_sets(model: Model, services: Iterable[jaus.Service]) -> Iterator[Diagnostic]:

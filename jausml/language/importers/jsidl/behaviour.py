@@ -54,21 +54,21 @@ class BehaviourBuilder:
         """
         if self._values.flag(place, "is_stateless") and not _acts(place.node):
             return []
-        made: dict[str, jaus.StateMachine] = {}
+        machines: dict[str, jaus.StateMachine] = {}
         starts = children(place, "start")
         for child in children(place, "state_machine"):
             machine = self._machine(child, starts)
-            if machine.name in made:
+            if machine.name in machines:
                 message = f"machine '{machine.name}' is there twice"
                 self._findings.report("JML624", child, message, "the second one is left out")
-            made.setdefault(machine.name, machine)
+            machines.setdefault(machine.name, machine)
         for start in starts:
             name = last(start.node.get("state_machine_name"))
-            if name and name not in made:
+            if name and name not in machines:
                 message = f"no machine {show(name)} starts: there is none"
                 at = start.at("state_machine_name")
-                self._findings.report("JML624", at, message, suggest(name, made))
-        return list(made.values())
+                self._findings.report("JML624", at, message, suggest(name, machines))
+        return list(machines.values())
 
     # -- states ----------------------------------------------------------------------------------
 
@@ -128,9 +128,9 @@ class BehaviourBuilder:
             exit=[a for child in children(place, "exit") for a in self._actions(child)],
             transitions=self._transitions(place),
             defaults=[
-                made
+                transition
                 for child in children(place, "default_state")
-                for made in self._transitions(child)
+                for transition in self._transitions(child)
             ],
             states=inside,
         )
@@ -139,9 +139,9 @@ class BehaviourBuilder:
 
     def _transitions(self, place: NodePlace) -> list[jaus.Transition]:
         """Makes the transitions directly inside an element, those for all triggers last."""
-        found = (*children(place, "transition"), *children(place, "default_transition"))
-        made = [self._transition(node) for node in found]
-        return [transition for transition in made if transition is not None]
+        places = (*children(place, "transition"), *children(place, "default_transition"))
+        transitions = [self._transition(node) for node in places]
+        return [transition for transition in transitions if transition is not None]
 
     def _transition(self, place: NodePlace) -> jaus.Transition | None:
         trigger = self._trigger(place)
@@ -214,13 +214,13 @@ class BehaviourBuilder:
 
     def _kind(self, place: NodePlace) -> tuple[str, str | None]:
         """Returns kind and target of a transition."""
-        found = children(place, *_KINDS)
-        if not found:
+        places = children(place, *_KINDS)
+        if not places:
             message = f"a transition has none of {', '.join(f'<{kind}>' for kind in _KINDS)}"
             self._findings.report("JML604", place, message)
             return "internal", None
-        kind, tag = found[0], found[0].node.tag
-        for second in found[1:]:
+        kind, tag = places[0], places[0].node.tag
+        for second in places[1:]:
             self._findings.report("JML602", second, f"a transition is <{tag}> already")
         ends = children(kind, "end_state")
         target = "".join((ends[0].node.get("state") or "").split()) if ends else None
@@ -251,7 +251,8 @@ class BehaviourBuilder:
                 None,
             )
             staying = next(
-                (transition for transition in _transitions_of(node) if _stays(transition)), None
+                (transition for transition in _transitions_of(node) if _is_internal(transition)),
+                None,
             )
             if acting is not None and staying is not None:
                 at = NodePlace(place.document, staying)
@@ -263,10 +264,10 @@ class BehaviourBuilder:
 
     def _guard(self, place: NodePlace) -> tuple[str | None, str | None]:
         """Returns the guard of a transition, and what is to be said about it."""
-        found = children(place, "guard")
-        if not found:
+        guards = children(place, "guard")
+        if not guards:
             return None, None
-        at, node = found[0].at("condition"), found[0].node
+        at, node = guards[0].at("condition"), guards[0].node
         text, said = folded(node.get("condition")), documentation(node)
         try:
             return (_tidy(text) if parse_guard(text) is not None else None), said
@@ -378,6 +379,6 @@ def _transitions_of(state: Node) -> Iterator[Node]:
             yield from _transitions_of(child)
 
 
-def _stays(transition: Node) -> bool:
-    found = next((child for child in transition.children if child.tag in _KINDS), None)
-    return found is not None and found.tag == "simple" and not found.children
+def _is_internal(transition: Node) -> bool:
+    kind = next((child for child in transition.children if child.tag in _KINDS), None)
+    return kind is not None and kind.tag == "simple" and not kind.children

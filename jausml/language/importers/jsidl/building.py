@@ -160,7 +160,7 @@ class Builder:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        self._made = 0
+        self._count = 0
 
     def new(self, kind: type[ElementT], place: NodePlace, /, **features: Any) -> ElementT:
         """Makes an element.
@@ -169,8 +169,8 @@ class Builder:
             features: Its features: values, names of literals, elements, or lists of these. None
                 leaves a feature alone.
         """
-        self._made += 1
-        if self._made > MOST_ELEMENTS:
+        self._count += 1
+        if self._count > MOST_ELEMENTS:
             raise TooMuchError
         obj: ElementT = new_object(self.model.metamodels.class_of(kind))
         for name, value in features.items():

@@ -127,18 +127,18 @@ class FieldBuilder:
                 return None
             passed.append(place)
             try:
-                found = self._scopes.find(declaration.scope, path)
+                target = self._scopes.find(declaration.scope, path)
             except MissingError as error:
                 if not error.is_known:
                     self._findings.report(missing, at, str(error), error.hint)
                 return None
             wanted = place.node.tag.removeprefix(_DECLARED)
-            actual = found.place.node.tag.removeprefix(_DECLARED)
+            actual = target.place.node.tag.removeprefix(_DECLARED)
             if actual != wanted:
                 message = f"{show(path)} is a {actual}, but <{place.node.tag}> takes a {wanted}"
                 self._findings.report("JML609", at, message)
                 return None
-            declaration = found
+            declaration = target
         return declaration
 
     # -- containers ------------------------------------------------------------------------------
@@ -192,16 +192,16 @@ class FieldBuilder:
         sizes = [
             self._values.integer(scope, dimension, "size", (1, INT[1])) for dimension in dimensions
         ]
-        made = self.field(scope, element) if element else None
+        element_field = self.field(scope, element) if element else None
         return jaus.Array, {
-            "element": made,
+            "element": element_field,
             "dimensions": [size for size in sizes if size is not None],
             "documentation": documentation(*(dimension.node for dimension in dimensions)),
         }
 
     def _fields(self, scope: Scope, places: Sequence[NodePlace]) -> list[jaus.Field]:
-        made = [self.field(scope, place) for place in places]
-        return [field for field in made if field is not None]
+        fields = [self.field(scope, place) for place in places]
+        return [field for field in fields if field is not None]
 
     # -- fields ----------------------------------------------------------------------------------
 
@@ -374,25 +374,25 @@ class FieldBuilder:
         return children(place, *kinds, *(f"{_DECLARED}{kind}" for kind in kinds))
 
     def _child(self, place: NodePlace, *tags: str) -> NodePlace | None:
-        found = children(place, *tags)
-        for second in found[1:]:
+        places = children(place, *tags)
+        for second in places[1:]:
             self._findings.report("JML602", second, f"second <{tags[0]}> of {_name(place)}")
-        return found[0] if found else None
+        return places[0] if places else None
 
     def _needed(self, place: NodePlace, tag: str) -> NodePlace | None:
-        found = self._child(place, tag)
-        if found is None:
+        child = self._child(place, tag)
+        if child is None:
             self._findings.report(
                 "JML604", place, f"<{place.node.tag}> {_name(place)} has no <{tag}>"
             )
-        return found
+        return child
 
-    def _only(self, place: NodePlace, found: Sequence[NodePlace], what: str) -> NodePlace | None:
-        if len(found) == 1:
-            return found[0]
-        message = f"<{place.node.tag}> {_name(place)} has {len(found)} {what}s, not one"
-        if found:
-            self._findings.report("JML602", found[1], message)
+    def _only(self, place: NodePlace, places: Sequence[NodePlace], what: str) -> NodePlace | None:
+        if len(places) == 1:
+            return places[0]
+        message = f"<{place.node.tag}> {_name(place)} has {len(places)} {what}s, not one"
+        if places:
+            self._findings.report("JML602", places[1], message)
         else:
             self._findings.report("JML604", place, message)
         return None

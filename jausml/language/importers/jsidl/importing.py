@@ -168,7 +168,7 @@ class _Import:
             self._findings.report("JML001", Location(path), source.fault)
             return
         result = parse(source.data)
-        document = Document(Path(os.path.realpath(path)), path, is_library=False, given=True)
+        document = Document(Path(os.path.realpath(path)), path, is_library=False, is_input=True)
         document.data = source.data
         document.encoding = result.encoding
         root = result.root

@@ -95,19 +95,19 @@ class MessageBuilder:
 
     def _part(self, target: Declaration, tag: str, missing: str = "JML608") -> Declaration | None:
         """Returns header, body or footer of a message with what a reference stands for."""
-        found = children(target.place, tag, f"declared_{tag}")
-        for second in found[1:]:
+        parts = children(target.place, tag, f"declared_{tag}")
+        for second in parts[1:]:
             self._findings.report("JML602", second, f"second <{tag}> of {_name(target.place)}")
-        if not found:
+        if not parts:
             return None
-        return self._fields.resolve(Declaration(target.scope, found[0]), missing)
+        return self._fields.resolve(Declaration(target.scope, parts[0]), missing)
 
     def _container(self, part: Declaration) -> NodePlace | None:
-        found = children(part.place, *_CONTAINERS)
-        for second in found[1:]:
+        containers = children(part.place, *_CONTAINERS)
+        for second in containers[1:]:
             message = f"<{part.place.node.tag}> has a second container, <{second.node.tag}>"
             self._findings.report("JML602", second, message, "put both into a sequence")
-        return found[0] if found else None
+        return containers[0] if containers else None
 
     def _body(self, target: Declaration) -> tuple[jaus.Field | None, str | None]:
         body = self._part(target, "body")

@@ -250,11 +250,13 @@ class Scopes:
             hint = hint or "give the importer the file or folder that does, too"
             self._findings.report("JML607", place.at("id"), message, hint)
             return None
-        found = pick_version(version, versions)
-        if found != version and not matches(version, found):
-            message = f"{identifier} is there in version {found}, not {version}"
-            self._findings.report("JML620", place.at("version"), message, f"{found} was taken")
-        return versions[found]
+        chosen_version = pick_version(version, versions)
+        if chosen_version != version and not matches(version, chosen_version):
+            message = f"{identifier} is there in version {chosen_version}, not {version}"
+            self._findings.report(
+                "JML620", place.at("version"), message, f"{chosen_version} was taken"
+            )
+        return versions[chosen_version]
 
     def find(self, scope: Scope, path: str) -> Declaration:
         """Returns what a dotted path means in a scope."""
@@ -297,22 +299,22 @@ class Scopes:
             NumberError: There is no such constant, or it has no value.
         """
         try:
-            found = self.find(scope, path)
+            declaration = self.find(scope, path)
         except MissingError as error:
             if error.is_known:
                 raise
             hint = f" ({error.hint})" if error.hint else ""
             raise NumberError(f"has an unknown constant: {error}{hint}") from error
-        node = found.place.node
+        node = declaration.place.node
         if node.tag != "const_def":
             raise NumberError(f"has '{path}', which is a {node.tag} and no constant")
-        if found.place in self._evaluating:
+        if declaration.place in self._evaluating:
             raise NumberError(f"needs itself by the constant '{path}'")
         if len(self._evaluating) > _DEEPEST_CONSTANT:
             raise NumberError("is nested too deeply in constants")
-        self._evaluating.append(found.place)
+        self._evaluating.append(declaration.place)
         try:
-            return self.number(found.scope, node.get("const_value") or "")
+            return self.number(declaration.scope, node.get("const_value") or "")
         except NumberError as error:
             raise NumberError(f"has '{path}', whose value {error}") from error
         finally:
@@ -324,16 +326,16 @@ class Scopes:
 
     def declared_names(self) -> frozenset[str]:
         """Returns the names of the messages and events in the services of all files."""
-        found = set()
+        names = set()
         pending = [scope.place.node for scope in self.services]
         while pending:
             node = pending.pop()
             pending += [child for child in node.children if child.tag in _MESSAGE_SETS]
             if node.tag.removeprefix("declared_") in ("message_def", "event_def"):
-                found.add(node.get("name") or "")
+                names.add(node.get("name") or "")
             elif node.tag in _MESSAGE_SETS:
                 pending += node.children
-        return frozenset(found)
+        return frozenset(names)
 
     def unused(self) -> Iterator[tuple[Scope, NodePlace]]:
         """Yields the declared types that nothing referred to, with the scopes of their names."""
@@ -360,8 +362,8 @@ def matches(wanted: str, version: str) -> bool:
         return False
     rest = version[len(start) : len(version) - len(end)]
     for part in middle:
-        _, found, rest = rest.partition(part) if part else ("", "*", rest)
-        if not found:
+        _, separator, rest = rest.partition(part) if part else ("", "*", rest)
+        if not separator:
             return False
     return len(version) >= len(start) + len(end)
 

@@ -71,11 +71,11 @@ class ServiceBuilder:
         """Makes a service."""
         place = scope.place
         make = self._messages.message
-        inputs = _made(scope, ("message_set", "input_set"), "message_def", make)
-        outputs = _made(scope, ("message_set", "output_set"), "message_def", make)
-        events = _made(scope, ("internal_events_set",), "event_def", self._messages.event)
+        inputs = _definitions(scope, ("message_set", "input_set"), "message_def", make)
+        outputs = _definitions(scope, ("message_set", "output_set"), "message_def", make)
+        events = _definitions(scope, ("internal_events_set",), "event_def", self._messages.event)
         self._report_clients(place)
-        made = self._builder.new(
+        service = self._builder.new(
             jaus.Service,
             place,
             name=self._values.text(place, "name"),
@@ -86,7 +86,7 @@ class ServiceBuilder:
             outputs=outputs,
             events=events,
         )
-        return ImportedService(scope, made)
+        return ImportedService(scope, service)
 
     def _version(self, place: NodePlace) -> str | None:
         version = self._values.text(place, "version")
@@ -105,7 +105,7 @@ class ServiceBuilder:
                 self._findings.report("JML626", client, message, hint)
 
 
-def _made(
+def _definitions(
     scope: Scope,
     path: Iterable[str],
     kind: str,
@@ -115,8 +115,8 @@ def _made(
     for tag in path:
         places = [child for place in places for child in children(place, tag)]
     tags = (kind, f"declared_{kind}")
-    found = [make(scope, child) for place in places for child in children(place, *tags)]
-    return [result for result in found if result is not None]
+    elements = [make(scope, child) for place in places for child in children(place, *tags)]
+    return [result for result in elements if result is not None]
 
 
 def find_inherited(
@@ -130,17 +130,17 @@ def find_inherited(
     A service of the very version is taken from the files, then from the library; then another
     version of the files, then of the library.
     """
-    found = [
+    places = [
         place
         for references in children(service.place, "references")
         for place in children(references, "inherits_from")
     ]
-    for second in found[1:]:
+    for second in places[1:]:
         message = "a service inherits one service"
         findings.report("JML602", second, f"second <inherits_from>: {message}")
-    if not found:
+    if not places:
         return None
-    place = found[0]
+    place = places[0]
     urn, version = folded(place.node.get("id")), folded(place.node.get("version"))
     if not urn or not version:
         return None  # reported as missing
@@ -163,19 +163,19 @@ def find_inherited(
 
 def index(services: Iterable[ImportedService], findings: Findings) -> ByUrn:
     """Returns services by URN and version, and reports those that are there twice."""
-    found: ByUrn = {}
+    versions_by_urn: ByUrn = {}
     first: dict[tuple[str, str], NodePlace] = {}
     for service in services:
         urn, version = service.service.urn, service.service.version
         if not urn:
             continue
-        found.setdefault(urn, {}).setdefault(version, service.service)
+        versions_by_urn.setdefault(urn, {}).setdefault(version, service.service)
         place = first.setdefault((urn, version), service.place)
         if place is not service.place:
             message = f"service {urn} version {version} is declared twice"
             related = (Related(place.location, "the first declaration"),)
             findings.report("JML606", service.place.at("id"), message, related=related)
-    return found
+    return versions_by_urn
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,7 +235,7 @@ def _name_in(urn: str) -> str:
 
 def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mapping[EObject, str]:
     """Returns the ids of sets, services and messages, each unique within a document."""
-    found: dict[EObject, str] = {}
+    ids_by_element: dict[EObject, str] = {}
     taken: set[str] = set()
 
     def name(element: EObject, wanted: str) -> str:
@@ -244,7 +244,7 @@ def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mappin
             number += 1
             identifier = f"{wanted}.{number}"
         taken.add(identifier)
-        found[element] = identifier
+        ids_by_element[element] = identifier
         return identifier
 
     pairs = list(sets)
@@ -255,7 +255,7 @@ def identifiers(sets: Iterable[tuple[jaus.ServiceSet, SetOfServices]]) -> Mappin
             at = name(service, f"{prefix}{service.name}")
             for message in (*service.inputs, *service.outputs):
                 name(message, f"{at}.{message.name}")
-    return found
+    return ids_by_element
 
 
 def _said(place: NodePlace) -> str | None:
@@ -269,10 +269,10 @@ def _said(place: NodePlace) -> str | None:
 
 def services_by_urn(model: Model) -> dict[str, dict[str, jaus.Service]]:
     """Returns the services of a model by URN and version."""
-    found: dict[str, dict[str, jaus.Service]] = {}
+    versions_by_urn: dict[str, dict[str, jaus.Service]] = {}
     for service in model.instances(jaus.Service):
-        found.setdefault(service.urn, {})[service.version] = service
-    return found
+        versions_by_urn.setdefault(service.urn, {})[service.version] = service
+    return versions_by_urn
 
 
 def bases_first(services: Iterable[jaus.Service]) -> list[jaus.Service]:

@@ -297,8 +297,8 @@ def documentation(*nodes: Node | None) -> str | None:
 
 def children(place: NodePlace, *tags: str) -> list[NodePlace]:
     """Returns the elements directly inside one, of some tags if any are named."""
-    found = place.node.children
-    return [NodePlace(place.document, node) for node in found if not tags or node.tag in tags]
+    nodes = place.node.children
+    return [NodePlace(place.document, node) for node in nodes if not tags or node.tag in tags]
 
 
 def joined(*texts: str | None) -> str | None:

@@ -70,7 +70,7 @@ def package_sources(paths: Iterable[str]) -> list[PackageSource]:
     """
     packages: dict[str, PackageSource] = {}
     seen: set[str] = set()
-    for folder, files in (found for path in paths for found in _found(Path(path))):
+    for folder, files in (entry for path in paths for entry in _packages_at(Path(path))):
         name = _package_name(folder)
         package = packages.setdefault(name, PackageSource(name))
         package.files += [load(file) for file in files if not _is_known(file, seen)]
@@ -92,7 +92,7 @@ def load(path: Path) -> InterfaceFile:
         return InterfaceFile(str(path), None, error.strerror or str(error))
 
 
-def _found(path: Path) -> Iterator[tuple[Path, list[Path]]]:
+def _packages_at(path: Path) -> Iterator[tuple[Path, list[Path]]]:
     """Yields folders of packages, each with its files that a path means."""
     if not path.is_dir():
         yield _package_folder(path), [path]
@@ -110,13 +110,13 @@ def _package_folders(path: Path) -> list[Path]:
     """Returns a folder that holds the folders of a package, else those below it that do."""
     if any((path / kind).is_dir() for kind in PARTS):
         return [path]
-    found: list[Path] = []
+    folders: list[Path] = []
     for folder, names, _ in os.walk(path):
         names[:] = sorted(name for name in names if not name.startswith("."))
         if any(name in PARTS for name in names) and definition_files(Path(folder)):
-            found.append(Path(folder))
+            folders.append(Path(folder))
             names.clear()
-    return found
+    return folders
 
 
 def _package_folder(path: Path) -> Path:
@@ -184,9 +184,9 @@ class Builder:
         if kind == "msg":
             element = self._message(name, definition.sections[0], *place)
         else:
-            made: type[ros.ServiceType | ros.ActionType]
-            made = ros.ServiceType if kind == "srv" else ros.ActionType
-            element = self._new(made, name=name)
+            element_class: type[ros.ServiceType | ros.ActionType]
+            element_class = ros.ServiceType if kind == "srv" else ros.ActionType
+            element = self._new(element_class, name=name)
             self._adopt(element, document, 1, 1)
             head = definition.sections[0]
             self._document(element, head.comment)
@@ -211,10 +211,10 @@ class Builder:
                 self.uses.append(Use(element, definition, message, package, document))
         for constant in section.constants:
             features = {"name": constant.name, "type": constant.type, "value": constant.value}
-            made = self._new(ros.Constant, **features)
-            self._adopt(made, document, constant.line, constant.column)
-            self._document(made, constant.comment)
-            self.set(message, "constants", made)
+            constant_element = self._new(ros.Constant, **features)
+            self._adopt(constant_element, document, constant.line, constant.column)
+            self._document(constant_element, constant.comment)
+            self.set(message, "constants", constant_element)
         return message
 
     def _field(self, field: FieldDefinition) -> ros.Field:

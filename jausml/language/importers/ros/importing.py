@@ -233,7 +233,9 @@ def _remedy(package: str, near: str) -> str:
 
 
 def _document(file: InterfaceFile) -> Document:
-    document = Document(Path(os.path.realpath(file.path)), file.path, is_library=False, given=True)
+    document = Document(
+        Path(os.path.realpath(file.path)), file.path, is_library=False, is_input=True
+    )
     document.data = file.data or b""
     document.readable = file.data is not None
     return document
@@ -276,7 +278,9 @@ def placed(result: ImportResult, places: Mapping[Path, Sequence[ros.InterfacePac
                 model.adopt(document, _stand_in(element))
                 model.name_by_id(element, result.model.identifier(element) or "")
     for path, packages in places.items():
-        document = Document(Path(os.path.realpath(path)), str(path), is_library=False, given=True)
+        document = Document(
+            Path(os.path.realpath(path)), str(path), is_library=False, is_input=True
+        )
         model.documents.append(document)
         taken: set[str] = set()
         for package in packages:

@@ -5,5 +5,5 @@ from jausml.language.metamodel.loading import python_class
 
 def __getattr__(name: str) -> type:
     # Kept as an attribute, so that it is asked for once.
-    found = globals()[name] = python_class("bridge", name)
-    return found
+    element_class = globals()[name] = python_class("bridge", name)
+    return element_class

@@ -107,7 +107,7 @@ class ElementBuilder:
         node.obj = new_object(table)
         self._model.adopt(self._document, node)
         # What attributes gave counts for child elements too: a feature may be written in both ways.
-        given: set[str] = set()
+        feature_names: set[str] = set()
         attributes = node.attributes
         features = table.features
         for index in range(0, len(attributes), 2):
@@ -118,12 +118,12 @@ class ElementBuilder:
             elif not feature.settable:
                 self._refuse(node, feature, NodePlace(self._document, node, ("", name)))
             else:
-                given.add(name)
+                feature_names.add(name)
                 self._assign_attribute(node, feature, attributes[index + 1])
         if node.children or node.text:
-            self._children(node, table, given)
+            self._children(node, table, feature_names)
         # Last, when the value of the id is known, whatever the order of the attributes.
-        if table.id_feature is not None and table.id_feature.name in given:
+        if table.id_feature is not None and table.id_feature.name in feature_names:
             identifier = getattr(node.obj, table.id_feature.name)
             if identifier is not None:
                 self._identify(node, str(identifier), None)
@@ -163,7 +163,7 @@ class ElementBuilder:
             message = f"duplicate id {show(identifier)}"
             self._problems.report("JML201", place, message, related=(first,))
 
-    def _children(self, node: Node, table: ClassTable, given: set[str]) -> None:
+    def _children(self, node: Node, table: ClassTable, feature_names: set[str]) -> None:
         if node.text and not node.text.isspace():
             message = f"text {show(node.text.strip())} has no meaning in {table.name}"
             hint = "put documentation into an attribute; Eclipse drops this text"
@@ -177,8 +177,8 @@ class ElementBuilder:
                 self._unknown_feature(node, table, child, child.tag)
             elif not feature.settable:
                 self._refuse(node, feature, NodePlace(self._document, child))
-            elif feature.many or feature.name not in given:
-                given.add(feature.name)
+            elif feature.many or feature.name not in feature_names:
+                feature_names.add(feature.name)
                 self._child(node, child, feature, waiting)
             else:
                 message = f"second value of the single-valued feature '{feature.name}'"
@@ -285,7 +285,7 @@ class ElementBuilder:
 
     def _note_all(self, place: NodePlace, obj: EObject, feature: FeatureTable, text: str) -> None:
         """Notes blank-separated references: `id`, `//@a.0`, `#id` or `prefix:Class file#id`."""
-        found: list[tuple[str, str]] = []
+        targets: list[tuple[str, str]] = []
         typed = False
         for token in text.split():
             uri, hash_sign, fragment = token.partition("#")
@@ -293,7 +293,7 @@ class ElementBuilder:
                 # A class before the file serves the placeholder; `typed` says that one was written.
                 if uri and not typed and not self._can_stand_in(place, obj, feature):
                     return
-                found.append((uri, fragment))
+                targets.append((uri, fragment))
                 typed = False
             # A colon without a slash ends the prefix of a class; paths and URIs have slashes.
             elif ":" in token and "/" not in token:
@@ -302,12 +302,12 @@ class ElementBuilder:
                     self._problems.mark_unread(obj, feature.name)
                     return
             else:
-                found.append(("", token))
-        if len(found) > 1 and not feature.many:
+                targets.append(("", token))
+        if len(targets) > 1 and not feature.many:
             what = f"the single-valued feature '{feature.name}' of {obj.eClass.name}"
-            self._lose(obj, feature, "JML111", place, f"{len(found)} values for {what}")
+            self._lose(obj, feature, "JML111", place, f"{len(targets)} values for {what}")
             return
-        for uri, fragment in found:
+        for uri, fragment in targets:
             self._references.append(Reference(place, obj, feature, uri, fragment))
 
     def _can_stand_in(self, place: NodePlace, obj: EObject, feature: FeatureTable) -> bool:

@@ -89,7 +89,7 @@ def _is_sound(document: Document, opened: Opened, faulty: Collection[str]) -> bo
 def _stamp(path: Path) -> tuple[int, int]:
     """Returns time and size of a file, noughts for one that is not there."""
     try:
-        found = path.stat()
+        status = path.stat()
     except OSError:
         return (0, 0)
-    return (found.st_mtime_ns, found.st_size)
+    return (status.st_mtime_ns, status.st_size)

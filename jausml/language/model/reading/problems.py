@@ -115,7 +115,7 @@ class Findings:
 
     def __init__(self, rules: Mapping[str, RuleInfo]) -> None:
         self._rules = {**READER_RULES, **rules}
-        self._found: dict[Diagnostic, None] = {}
+        self._diagnostics: dict[Diagnostic, None] = {}
         self.has_errors = False
 
     def report(
@@ -130,11 +130,13 @@ class Findings:
         location = place if isinstance(place, Location) else place.location
         severity = self._rules[rule].severity
         self.has_errors = self.has_errors or severity is Severity.ERROR
-        self._found[Diagnostic(rule, severity, location, message, hint, related=related)] = None
+        self._diagnostics[Diagnostic(rule, severity, location, message, hint, related=related)] = (
+            None
+        )
 
     def diagnostics(self) -> list[Diagnostic]:
         """Returns the findings, sorted by place."""
-        return sorted(self._found)
+        return sorted(self._diagnostics)
 
 
 def _nearest(node: Node | None) -> EObject | None:

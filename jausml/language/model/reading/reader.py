@@ -107,14 +107,14 @@ def read_models(
         root = Path(project_root)
     folders = {name: Path(folder) for name, folder in (projects or {}).items()}
     uris = UriResolver(root, allow_outside=allow_outside, projects=folders)
-    given = (metamodels or load_metamodels(), uris, notations, contents or {})
+    arguments = (metamodels or load_metamodels(), uris, notations, contents or {})
     with without_collector():
         try:
-            reading = _Reading(*given, cache)
+            reading = _Reading(*arguments, cache)
             model, diagnostics = reading.run(names)
         # The library reads the same without a cache, only slower.
         except NotShareableError:
-            reading = _Reading(*given, None)
+            reading = _Reading(*arguments, None)
             model, diagnostics = reading.run(names)
     return ReadResult(model, diagnostics, reading.lost)
 
@@ -148,13 +148,13 @@ class _Reading:
         self.lost: tuple[LostReference, ...] = ()
 
     def run(self, names: Sequence[str]) -> tuple[Model, list[Diagnostic]]:
-        targets = [self._uris.given(name, self._contents) for name in names]
+        targets = [self._uris.target_of(name, self._contents) for name in names]
         if any(file_target.is_library for file_target in targets):
             self._cache = None  # what is checked itself is not what others refer to
         if self._cache is not None:
             self._cache.prepare(self._contents.keys())
         for target in targets:
-            self._given(target)
+            self._read_target(target)
         self._open_all()
         self._declare()
         by_name = NameResolution(self._names, self._problems, self._explain)
@@ -196,10 +196,10 @@ class _Reading:
                 if reference.uri:
                     self._open(reference.uri, reference.place.document)
 
-    def _given(self, target: FileTarget) -> None:
+    def _read_target(self, target: FileTarget) -> None:
         if target.path in self._documents:
             return
-        document = self._add(target, given=True)
+        document = self._add(target, is_input=True)
         fault = self._load(document)
         if fault is not None:
             self._problems.report("JML001", Location(document.display), fault)
@@ -209,8 +209,8 @@ class _Reading:
         opened = self._opened_by(uri, base)
         if base.is_shared:
             # A fault is noted too: a document of the library that lacks another must not be shared.
-            found = None if isinstance(opened, UriFault) else opened
-            self._opened.setdefault(base, {}).setdefault(uri, found)
+            document = None if isinstance(opened, UriFault) else opened
+            self._opened.setdefault(base, {}).setdefault(uri, document)
         return opened
 
     def _opened_by(self, uri: str, base: Document) -> Document | UriFault:
@@ -223,7 +223,7 @@ class _Reading:
             return target
         document = self._documents.get(target.path) or self._take(target)
         if document is None:
-            document = self._add(target, given=False)
+            document = self._add(target, is_input=False)
             fault = self._load(document)
             if fault is not None:
                 message = f"referenced file {target.display}: {fault}"
@@ -237,8 +237,10 @@ class _Reading:
             raise NotShareableError  # what is kept refers to a document of the other name
         return document
 
-    def _add(self, target: FileTarget, *, given: bool) -> Document:
-        document = Document(target.path, target.display, is_library=target.is_library, given=given)
+    def _add(self, target: FileTarget, *, is_input: bool) -> Document:
+        document = Document(
+            target.path, target.display, is_library=target.is_library, is_input=is_input
+        )
         is_xml = self._notation_of(target.path) is None
         document.is_shared = self._cache is not None and target.is_library and is_xml
         self._documents[target.path] = document

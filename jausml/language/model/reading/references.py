@@ -53,25 +53,25 @@ class NameResolution:
         """Returns the element, None when a finding explains why there is none."""
         document = reference.place.document
         wanted = target_class(reference.feature)
-        found = self._names.find(reference.name, wanted, document, reference.owner)
-        if len(found) == 1:
-            return found[0]
-        if found:
-            self._report_ambiguous(reference, found)
+        elements = self._names.find(reference.name, wanted, document, reference.owner)
+        if len(elements) == 1:
+            return elements[0]
+        if elements:
+            self._report_ambiguous(reference, elements)
         # With an import missing, the name may stand there: the import alone is reported.
         elif not document.lacks_imports:
             self._report_unknown(reference)
         return None
 
-    def _report_ambiguous(self, reference: Reference, found: list[EObject]) -> None:
-        names = [self._names.label(element) for element in found]
+    def _report_ambiguous(self, reference: Reference, elements: list[EObject]) -> None:
+        names = [self._names.label(element) for element in elements]
         more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
         self._problems.report(
             "JML216",
             reference.place,
             f"{show(reference.name)} may be {', '.join(names[:_FEW])}{more}",
-            self._names.how_to_choose(found, reference.place.document),
-            tuple(self._related(element) for element in found[:_FEW]),
+            self._names.how_to_choose(elements, reference.place.document),
+            tuple(self._related(element) for element in elements[:_FEW]),
         )
 
     def _related(self, element: EObject) -> Related:
@@ -254,18 +254,18 @@ class Resolution:
             document = opened
         if not document.readable:
             return None
-        found = self._finder.find(document, reference.fragment)
-        if found is None:
+        place = self._finder.find(document, reference.fragment)
+        if place is None:
             self._report_unresolved(reference, document)
             return None
-        target: EObject | None = found.node.obj
-        if found.node in self._circular:
+        target: EObject | None = place.node.obj
+        if place.node in self._circular:
             what = f"{show(reference.fragment)} of {_where(reference)}"
             self._problems.mark_unread(reference.owner, reference.feature.name)
             self._report("JML202", reference, f"reference {what} {_ENDLESS}")
         if target is not None and not self._fits(reference, target):
             return None
-        if target is not None and found.by_name:
+        if target is not None and place.by_name:
             message = f"Eclipse cannot resolve {show(reference.fragment)} of {_where(reference)}"
             self._report("JML214", reference, message, f"write {self._model.path_of(target)}")
         return target

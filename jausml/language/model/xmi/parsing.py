@@ -288,7 +288,7 @@ def attribute_positions(
     """
     tag = _start_tag(data, encoding, node.offset)
     line, start = node.line, 1 - node.column
-    found: dict[tuple[str, str], tuple[int, int]] = {}
+    positions: dict[tuple[str, str], tuple[int, int]] = {}
     match = _NAME.match(tag)
     at = match.end() if match else 0
     while match := _TOKEN.match(tag, at):
@@ -298,12 +298,12 @@ def attribute_positions(
         if newlines := tag.count("\n", at, begin):
             line += newlines
             start = tag.rfind("\n", at, begin) + 1
-        found.setdefault((written, local), (line, begin - start + 1))
+        positions.setdefault((written, local), (line, begin - start + 1))
         if newlines := tag.count("\n", begin, match.end()):
             line += newlines
             start = tag.rfind("\n", begin, match.end()) + 1
         at = match.end()
-    return found
+    return positions
 
 
 def _start_tag(data: bytes, encoding: str, offset: int) -> str:

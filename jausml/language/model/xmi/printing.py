@@ -68,10 +68,10 @@ class DocumentPrinter(Generic[ElementT]):
     def namespaces(self) -> Mapping[str, str]:
         """Returns the namespaces of the document by prefix, in order."""
         packages = self.metamodels.packages.values()
-        found = sorted(
+        pairs = sorted(
             (package.name, package.ns_uri) for package in packages if package.name in self.prefixes
         )
-        return {**({"xsi": XSI} if self.has_types else {}), **dict(found)}
+        return {**({"xsi": XSI} if self.has_types else {}), **dict(pairs)}
 
     def further_attributes(self) -> str:
         """Returns further attributes of the root, each behind a blank."""

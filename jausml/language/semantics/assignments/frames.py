@@ -117,7 +117,7 @@ def passage(steps: Iterable[Step], sources: Iterable[Attribute]) -> Passage | No
 
 def of_other_frames(conversion: Conversion) -> Conversion | None:
     """Returns what does the same as a conversion between two frames between two others."""
-    found = (
+    conversions = (
         candidate
         for candidate in CONVERSIONS.values()
         if candidate is not conversion
@@ -125,18 +125,18 @@ def of_other_frames(conversion: Conversion) -> Conversion | None:
         and IS_DOWN[candidate.frames[0]] == IS_DOWN[conversion.frames[0]]
         and _shape(candidate) == _shape(conversion)
     )
-    return next(found, None)
+    return next(conversions, None)
 
 
-def of_an_angle(taken: str, given: str) -> Conversion | None:
+def of_an_angle(taken: str, target_frame: str) -> Conversion | None:
     """Returns the conversion of an angle from one frame to another."""
-    found = (
+    conversions = (
         conversion
         for conversion in CONVERSIONS.values()
-        if conversion.frames == (taken, given)
+        if conversion.frames == (taken, target_frame)
         and conversion.inputs == conversion.outputs == (NUMBER,)
     )
-    return next(found, None)
+    return next(conversions, None)
 
 
 def _shape(conversion: Conversion) -> tuple[tuple[str, ...], ...]:

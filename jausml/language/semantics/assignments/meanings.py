@@ -52,11 +52,11 @@ def unknown_targets(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tupl
     vectors = [vector for vector in used.vectors if vector.direction.name == way]
     expected = [_steps(value.path) for vector in vectors for value in vector.expected if value.path]
     placed = [
-        (Placed(found.assignment, found.scope), target_paths(found.assignment))
-        for found in flattened(
+        (Placed(entry.assignment, entry.scope), target_paths(entry.assignment))
+        for entry in flattened(
             used.toRos if to_ros else used.toJaus, outer_scope(used, to_ros=to_ros)
         )
-        if isinstance(found.assignment, bridge.FieldAssignment)
+        if isinstance(entry.assignment, bridge.FieldAssignment)
     ]
     # The path of an element of a list begins with that of the list.
     shown = {
@@ -121,8 +121,8 @@ def _tables(placed: Placed[bridge.FieldAssignment]) -> set[bridge.ValueTable]:
 
 
 def _has_names(sources: list[Attribute], targets: list[Attribute]) -> bool:
-    found = compared(sources[0], targets[0]) if len(sources) == len(targets) == 1 else None
-    return found is not None and found.is_of_one_enumeration
+    comparison = compared(sources[0], targets[0]) if len(sources) == len(targets) == 1 else None
+    return comparison is not None and comparison.is_of_one_enumeration
 
 
 _GEODETIC = frozenset({"latitude", "longitude", "altitude"})
@@ -187,10 +187,10 @@ def _namesake(owner: FoundPlace, name: str, like: Attribute) -> str:
     """Returns the name of a member that is called so and could stand in the place of another."""
     for member in _members(owner):
         if _name(str(member.name)) == name:
-            found = attribute_at(_at(owner, str(member.name)))
+            attribute = attribute_at(_at(owner, str(member.name)))
             same = ("kind", "integral", "units")
-            is_alike = isinstance(found, Attribute) and all(
-                getattr(found, one) == getattr(like, one) for one in same
+            is_alike = isinstance(attribute, Attribute) and all(
+                getattr(attribute, one) == getattr(like, one) for one in same
             )
             return str(member.name) if is_alike else ""
     return ""
@@ -208,19 +208,19 @@ def _members(owner: FoundPlace) -> Iterable[Part]:
 
 def outcome(
     placed: Placed[bridge.FieldAssignment],
-    given: Mapping[str, str],
+    source_values: Mapping[str, str],
     expected: bridge.VectorValue,
 ) -> float | None:
     """Returns what an assignment makes of the values of a vector, where that is not as expected.
 
     Args:
-        given: Values of the source by path, names of enumerated ones among them.
+        source_values: Values of the source by path, names of enumerated ones among them.
 
     Returns:
         None too where a value is no number, is left out, or is limited.
     """
     (source,), (target,) = placed.source_attributes, placed.target_attributes
-    texts = given.get(str(placed.assignment.source).strip()), expected.value
+    texts = source_values.get(str(placed.assignment.source).strip()), expected.value
     ends = [
         dict(one.constants).get(str(text), str(text))
         for one, text in zip((source, target), texts, strict=True)
@@ -231,15 +231,15 @@ def outcome(
     step = source.step or 0.0
     try:
         # One step of the source to both sides: a vector may state what is rounded on the wire.
-        made, *near = (sent_through(placed, value + part * step) for part in (0, -1, 1))
+        result, *near = (sent_through(placed, value + part * step) for part in (0, -1, 1))
     except (NoValueError, OverflowError, ValueError):
         return None
     loose = (
-        max(abs(beside - made) for beside in near)
+        max(abs(beside - result) for beside in near)
         + (target.step or 0.0)
         + float(expected.tolerance)
     )
-    return made if abs(made - wanted) > loose + _SINGLE * max(1.0, abs(wanted)) else None
+    return result if abs(result - wanted) > loose + _SINGLE * max(1.0, abs(wanted)) else None
 
 
 _SINGLE = 2.0**-22

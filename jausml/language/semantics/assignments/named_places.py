@@ -59,6 +59,6 @@ def named_places(used: bridge.AttributeMap) -> NamedPlaces | None:
 
 def _places(path: str | None) -> Iterator[tuple[str, int]]:
     """Yields the array and the place of a path such as `position[0]`; nothing for others."""
-    found = _PLACE.fullmatch((path or "").strip())
-    if found is not None:
-        yield found[1], int(found[2])
+    match = _PLACE.fullmatch((path or "").strip())
+    if match is not None:
+        yield match[1], int(match[2])

@@ -143,16 +143,16 @@ def step_of(
         quantities: What stands in the place of quantities of the map, by name.
     """
     conversion = conversion_of(element)
-    given = _numbers(element, quantities or {})
+    arguments = _numbers(element, quantities or {})
     others = [
         parameter for parameter in conversion.arguments if parameter.kind is not ArgumentKind.NUMBER
     ]
-    is_complete = len(given) == len(conversion.numbers)
+    is_complete = len(arguments) == len(conversion.numbers)
     for argument in others:
         value = _argument(element, argument, names, to_ros=to_ros)
         is_complete = is_complete and value is not None
-        given.append(value)
-    return Step(conversion, tuple(given) if is_complete else None)
+        arguments.append(value)
+    return Step(conversion, tuple(arguments) if is_complete else None)
 
 
 def _numbers(element: bridge.Conversion, quantities: Mapping[str, bridge.Quantity]) -> list[Any]:
@@ -181,7 +181,7 @@ def _pairs(table: bridge.ValueTable, *, to_ros: bool) -> Pairs:
     ends = (
         (entry.jaus, entry.ros) if to_ros else (entry.ros, entry.jaus) for entry in table.entries
     )
-    return [(_scalar(taken), _scalar(given)) for taken, given in ends]
+    return [(_scalar(taken), _scalar(result)) for taken, result in ends]
 
 
 def _scalar(text: str | None) -> Scalar:

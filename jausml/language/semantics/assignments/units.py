@@ -86,8 +86,8 @@ def result_step(placed: Placed[bridge.FieldAssignment]) -> tuple[float, float] |
     result = result_measure(placed)
     if not isinstance(result, Measure):
         return None
-    for _, found in placed.targets:
-        wanted = attribute_measure(found)
+    for _, target in placed.targets:
+        wanted = attribute_measure(target)
         if wanted is None or not wanted.unit.is_compatible(result.unit):
             continue
         step = conversion_between(result.unit, wanted.unit)
@@ -102,7 +102,7 @@ def result_measure(placed: Placed[bridge.FieldAssignment]) -> Measure | UnitFaul
     Returns:
         None when nothing is known, a fault when a conversion cannot take what it gets.
     """
-    measures = [attribute_measure(found) for _, found in placed.sources]
+    measures = [attribute_measure(source) for _, source in placed.sources]
     fault = _source_fault(
         placed, [source_measure for source_measure in measures if source_measure is not None]
     )
@@ -125,17 +125,17 @@ def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
     if not isinstance(result, Measure):
         # A fault is a clash of units; None says that nothing is known.
         return result is not None
-    wanted = [attribute_measure(found) for _, found in placed.targets]
+    wanted = [attribute_measure(target) for _, target in placed.targets]
     return any(
         target_measure is not None and not target_measure.unit.is_compatible(result.unit)
         for target_measure in wanted
     )
 
 
-def attribute_measure(found: Found) -> Measure | None:
+def attribute_measure(attribute: Found) -> Measure | None:
     """Returns the unit of what a path leads to, when it is a number with a known one."""
-    if isinstance(found, Attribute) and found.kind in _NUMERIC:
-        return measure(found.units)
+    if isinstance(attribute, Attribute) and attribute.kind in _NUMERIC:
+        return measure(attribute.units)
     return None
 
 
@@ -182,7 +182,7 @@ def _converted(
 
 
 def _between(
-    conversion: bridge.Conversion, current: Measure | None, taken: str, given: str
+    conversion: bridge.Conversion, current: Measure | None, taken: str, result_unit: str
 ) -> Measure | UnitFault | None:
     """The result of a conversion that takes one unit and gives another."""
     quantity = conversion.quantity
@@ -190,9 +190,9 @@ def _between(
     wanted = own if taken == OWN else measure(taken)
     if current is not None and wanted is not None and current.unit != wanted.unit:
         return _unexpected(conversion, current, wanted)
-    if given == OWN:
+    if result_unit == OWN:
         return current if own is None and taken == OWN else own
-    return measure(given)
+    return measure(result_unit)
 
 
 def _unexpected(conversion: bridge.Conversion, current: Measure, wanted: Measure) -> UnitFault:
@@ -226,8 +226,8 @@ def fills_rates_alone(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
 
     A map that fills a number of unknown unit, or none, does not.
     """
-    found = list(_units(used, to_ros=to_ros))
-    return bool(found) and all(unit is not None and is_rate(unit) for unit in found)
+    units = list(_units(used, to_ros=to_ros))
+    return bool(units) and all(unit is not None and is_rate(unit) for unit in units)
 
 
 def is_rate(unit: Unit) -> bool:
@@ -249,19 +249,19 @@ def _units(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
         sources = [scope.find_source(path) for path in source_paths(assignment)]
         known = next(filter(None, (_known_unit(_attribute(place)) for place in sources)), None)
         for path in target_paths(assignment):
-            found = _attribute(scope.find_target(path))
-            if found is None or found.kind not in (*_NUMERIC, *_WITHOUT_NUMBERS):
+            attribute = _attribute(scope.find_target(path))
+            if attribute is None or attribute.kind not in (*_NUMERIC, *_WITHOUT_NUMBERS):
                 yield None
-            elif found.kind in _NUMERIC:
-                yield _known_unit(found) or known
+            elif attribute.kind in _NUMERIC:
+                yield _known_unit(attribute) or known
 
 
 def _attribute(place: object) -> Attribute | None:
     return place.attribute() if isinstance(place, JausPlace | RosPlace) else None
 
 
-def _known_unit(found: Attribute | None) -> Unit | None:
-    known = measure(found.units) if found is not None else None
+def _known_unit(attribute: Attribute | None) -> Unit | None:
+    known = measure(attribute.units) if attribute is not None else None
     return known.unit if known is not None else None
 
 

@@ -57,8 +57,8 @@ def answering(connection: bridge.RosServiceConnection) -> jaus.MessageDef | None
 
 def messages(connection: bridge.RosServiceConnection) -> list[jaus.MessageDef]:
     """Returns the JAUS messages of a service connection, without those inside them."""
-    found = (asking(connection), answering(connection), *connection.rejections)
-    return [message for message in found if message is not None]
+    candidates = (asking(connection), answering(connection), *connection.rejections)
+    return [message for message in candidates if message is not None]
 
 
 def types(connection: bridge.RosServiceConnection) -> tuple[ros.MessageType, ros.MessageType]:
@@ -82,23 +82,27 @@ def maps_success(connection: bridge.RosServiceConnection) -> bool:
 
 def as_connection(connection: bridge.RosServiceConnection, half: Half) -> bridge.Connection:
     """Returns a half as a connection, which is in no model: it is translated like one."""
-    made = bridge.Connection()
-    made.name = f"{connection.name}_{half.kind}"
-    made.map = half.map
+    half_connection = bridge.Connection()
+    half_connection.name = f"{connection.name}_{half.kind}"
+    half_connection.map = half.map
     # The directions are the defaults of the two classes.
-    made.direction = (
+    half_connection.direction = (
         bridge.Connection() if half.to_ros else bridge.RosServiceConnection()
     ).direction
-    made.outOfRange = connection.outOfRange
-    return made
+    half_connection.outOfRange = connection.outOfRange
+    return half_connection
 
 
 def of_elements(action: bridge.RosActionConnection) -> bridge.Connection:
     """Returns the connection that carries single elements of a list; it is no part of the model."""
-    made = bridge.Connection()
-    made.name, made.documentation = action.name, action.documentation
-    made.direction, made.map, made.outOfRange = action.direction, action.element, action.outOfRange
-    return made
+    connection = bridge.Connection()
+    connection.name, connection.documentation = action.name, action.documentation
+    connection.direction, connection.map, connection.outOfRange = (
+        action.direction,
+        action.element,
+        action.outOfRange,
+    )
+    return connection
 
 
 EXECUTE, QUERY, REPORT = "ExecuteList", "QueryActiveElement", "ReportActiveElement"
@@ -162,12 +166,16 @@ def driver_messages(service: jaus.Service | None) -> DriverMessages | None:
     spooler = tuple(m for name in SPOOLER if (m := named(name, inputs)) is not None)
     if any(ancestor.name == LIST_MANAGER for ancestor in services):
         spooler = ()
-        found = named(EXECUTE, inputs), named(QUERY, inputs), named(REPORT, outputs)
+        candidates = named(EXECUTE, inputs), named(QUERY, inputs), named(REPORT, outputs)
     elif len(spooler) == len(SPOOLER):
-        found = named(RUN, inputs), named(MISSION_QUERY, inputs), named(MISSION_REPORT, outputs)
+        candidates = (
+            named(RUN, inputs),
+            named(MISSION_QUERY, inputs),
+            named(MISSION_REPORT, outputs),
+        )
     else:
         return None
-    execute, query, report = found
+    execute, query, report = candidates
     if execute is None or query is None or report is None:
         return None
     return DriverMessages(execute, query, report, spooler)
@@ -198,8 +206,8 @@ def answers(action: bridge.RosActionConnection) -> list[Answer]:
     messages = driver_messages(action.driver)
     if messages is not None and messages.is_single:
         return []
-    found = (speed_answer(action.driver), answer_alike(action.driver, action.element.message))
-    return [answer for answer in found if answer is not None]
+    candidates = (speed_answer(action.driver), answer_alike(action.driver, action.element.message))
+    return [answer for answer in candidates if answer is not None]
 
 
 def knows_speed(messages: DriverMessages) -> bool:
@@ -220,8 +228,8 @@ def unanswered(service: jaus.Service, sent: Container[int]) -> list[jaus.Message
     # A service may send a report for which one that it inherits has the query.
     asked = {message.name: message for one in lineage(service) for message in one.inputs}
     reports = (output for output in service.outputs if code(output) not in sent)
-    found = (asked.get(query_name(report)) for report in reports)
-    return [message for message in found if message is not None]
+    queries = (asked.get(query_name(report)) for report in reports)
+    return [message for message in queries if message is not None]
 
 
 def sent_reports(owner: bridge.Bridge) -> set[int]:

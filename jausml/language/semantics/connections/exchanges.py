@@ -111,8 +111,8 @@ def unstated(connection: bridge.Connection) -> frozenset[str]:
     for open_features in (FEATURES, FEATURES[1:], FEATURES[:1]):
         stated = [None if name in open_features else actual[name] for name in FEATURES]
         inferred = infer(connection, *stated)
-        found = {"direction": inferred.direction, "exchange": inferred.exchange}
-        if inferred.is_certain and found == actual:
+        inference = {"direction": inferred.direction, "exchange": inferred.exchange}
+        if inferred.is_certain and inference == actual:
             return frozenset(open_features)
     return frozenset()
 

@@ -248,16 +248,16 @@ def find_loops(flows: list[Flow]) -> list[list[Flow]]:
 
 def _way_back(start: Flow, after: dict[Flow, list[Flow]]) -> list[Flow]:
     """Returns the shortest way from a connection back to it, empty when there is none."""
-    ways: list[list[Flow]] = [[start]]
+    paths: list[list[Flow]] = [[start]]
     seen: set[Flow] = set()
     # The list grows while it is gone through, so that shorter ways come first.
-    for way in ways:
+    for way in paths:
         for following in after[way[-1]]:
             if following is start:
                 return way
             if following not in seen:
                 seen.add(following)
-                ways.append([*way, following])
+                paths.append([*way, following])
     return []
 
 

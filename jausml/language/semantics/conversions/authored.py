@@ -66,16 +66,16 @@ class LookUp(Conversion):
 
     def forward(self, value: Scalar, table: Pairs) -> Scalar:
         """The other one of the first pair that has the value."""
-        for found, other in table:
-            if found == value:
+        for key, other in table:
+            if key == value:
                 return other
         raise NoValueError(self.name)
 
     def interval(self, _value: Interval, table: Pairs) -> Interval:
         """From the least to the greatest counterpart."""
-        found = [other for _, other in table]
-        numbers = [counterpart for counterpart in found if not isinstance(counterpart, str)]
-        if not numbers or len(numbers) < len(found):
+        counterparts = [other for _, other in table]
+        numbers = [counterpart for counterpart in counterparts if not isinstance(counterpart, str)]
+        if not numbers or len(numbers) < len(counterparts):
             return EVERYTHING
         return min(numbers), max(numbers)
 
@@ -88,18 +88,18 @@ class Expression(Conversion):
     arguments = (Argument("expression", ArgumentKind.FORMULA),)
     definition = NoArithmetic.AUTHORED
 
-    def forward(self, *given: Any) -> float:
+    def forward(self, *arguments: Any) -> float:
         """The value for the inputs, then the formula."""
-        *values, formula = given
+        *values, formula = arguments
         try:
             known = {name: values[at] for name, at in formula.names.items() if at >= 0}
             return evaluate(formula.expression, known)
         except (EvaluationError, KeyError, IndexError) as error:
             raise NoValueError(self.name) from error
 
-    def interval(self, *given: Any) -> Interval:
+    def interval(self, *arguments: Any) -> Interval:
         """The range for those of the inputs, then the formula."""
-        *known, formula = given
+        *known, formula = arguments
         names = formula.names
         used = variables(formula.expression)
         if not all(name in names and names[name] < len(known) for name in used):
@@ -109,8 +109,8 @@ class Expression(Conversion):
             for name, at in names.items()
             if name in used
         }
-        found = interval(formula.expression, ranges)
-        return intervals.EMPTY if found is None else found
+        bounds = interval(formula.expression, ranges)
+        return intervals.EMPTY if bounds is None else bounds
 
 
 class User(Conversion):

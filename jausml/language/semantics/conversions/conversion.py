@@ -147,7 +147,7 @@ class Conversion:
     limits: ClassVar[tuple[Interval, ...]] = ()
     knows_unknown: ClassVar[bool] = False
 
-    def forward(self, *given: Any, **named: Any) -> Any:
+    def forward(self, *values: Any, **named: Any) -> Any:
         """Returns the result: a tuple of parts for messages and for several outputs.
 
         Raises:
@@ -156,7 +156,7 @@ class Conversion:
         if not isinstance(self.definition, Definition):
             raise NoValueError(self.name)
         parts: list[float] = []
-        for kind, value in zip_longest(self.inputs, given):
+        for kind, value in zip_longest(self.inputs, values):
             parts += value if kind in PARTS else [value]
         try:
             results = self.definition.compute([*parts, *named.get("near", ())])
@@ -164,15 +164,18 @@ class Conversion:
             raise NoValueError(self.name) from error
         return results if self.outputs[0] in PARTS or len(results) > 1 else results[0]
 
-    def interval(self, *given: Any) -> Interval:
+    def interval(self, *operands: Any) -> Interval:
         """Returns the range of the result, never narrower than the truth.
 
         Args:
-            given: Ranges of the inputs, none of which is empty, then the arguments.
+            operands: Ranges of the inputs, none of which is empty, then the arguments.
         """
         if isinstance(self.definition, Definition) and {*self.inputs, *self.outputs} == {NUMBER}:
             return self.definition.bound(
-                [operand if isinstance(operand, tuple) else (operand, operand) for operand in given]
+                [
+                    operand if isinstance(operand, tuple) else (operand, operand)
+                    for operand in operands
+                ]
             )
         return EVERYTHING
 
@@ -232,10 +235,10 @@ class Conversion:
     @property
     def own_argument(self) -> Argument | None:
         """The argument that is no number, for which the model has a feature of its own."""
-        found = (
+        arguments = (
             argument for argument in self.arguments if argument.kind is not ArgumentKind.NUMBER
         )
-        return next(found, None)
+        return next(arguments, None)
 
     @property
     def call(self) -> str:

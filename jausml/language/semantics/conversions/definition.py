@@ -78,14 +78,14 @@ class Definition:
     def steps(self) -> Mapping[str, Expression]:
         """The local values by name, in order, that results need: each is made of those before."""
         needed = {name for result in self.results for name in variables(result)}
-        found: dict[str, Expression] = {}
+        expressions: dict[str, Expression] = {}
         # From the last line on: a local value is needed only by what comes behind it.
         for line in reversed(self._lines):
             name, is_step, text = line.partition(" = ")
             if is_step and name in needed:
-                found[name] = parse_expression(text)
-                needed.update(variables(found[name]))
-        return dict(reversed(found.items()))
+                expressions[name] = parse_expression(text)
+                needed.update(variables(expressions[name]))
+        return dict(reversed(expressions.items()))
 
     @cached_property
     def results(self) -> tuple[Expression, ...]:
@@ -110,18 +110,18 @@ class Definition:
         """Whether IEEE 754 fixes each bit of the results: a C library decides on those of sines."""
         return self._operations.isdisjoint(_OF_LIBRARY)
 
-    def compute(self, given: Sequence[float]) -> tuple[float, ...]:
+    def compute(self, values: Sequence[float]) -> tuple[float, ...]:
         """Returns the parts of the results."""
-        known = dict(zip(self.parameters, given, strict=False))
+        known = dict(zip(self.parameters, values, strict=False))
         if self.refusal is not None and evaluate(self.refusal, known):
             raise EvaluationError(self.reason)
         for name, step in self.steps.items():
             known[name] = evaluate(step, known)
         return tuple(evaluate(result, known) for result in self.results)
 
-    def bound(self, given: Sequence[Interval]) -> Interval:
+    def bound(self, ranges: Sequence[Interval]) -> Interval:
         """Returns the range of the only result, of those of what it takes."""
-        known = dict(zip(self.parameters, given, strict=False))
+        known = dict(zip(self.parameters, ranges, strict=False))
         for name, step in self.steps.items():
             known[name] = interval(step, known) or EMPTY
         return interval(self.results[0], known) or EMPTY

@@ -145,7 +145,7 @@ class PnmToPixels(Conversion):
 
     def forward(self, file: bytes) -> tuple[int, int, str, int, int, bytes]:
         """The image, pixel by pixel."""
-        (magic, *words), found = _header(file)
+        (magic, *words), raster = _header(file)
         if len(words) != 3 or not all(
             word.isdigit() and len(word) <= _MOST_DIGITS for word in words
         ):
@@ -153,9 +153,9 @@ class PnmToPixels(Conversion):
         width, height, greatest = map(int, words)
         encoding, order = _IMAGES.get((magic, greatest), ("", ()))
         size = len(order)
-        if not encoding or not found or len(found) != height * width * size:
+        if not encoding or not raster or len(raster) != height * width * size:
             raise NoValueError(self.name)
-        pixels = [found[at + part] for at in range(0, len(found), size) for part in order]
+        pixels = [raster[at + part] for at in range(0, len(raster), size) for part in order]
         return height, width, encoding, 0, width * size, bytes(pixels)
 
 

@@ -128,12 +128,12 @@ def controlled_by_nobody(service: jaus.Service) -> list[jaus.MessageDef]:
     is_published = str(service.urn).startswith(_OF_STANDARDS)
     if is_published or not any(needs_control(message, service) for message in service.inputs):
         return []
-    told = {query_name(message) for one in lineage(service) for message in one.outputs}
+    query_names = {query_name(message) for one in lineage(service) for message in one.outputs}
     return [
         message
         for message in service.inputs
         if not is_command(message)
-        and message.name not in told
+        and message.name not in query_names
         and not str(message.name).startswith(_NO_COMMANDS)
         and not _is_guarded(message, service)
     ]
@@ -230,8 +230,8 @@ def _of_lineage(
     name: str,
 ) -> jaus.MessageDef | None:
     """Returns the first message of a name of a service, or of those that it inherits."""
-    found = (by_name(ancestor).get(name) for ancestor in lineage(service))
-    return next((message for message in found if message is not None), None)
+    messages = (by_name(ancestor).get(name) for ancestor in lineage(service))
+    return next((message for message in messages if message is not None), None)
 
 
 def named(name: str, messages: Iterable[jaus.MessageDef]) -> jaus.MessageDef | None:
@@ -250,12 +250,12 @@ def chosen_fields(answer: Answer) -> list[str] | None:
     asked = [
         attribute for attribute in attributes(answer.query) if attribute.name != PRESENCE_VECTOR
     ]
-    told = {
+    reported_names = {
         attribute.name
         for attribute in attributes(answer.report)
         if isinstance(attribute, jaus.FixedField)
     }
-    if all(isinstance(field, jaus.FixedField) and field.name in told for field in asked):
+    if all(isinstance(field, jaus.FixedField) and field.name in reported_names for field in asked):
         return [str(field.name) for field in asked]
     return None
 
@@ -289,8 +289,8 @@ def _times_taken(owner: bridge.Bridge) -> Counter[int]:
 
     On the wire it is its code alone: several services have a SetTravelSpeed.
     """
-    found = map(_taken, owner.bridgeConnections)
-    return Counter(code(message) for message in found if message is not None)
+    messages = map(_taken, owner.bridgeConnections)
+    return Counter(code(message) for message in messages if message is not None)
 
 
 def _taken(connection: bridge.Connection) -> jaus.MessageDef | None:
@@ -309,8 +309,8 @@ def responses(message: jaus.MessageDef, service: jaus.Service) -> list[jaus.Mess
     Its machine says them. Most services of the standards have none here: then those that confirm or
     reject what the command is named after, as ConfirmElementRequest does for SetElement.
     """
-    found = dict.fromkeys(_sent_by_machine(message, service))
-    return list(found) or [
+    messages = dict.fromkeys(_sent_by_machine(message, service))
+    return list(messages) or [
         output
         for output in service.outputs
         if (topic := _topic(output)) and topic in str(message.name)

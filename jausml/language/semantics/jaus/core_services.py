@@ -174,13 +174,13 @@ def _numbers(component: jaus.Component) -> list[int]:
 
 
 def _closure(services: Iterable[jaus.Service]) -> set[jaus.Service]:
-    found: set[jaus.Service] = set()
+    closure: set[jaus.Service] = set()
     for start in services:
         service: jaus.Service | None = start
-        while service is not None and service not in found:
-            found.add(service)
+        while service is not None and service not in closure:
+            closure.add(service)
             service = service.inherits
-    return found
+    return closure
 
 
 def standard_services() -> tuple[jaus.Service, ...]:

@@ -97,7 +97,7 @@ def core_events() -> frozenset[str]:
 @cache
 def _core_machines() -> Mapping[str, CoreMachine]:
     """Returns the machines of the core services by URN, each with what it inherits."""
-    found = {}
+    machines_by_urn = {}
     for urn, service in newest_services().items():
         states: dict[str, str] = {}
         # The oldest ancestor first: a state is of the service that was the first to have it.
@@ -105,8 +105,8 @@ def _core_machines() -> Mapping[str, CoreMachine]:
             for state in (state for machine in ancestor.machines for state in machine.states):
                 states.setdefault(str(state.name), str(ancestor.name))
         if states:
-            found[urn] = CoreMachine(list(states.values())[-1], tuple(states))
-    return found
+            machines_by_urn[urn] = CoreMachine(list(states.values())[-1], tuple(states))
+    return machines_by_urn
 
 
 @dataclass
@@ -232,7 +232,7 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
 
     Two services extend the core each for itself, unless one inherits the other.
     """
-    found: list[Machine] = []
+    machines: list[Machine] = []
     by_service: dict[jaus.Service | None, dict[str, Machine]] = {}
     for service in services:
         # A copy: what this service adds is not of others that inherit the same.
@@ -243,10 +243,10 @@ def machines_of(services: Iterable[jaus.Service]) -> list[Machine]:
                 machine = inherited[element.name] = Machine(
                     str(element.name), core_machine(service)
                 )
-                found.append(machine)
+                machines.append(machine)
             machine.add(element)
         by_service[service] = inherited
-    return found
+    return machines
 
 
 def machine_with(element: jaus.StateMachine) -> Machine | None:

@@ -47,20 +47,20 @@ class Behaviour:
         """Returns the state that a transition enters in the end, None without a known target."""
         if not transition.target:
             return None
-        found = self.machine.resolve(path, transition.target)
-        return None if found is None else self.machine.innermost(found)
+        state = self.machine.resolve(path, transition.target)
+        return None if state is None else self.machine.innermost(state)
 
     def entered(self) -> set[str]:
         """Returns the innermost states that the machine can be in."""
         machine = self.machine
         starts = machine.core.leaves if machine.extends_core else ("",)
         pending = [state for path in starts for state in self._innermost(path)]
-        found: set[str] = set()
+        states: set[str] = set()
         while pending:
             state = pending.pop()
-            if state in found:
+            if state in states:
                 continue
-            found.add(state)
+            states.add(state)
             outer = state
             while outer:
                 node = machine.nodes.get(outer)
@@ -70,22 +70,22 @@ class Behaviour:
                         if target is not None:
                             pending += self._innermost(target)
                 outer = outer.rpartition(".")[0]
-        return found
+        return states
 
     def _innermost(self, path: str) -> list[str]:
         """Returns the states that entering one leads to: several where not one is initial."""
-        found = []
+        states = []
         pending = [path]
         while pending:
             inside = self.machine.children(outer := pending.pop())
             if not inside:
-                found.append(outer)
+                states.append(outer)
             elif inside[0] in self.machine.core_states:
                 pending.append(inside[0])
             else:
                 nodes = self.machine.nodes
                 pending += [substate for substate in inside if nodes[substate].is_initial] or inside
-        return found
+        return states
 
 
 def behaviours_of(subject: Subject, service: jaus.Service) -> tuple[Behaviour, ...]:

@@ -76,23 +76,23 @@ _PROVIDING = ("name", "external", "coreServices", "provides", "services")
 
 def lineage(service: jaus.Service | None) -> list[jaus.Service]:
     """Returns a service and those that it inherits, nearest first; a cycle ends the list."""
-    found: dict[jaus.Service, None] = {}
-    while service is not None and service not in found:
-        found[service] = None
+    services: dict[jaus.Service, None] = {}
+    while service is not None and service not in services:
+        services[service] = None
         service = service.inherits
-    return list(found)
+    return list(services)
 
 
 def with_inherited(services: Iterable[jaus.Service]) -> list[jaus.Service]:
     """Returns services and those that they inherit, each once."""
-    found: dict[jaus.Service, None] = {}
+    all_services: dict[jaus.Service, None] = {}
     for start in services:
         service: jaus.Service | None = start
         # What a service that was found inherits was found with it.
-        while service is not None and service not in found:
-            found[service] = None
+        while service is not None and service not in all_services:
+            all_services[service] = None
             service = service.inherits
-    return list(found)
+    return list(all_services)
 
 
 def along_inheritance(services: Iterable[jaus.Service]) -> Iterator[tuple[jaus.Service, bool]]:
@@ -208,8 +208,8 @@ def peers_of(
     connection: bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection,
 ) -> list[Provider]:
     """Returns those at the other end of a connection that are named, or what is searched for."""
-    found: list[Provider] = list(connection.peers)
-    return found if connection.search is None else [*found, connection.search]
+    peers: list[Provider] = list(connection.peers)
+    return peers if connection.search is None else [*peers, connection.search]
 
 
 def find_input(message: jaus.MessageDef, provider: Provider) -> jaus.MessageDef | None:
@@ -233,10 +233,10 @@ def _outputs_by_code(provider: Provider) -> dict[int, list[jaus.MessageDef]]:
 
 
 def _by_code(messages: Iterable[jaus.MessageDef]) -> dict[int, list[jaus.MessageDef]]:
-    found: dict[int, list[jaus.MessageDef]] = {}
+    messages_by_code: dict[int, list[jaus.MessageDef]] = {}
     for message in messages:
-        found.setdefault(code(message), []).append(message)
-    return found
+        messages_by_code.setdefault(code(message), []).append(message)
+    return messages_by_code
 
 
 @remembered

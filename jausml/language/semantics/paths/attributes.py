@@ -254,11 +254,11 @@ def compared(source: Attribute, target: Attribute) -> Comparison | None:
 
     A flag has those names of the other end that mean true and false to it without a doubt.
     """
-    found = Comparison(
+    comparison = Comparison(
         _of_flag(source, target) or named_values(source),
         _of_flag(target, source) or named_values(target),
     )
-    return found if found.source and found.target and found.common else None
+    return comparison if comparison.source and comparison.target and comparison.common else None
 
 
 _SWITCHED = {
@@ -282,11 +282,11 @@ def _of_flag(flag: Attribute, other: Attribute) -> dict[str, NamedValue]:
     The last word of the flag's name tells, or it says no more than the name of the other end.
     """
     values = named_values(other) if flag.kind == BOOL else {}
-    told = _words(flag.label)
+    flag_words = _words(flag.label)
     # A "not" in the name turns the meaning of its last word.
-    if not values or not told or "not" in told:
+    if not values or not flag_words or "not" in flag_words:
         return {}
-    is_plain, last = {*told} <= {*_PLAIN, *_words(other.label)}, told[-1]
+    is_plain, last = {*flag_words} <= {*_PLAIN, *_words(other.label)}, flag_words[-1]
     for pair in (*_SWITCHED.items(), *_OPENED):
         if {*pair} <= values.keys():
             is_switched = pair not in _OPENED
@@ -306,30 +306,30 @@ def named_values(attribute: Attribute) -> dict[str, NamedValue]:
     """
     if attribute.kind != NUMBER or not attribute.integral:
         return {}
-    found = [
+    constants = [
         (_words(name), NamedValue(name, int(float(value))))
         for name, value in attribute.constants
         if is_real(value)
     ]
     if attribute.is_ros:
-        found = _own(_words(attribute.label), found)
-    found = [(phrase, value) for phrase, value in found if phrase]
-    common = _common([phrase for phrase, _ in found])
-    return {"".join(phrase[common:]): value for phrase, value in found}
+        constants = _own(_words(attribute.label), constants)
+    constants = [(phrase, value) for phrase, value in constants if phrase]
+    common = _common([phrase for phrase, _ in constants])
+    return {"".join(phrase[common:]): value for phrase, value in constants}
 
 
-def _own(label: list[str], found: list[_Named]) -> list[_Named]:
+def _own(label: list[str], constants: list[_Named]) -> list[_Named]:
     """Returns the constants of a field: those with the longest beginning of its name."""
     for length in range(len(label), 0, -1):
         beginning = "".join(label[:length])
         own = [
             (rest, value)
-            for phrase, value in found
+            for phrase, value in constants
             if (rest := _without(beginning, phrase)) is not None
         ]
         if own:
             return own
-    return found
+    return constants
 
 
 def _without(beginning: str, name: list[str]) -> list[str] | None:
@@ -349,18 +349,18 @@ def _common(names: list[list[str]]) -> int:
     return sum(1 for _ in takewhile(lambda column: len({*column}) == 1, columns))
 
 
-def table_text(found: Comparison, *, to_ros: bool) -> str:
+def table_text(comparison: Comparison, *, to_ros: bool) -> str:
     """Returns the entries of a table that maps common values by their names, as text."""
-    entries = table_entries(found, to_ros=to_ros)
+    entries = table_entries(comparison, to_ros=to_ros)
     return "  ".join(f"{_written(jaus.name)} <-> {_written(ros.name)}" for jaus, ros in entries)
 
 
-def table_entries(found: Comparison, *, to_ros: bool) -> list[tuple[NamedValue, NamedValue]]:
+def table_entries(comparison: Comparison, *, to_ros: bool) -> list[tuple[NamedValue, NamedValue]]:
     """Returns the entries of a table that maps common values by their names: of JAUS, and of ROS.
 
     They are in the order of the JAUS values, so that both directions have one table.
     """
-    pairs = found.common if to_ros else [(other, one) for one, other in found.common]
+    pairs = comparison.common if to_ros else [(other, one) for one, other in comparison.common]
     return sorted(pairs, key=lambda pair: pair[0].number)
 
 

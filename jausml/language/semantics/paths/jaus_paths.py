@@ -117,12 +117,12 @@ class JausPlace:
             return replace(self._part(part, where), label=part.name or self.label)
         if isinstance(part, jaus.Alternative | jaus.Format):
             return replace(self._part(part, where), optional=self.optional, may_lack=True)
-        found = wire.target_of(part)
-        if part is None or found is None:
+        target = wire.target_of(part)
+        if part is None or target is None:
             return None
-        frames = [part.frame.name, found.frame.name]
+        frames = [part.frame.name, target.frame.name]
         return replace(
-            self._part(found, where),
+            self._part(target, where),
             frame=next((frame for frame in frames if frame != UNSTATED), self.frame),
             label=part.name or self.label,
             optional=part.optional,

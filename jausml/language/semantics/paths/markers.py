@@ -80,13 +80,13 @@ def unknown(field: ros.Field) -> str | None:
         The text of the model; empty where the default of the field says it, and None where the
         field alone cannot. That nothing limits a quantity is said by a default, and never written.
     """
-    found = marks_of(field)
+    marks = marks_of(field)
     if field.arrayKind.name not in ("single", "fixedArray"):
         # What says that a sequence is empty says nothing of its elements.
-        found = tuple(mark for mark in found if mark.is_of_elements)
-    said = (str(mark.marker.value or "") for mark in found if not mark.is_unlimited)
+        marks = tuple(mark for mark in marks if mark.is_of_elements)
+    said = (str(mark.marker.value or "") for mark in marks if not mark.is_unlimited)
     written = next(filter(None, said), None) if isinstance(field, ros.PrimitiveField) else None
-    if written is None and any(_is_said_by_default(field, mark) for mark in found):
+    if written is None and any(_is_said_by_default(field, mark) for mark in marks):
         return ""
     return written
 

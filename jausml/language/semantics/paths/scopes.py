@@ -41,9 +41,9 @@ def _attribute(place: PathPlace) -> Attribute:
     return place.attribute()
 
 
-def attribute_at(found: FoundPlace) -> Found:
+def attribute_at(location: FoundPlace) -> Found:
     """Returns what an assignment finds at a place."""
-    return _attribute(found) if isinstance(found, JausPlace | RosPlace) else found
+    return _attribute(location) if isinstance(location, JausPlace | RosPlace) else location
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,10 +82,10 @@ class PathScope:
         """Returns the place that a target path leads to."""
         if path.startswith("/") and self.is_nested:
             return PathFault("the target of an element lies within the element")
-        found = _followed((self.target, path))
-        if isinstance(found, JausPlace | RosPlace) and found.is_count:
+        location = _followed((self.target, path))
+        if isinstance(location, JausPlace | RosPlace) and location.is_count:
             return PathFault(f"'{path}' follows from the elements")
-        return found
+        return location
 
     def inner(self, assignment: bridge.ListAssignment) -> PathScope | None:
         """Returns the scope of what a list assignment nests; None when its ends are no lists."""
@@ -133,10 +133,10 @@ class Placed(Generic[AssignmentT_co]):
 
 
 def _source(scope: PathScope, path: str) -> Found:
-    found = scope.find_source(path)
-    if isinstance(found, PathFault) and scope.is_nested and path in COUNTERS:
+    location = scope.find_source(path)
+    if isinstance(location, PathFault) and scope.is_nested and path in COUNTERS:
         return Attribute(NUMBER, "a number", integral=True, lower=0, step=1, label=path)
-    return attribute_at(found)
+    return attribute_at(location)
 
 
 def outer_scope(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> PathScope:
@@ -202,13 +202,13 @@ def parts_in(assignment: bridge.Assignment, scope: PathScope) -> list[bridge.Ass
     return parts_of(assignment, source, target)
 
 
-def is_many(found: FoundPlace) -> TypeGuard[PathPlace]:
+def is_many(location: FoundPlace) -> TypeGuard[PathPlace]:
     """Tells whether a place is a list or an array as a whole."""
-    if isinstance(found, RosPlace):
-        return found.is_array
-    if not isinstance(found, JausPlace) or found.is_count:
+    if isinstance(location, RosPlace):
+        return location.is_array
+    if not isinstance(location, JausPlace) or location.is_count:
         return False
-    return isinstance(found.field, (jaus.List, jaus.Array))
+    return isinstance(location.field, (jaus.List, jaus.Array))
 
 
 def has_source(assignment: bridge.Assignment) -> TypeIs[WithSource]:
@@ -244,9 +244,9 @@ def _scope(
     return around.inner(owner) if around is not None else None
 
 
-def _all_found(found: list[tuple[str, Found]]) -> list[Attribute]:
-    known = [result for _, result in found if isinstance(result, Attribute)]
-    return known if len(known) == len(found) else []
+def _all_found(ends: list[tuple[str, Found]]) -> list[Attribute]:
+    known = [result for _, result in ends if isinstance(result, Attribute)]
+    return known if len(known) == len(ends) else []
 
 
 def _split(text: str | None) -> list[str]:
@@ -301,15 +301,15 @@ class Direction:
         """Returns the assignments of some classes."""
         if not self.assignments:
             return ()
-        found = self._by_kind.get(kinds)
-        if found is None:
-            found = tuple(
+        assignments = self._by_kind.get(kinds)
+        if assignments is None:
+            assignments = tuple(
                 assignment
                 for assignment in self.assignments
                 if isinstance(assignment.assignment, kinds)
             )
-            self._by_kind[kinds] = found
-        return found
+            self._by_kind[kinds] = assignments
+        return assignments
 
 
 Directed = bridge.AttributeMap | bridge.Connection
@@ -350,14 +350,14 @@ def _directions(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
     if isinstance(owner, bridge.Connection):
         to_ros = owner.direction.name == "jausToRos"
         return (_direction(subject, used, owner, owner.safeValue, to_ros=to_ros),)
-    found = [
+    directions = [
         _direction(subject, used, used, assignments, to_ros=to_ros)
         for assignments, to_ros in ((used.toRos, True), (used.toJaus, False))
     ]
     for stop, to_ros in ((used.stopRos, True), (used.stopJaus, False)):
         if stop is not None:
-            found.append(_direction(subject, used, stop, stop.values, to_ros=to_ros))
-    return tuple(found)
+            directions.append(_direction(subject, used, stop, stop.values, to_ros=to_ros))
+    return tuple(directions)
 
 
 def _direction(

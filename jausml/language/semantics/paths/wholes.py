@@ -73,12 +73,12 @@ def parts_of(
 
 def written(element: EObject) -> EObject:
     """Returns the assignment that was written, for one of its members; else the element itself."""
-    found: EObject = element.__dict__.get(_WRITTEN, element)
-    return found
+    assignment: EObject = element.__dict__.get(_WRITTEN, element)
+    return assignment
 
 
-def _is_place(found: FoundPlace) -> TypeIs[PathPlace]:
-    return isinstance(found, JausPlace | RosPlace)
+def _is_place(place: FoundPlace) -> TypeIs[PathPlace]:
+    return isinstance(place, JausPlace | RosPlace)
 
 
 def _is_many(place: PathPlace) -> bool:

@@ -107,10 +107,10 @@ def _maps(ends: Sequence[WrittenEnd], declarer: Declarer, known: Known) -> Itera
         directions = {child.tag for child in node.children} & {"toRos", "toJaus"}
         # A map without assignments has its directions from its ends alone: both.
         directions = directions or {"toRos", "toJaus"}
-        if (found := _service_of(written, declarer, known)) is not None:
-            service, is_input = found
-            ways = ("toRos" in directions, "toJaus" in directions)
-            yield _MapWays(name, end.span, service, is_input, *ways)
+        if (pair := _service_of(written, declarer, known)) is not None:
+            service, is_input = pair
+            flags = ("toRos" in directions, "toJaus" in directions)
+            yield _MapWays(name, end.span, service, is_input, *flags)
 
 
 def _service_of(written: WrittenEnd, declarer: Declarer, known: Known) -> tuple[str, bool] | None:
@@ -118,11 +118,11 @@ def _service_of(written: WrittenEnd, declarer: Declarer, known: Known) -> tuple[
     declaring = declarer.declaration_of(written)
     if declaring is not None:
         return declarer.service.name, message_feature(declaring) == _INPUTS
-    found = known.find("jaus.MessageDef", written.end.type.text)
-    if len(found) != 1:
+    messages = known.find("jaus.MessageDef", written.end.type.text)
+    if len(messages) != 1:
         return None
-    service = qualified_name(found[0]).rpartition(".")[0]
-    return service, found[0].eContainmentFeature().name == _INPUTS
+    service = qualified_name(messages[0]).rpartition(".")[0]
+    return service, messages[0].eContainmentFeature().name == _INPUTS
 
 
 def _is_provided(map_ways: _MapWays) -> bool:

@@ -160,9 +160,9 @@ class MemberBuilder:
 
     def definition(self, word: Name) -> Member | None:
         """Returns the named type that a word means, None after a report."""
-        found = self.types.named.get(word.text)
+        member = self.types.named.get(word.text)
         self.types.used.add(word.text)
-        if found is None:
+        if member is None:
             known = [*sorted(NUMBERS), "bool", STRING, *self.types.named]
             hint = suggest(word.text, known) or f"one of {', '.join(known)}, or struct [ ... ]"
             self.nodes.fault("JML710", word.span, f"unknown type {show(word.text)}", hint)
@@ -174,7 +174,7 @@ class MemberBuilder:
             message = f"named types are nested more than {DEEPEST} deep"
             self.nodes.fault("JML712", word.span, message)
             return None
-        return found
+        return member
 
     def drop_without(self, node: Node, feature: str) -> None:
         """Takes an element away whose contents could not be built: that was reported already."""

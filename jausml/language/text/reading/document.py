@@ -136,21 +136,21 @@ class TextDocument:
                 yield Fault("JML706", message, line=span.line, column=span.column)
 
     def _import(self, item: Import) -> None:
-        found = imports.resolve(item)
-        if isinstance(found, Fault):
-            self._nodes.faults.append(found)
+        target = imports.resolve(item)
+        if isinstance(target, Fault):
+            self._nodes.faults.append(target)
         else:
-            self.imports.append(found)
+            self.imports.append(target)
 
 
 def _own_service(document: SyntaxTree) -> Element | None:
     """Returns the one service that a text writes, if its maps may declare messages for it."""
-    found = [
+    services = [
         item
         for item in document.items
         if isinstance(item, Element) and item.keyword is not None and item.keyword.text == SERVICE
     ]
-    return found[0] if len(found) == 1 and _lists_members(document.items) else None
+    return services[0] if len(services) == 1 and _lists_members(document.items) else None
 
 
 def _lists_members(items: Sequence[Item]) -> bool:
@@ -222,11 +222,11 @@ def _ambiguous(node: Node, inferred: Inferred) -> Fault:
     telling = [
         name for name in FEATURES if len({getattr(option, name) for option in inferred.options}) > 1
     ]
-    ways = [
+    variants = [
         f"{'  '.join(f'{name}: {getattr(option, name)}' for name in telling)} ({option.meaning})"
         for option in inferred.options
     ]
-    hint = f"write {', or '.join(ways)}"
+    hint = f"write {', or '.join(variants)}"
     return Fault("JML715", message, hint, node.line, node.column, node)
 
 

@@ -83,12 +83,12 @@ class NodeMaker:
     def around(self, span: Span) -> Node | None:
         """Returns the innermost element around the beginning of a span."""
         place = (span.line, span.column)
-        found = [
+        nodes = [
             node
             for node, extent in self.spans.items()
             if (extent.line, extent.column) <= place < (extent.end_line, extent.end_column)
         ]
-        return max(found, key=lambda node: (node.line, node.column), default=None)
+        return max(nodes, key=lambda node: (node.line, node.column), default=None)
 
     def value(self, owner: Node, feature: str, text: str, span: Span) -> None:
         """Gives an element a value of an attribute."""

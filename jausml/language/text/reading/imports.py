@@ -77,11 +77,11 @@ class LibraryMap:
 @cache
 def library_maps() -> tuple[LibraryMap, ...]:
     """Returns the maps of the library; its texts are looked through at the first call."""
-    found = []
+    entries = []
     for path in library_paths(suffixes=(TEXT,)):
         maps = _MAP.findall(read_text(path))
-        found += [LibraryMap(name, module_of(path), *ends) for name, *ends in maps]
-    return tuple(found)
+        entries += [LibraryMap(name, module_of(path), *ends) for name, *ends in maps]
+    return tuple(entries)
 
 
 _DECLARED = ("jaus.MessageDef", "ros.MessageType")

@@ -71,9 +71,9 @@ def grammar() -> Grammar:
         "maybe_placeholders": False,
     }
     path = Path(__file__).with_name("grammar.lark")
-    made = Lark(path.read_text(encoding="utf-8"), **options)
-    word = re.compile(made.get_terminal(_WORD).pattern.to_regexp())
-    literals = {terminal.name: terminal.pattern for terminal in made.terminals}
+    parser = Lark(path.read_text(encoding="utf-8"), **options)
+    word = re.compile(parser.get_terminal(_WORD).pattern.to_regexp())
+    literals = {terminal.name: terminal.pattern for terminal in parser.terminals}
     keywords = {
         pattern.value: name
         for name, pattern in literals.items()
@@ -81,7 +81,7 @@ def grammar() -> Grammar:
     }
     # What nothing else begins with first, then as lark does: the longest that may be meant.
     tokens = sorted(
-        (terminal for terminal in made.terminals if terminal.name not in keywords.values()),
+        (terminal for terminal in parser.terminals if terminal.name not in keywords.values()),
         key=lambda terminal: (
             terminal.name != BLANK,
             -terminal.priority,
@@ -91,7 +91,7 @@ def grammar() -> Grammar:
         ),
     )
     pattern = "|".join(f"(?P<{token.name}>{token.pattern.to_regexp()})" for token in tokens)
-    tables: Any = made.parse_interactive().parser_state.parse_conf  # Any: it has no types
+    tables: Any = parser.parse_interactive().parser_state.parse_conf  # Any: it has no types
     states = {
         state: {
             str(symbol): argument if isinstance(argument, int) else _rule(argument, tables)

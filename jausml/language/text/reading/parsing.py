@@ -138,9 +138,9 @@ class _Run:
         """Returns what is wrong with a word that the grammar takes and nobody meant so."""
         token = self._tokens[position]
         if self._lacks_comma(position):
-            before, found = shown(self._tokens[position - 1]), shown(token)
-            message = f"expected ',' behind {before}, found {found}"
-            hint = f"write a comma between {before} and {found}"
+            before, token_text = shown(self._tokens[position - 1]), shown(token)
+            message = f"expected ',' behind {before}, found {token_text}"
+            hint = f"write a comma between {before} and {token_text}"
             return SyntaxFault(span_of(token), message, hint)
         if self._stands_alone(position):
             hint = "an element is written 'keyword name { ... }', a feature 'name: value'"

@@ -73,8 +73,8 @@ def with_line_feeds(text: str) -> str:
 
 def line_end(text: str) -> str:
     """Returns the line end of a text: that of its first line."""
-    found = re.search(r"\r\n|\n|\r", text)
-    return found.group() if found else "\n"
+    match = re.search(r"\r\n|\n|\r", text)
+    return match.group() if match else "\n"
 
 
 def scan(text: str) -> Scan:
@@ -193,23 +193,27 @@ def describe(accepted: Collection[str], tokens: Sequence[Token], position: int) 
     """
     behind = f" behind {shown(tokens[position - 1])}" if position else ""
     is_end = position >= len(tokens)
-    found = "the end of the text" if is_end else shown(tokens[position])
-    return f"expected {_alternatives(_phrases(set(accepted)))}{behind}, found {found}"
+    actual = "the end of the text" if is_end else shown(tokens[position])
+    return f"expected {_alternatives(_phrases(set(accepted)))}{behind}, found {actual}"
 
 
 def suggestion(accepted: Collection[str], tokens: Sequence[Token], position: int) -> str:
     """Returns what was probably meant, or an empty text."""
     if position >= len(tokens):
         return ""
-    found = tokens[position]
-    if found.type in _KEYWORD_TYPES and "WORD" in accepted and "SEMICOLON" not in accepted:
-        return f"as a name it stands in back quotes: `{found}`"
-    if found.type in ("EQUAL", "GIVES"):
+    unexpected_token = tokens[position]
+    if (
+        unexpected_token.type in _KEYWORD_TYPES
+        and "WORD" in accepted
+        and "SEMICOLON" not in accepted
+    ):
+        return f"as a name it stands in back quotes: `{unexpected_token}`"
+    if unexpected_token.type in ("EQUAL", "GIVES"):
         if "ARROW" in accepted:
             return "an assignment is written 'source -> target'"
         if "COLON" in accepted:
             return f"a feature is written '{tokens[position - 1]}: ...'"
-    if found.type == "ARROW" and "COMMA" in accepted:
+    if unexpected_token.type == "ARROW" and "COMMA" in accepted:
         return "no comma stands between assignments"
     for token in reversed(tokens[max(position - 2, 0) : position + 1]):
         meant = nearest(token, KEYWORDS) if token.type == "WORD" else None

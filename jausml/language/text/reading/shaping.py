@@ -298,11 +298,11 @@ class Shaper:
         return Entry(children[0], children[2], span=_around(children))
 
     def vector(self, children: list[Any]) -> Vector:
-        _, name, way, opening, given, gives, expected, closing = children
+        _, name, way, opening, inputs, gives, expected, closing = children
         return Vector(
             _name(name),
             way[0].type == "JAUS",
-            _bracketed(opening, given, gives),
+            _bracketed(opening, inputs, gives),
             _bracketed(gives, expected, closing),
             span=_around(children),
         )

@@ -246,15 +246,15 @@ def _entry(entry: Entry, room: int) -> list[str]:  # noqa: ARG001 - it always fi
 def _vector(vector: Vector, room: int) -> list[str]:
     head = f"vector {word(vector.name.text)} {_shown_way(vector)} ("
     inner = room - len(_INDENT)
-    given = [_lines(entry, inner) for entry in vector.given]
+    inputs = [_lines(entry, inner) for entry in vector.given]
     expected = [_lines(entry, inner) for entry in vector.expected]
     entries = [*vector.given, *vector.expected]
-    if not vector.closing and _can_share_line(entries, [*given, *expected]):
-        sides = [_SPACE.join(lines[0] for lines in side) for side in (given, expected)]
+    if not vector.closing and _can_share_line(entries, [*inputs, *expected]):
+        sides = [_SPACE.join(lines[0] for lines in side) for side in (inputs, expected)]
         short = " ".join(part for part in (head, sides[0], "=>", sides[1], ")") if part)
         if len(short) <= room:
             return [short]
-    lines = [*_stacked(vector.given, given, (), inner), "=>"]
+    lines = [*_stacked(vector.given, inputs, (), inner), "=>"]
     lines += _stacked(vector.expected, expected, vector.closing, inner)
     return [head, *_indented(lines), ")"]
 

@@ -72,8 +72,8 @@ class DocumentNames:
 
     def name(self, owner: EObject, target: EObject, feature: FeatureTable) -> Name | Href:
         """Returns how to refer to an element: by its shortest name, else by file and fragment."""
-        found = self.short_name(owner, target, feature)
-        return Name(found) if found is not None else self.href(target)
+        short_name = self.short_name(owner, target, feature)
+        return Name(short_name) if short_name is not None else self.href(target)
 
     def href(self, target: EObject) -> Href:
         """Returns how an element is referred to by file and fragment."""
@@ -93,9 +93,9 @@ class DocumentNames:
         """Returns the shortest name of an element, None when no name leads to it."""
         wanted = cast("ClassTable", feature.target)
         for text in self._candidates(target):
-            found = is_name(text) and self._finder.find(text, wanted, self._document, owner)
+            elements = is_name(text) and self._finder.find(text, wanted, self._document, owner)
             # A name counts only if the reader of the text is led to this very element.
-            if found == [target]:
+            if elements == [target]:
                 return text
         return None
 
@@ -140,7 +140,9 @@ class ReferenceNames(DocumentNames):
     """Names elements for a document that is to be written."""
 
     def __init__(self, roots: Sequence[EObject], model: Model, path: Path) -> None:
-        document = Document(Path(os.path.realpath(path)), str(path), is_library=False, given=True)
+        document = Document(
+            Path(os.path.realpath(path)), str(path), is_library=False, is_input=True
+        )
         super().__init__(model, document)
         self._read_from = model.document_of(roots[0]) if roots else None
         self._fragments = self._name_fragments(roots)

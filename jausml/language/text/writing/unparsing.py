@@ -100,8 +100,8 @@ class MapWriter:
         """Returns the clause of one end, None when it cannot be named."""
         if target is None:
             return None
-        found = self._names.name(obj, target, self._feature(obj, name))
-        return End(name == "message", found, None) if isinstance(found, Name) else None
+        reference = self._names.name(obj, target, self._feature(obj, name))
+        return End(name == "message", reference, None) if isinstance(reference, Name) else None
 
     def _feature(self, obj: EObject, name: str) -> FeatureTable:
         return self._metamodels.class_of(obj).features[name]
@@ -116,15 +116,15 @@ class MapWriter:
 
     def vector(self, obj: bridge.TestVector) -> Vector | Element:
         """Returns a test vector, as a uniform block where its own notation cannot say it."""
-        given = [vector_entry(vector_value) for vector_value in obj.given]
+        inputs = [vector_entry(vector_value) for vector_value in obj.given]
         expected = [vector_entry(vector_value) for vector_value in obj.expected]
-        entries = [entry for entry in [*given, *expected] if entry is not None]
-        if len(entries) < len(given) + len(expected) or not is_name(obj.name):
+        entries = [entry for entry in [*inputs, *expected] if entry is not None]
+        if len(entries) < len(inputs) + len(expected) or not is_name(obj.name):
             return self._elements.element(obj)
         if not _can_be_documented(obj):
             return self._elements.element(obj)
         to_ros = obj.direction.name == "jausToRos"
-        vector = Vector(Name(obj.name), to_ros, entries[: len(given)], entries[len(given) :])
+        vector = Vector(Name(obj.name), to_ros, entries[: len(inputs)], entries[len(inputs) :])
         return documented(vector, obj)
 
     def _directions(
@@ -195,19 +195,19 @@ class MapWriter:
     def call(self, obj: bridge.Conversion) -> Call | None:
         """Returns a conversion as a call, None when it has what no call of its kind takes."""
         table = self._metamodels.class_of(obj)
-        given = [
+        feature_names = [
             name
             for name, feature in table.features.items()
             if name != "kind" and is_written(obj, feature)
         ]
         kind = obj.kind.name
-        if not given:
+        if not feature_names:
             return Call(Name(kind))
         own = conversion_of(obj).own_argument
-        holder = "quantity" if "quantity" in given else "arguments"
+        holder = "quantity" if "quantity" in feature_names else "arguments"
         holder = holder if own is None else own.feature
         # A call has one kind of argument; with more only a block can say all of them.
-        if given != [holder]:
+        if feature_names != [holder]:
             return None
         value = getattr(obj, holder)
         arguments: list[Any]

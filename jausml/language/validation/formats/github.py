@@ -23,9 +23,11 @@ def render(report: Report) -> str:
     commands: list[str] = []
     rest: list[Diagnostic] = []
     for severity, command in _COMMANDS.items():
-        found = [diagnostic for diagnostic in report.diagnostics if diagnostic.severity is severity]
-        commands += [_command(command, diagnostic) for diagnostic in found[:_MOST]]
-        rest += found[_MOST:]
+        diagnostics = [
+            diagnostic for diagnostic in report.diagnostics if diagnostic.severity is severity
+        ]
+        commands += [_command(command, diagnostic) for diagnostic in diagnostics[:_MOST]]
+        rest += diagnostics[_MOST:]
     if rest:
         commands.append(f"{len(rest)} more, which GitHub does not annotate:")
     # A line that begins with a path cannot be taken for a command.

@@ -32,8 +32,8 @@ def summary(report: Report) -> str:
         for ground in Ground
         if (number := sum(suppression.ground is ground for suppression in report.set_aside))
     ]
-    told = f"{', '.join(counts) or 'no problems'} in {files}"
-    return "; ".join([told, *([", ".join(aside)] if aside else [])])
+    sentence = f"{', '.join(counts) or 'no problems'} in {files}"
+    return "; ".join([sentence, *([", ".join(aside)] if aside else [])])
 
 
 def lines_of(diagnostic: Diagnostic) -> list[str]:

@@ -27,9 +27,9 @@ def all_rules() -> tuple[Rule, ...]:
         import_module(walk_package.name)
         for walk_package in pkgutil.walk_packages(__path__, f"{__name__}.")
     )
-    found = (member for module in modules for member in vars(module).values())
+    members = (member for module in modules for member in vars(module).values())
     return tuple(
-        sorted((member for member in found if isinstance(member, Rule)), key=lambda e: e.id)
+        sorted((member for member in members if isinstance(member, Rule)), key=lambda e: e.id)
     )
 
 

@@ -68,14 +68,14 @@ def _package(name: str) -> str:
 
 def _way_back(package: str, needed: Mapping[str, list[str]]) -> list[str]:
     """Returns the packages from one by those that each needs back to it; none for no way."""
-    ways, seen = [[package]], {package}
-    for way in ways:
+    paths, seen = [[package]], {package}
+    for way in paths:
         for dependency in needed.get(way[-1], ()):
             if dependency == package:
                 return [*way, dependency]
             if dependency not in seen:
                 seen.add(dependency)
-                ways.append([*way, dependency])
+                paths.append([*way, dependency])
     return []
 
 

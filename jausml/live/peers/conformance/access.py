@@ -69,11 +69,11 @@ def _why_no_control(session: Session) -> str:
     answer = session.first.expect(ConfirmControl, "RequestControl")
     if answer.response_code == ACCEPTED:
         return ""
-    told = f"ConfirmControl {answer.response_code}"
+    reason = f"ConfirmControl {answer.response_code}"
     if answer.response_code == INSUFFICIENT:
-        told = f"insufficient authority, even with {authority}: {told}"
+        reason = f"insufficient authority, even with {authority}: {reason}"
     return (
-        f"the target gives no control ({told}), and does not answer QueryControl, which would say "
+        f"the target gives no control ({reason}), and does not answer QueryControl, which says "
         "who has it"
     )
 
@@ -162,9 +162,10 @@ def _require_control(session: Session, address: str, authority: int | None = Non
     report = session.seen_control()
     if report is None:
         return
-    found = controller_of(report)
+    controller = controller_of(report)
     session.require(
-        found == address, f"ReportControl names {found} instead of {address} after {session.latest}"
+        controller == address,
+        f"ReportControl names {controller} instead of {address} after {session.latest}",
     )
     session.require(
         authority in (None, report.authority_code),

@@ -210,8 +210,8 @@ class AnythingBut(Container[object]):
 def has(**fields: object) -> Judgement[object]:
     """Fails unless the fields have these values, or one of a range or tuple."""
 
-    def judge(session: Session, found: object, what: str) -> None:
-        for difference in _differences(session, found, what, fields):
+    def judge(session: Session, message: object, what: str) -> None:
+        for difference in _differences(session, message, what, fields):
             raise CheckFailed(difference)
 
     return judge
@@ -220,19 +220,19 @@ def has(**fields: object) -> Judgement[object]:
 def usual(**fields: object) -> Judgement[object]:
     """Like `has`, but what the standard leaves open is noted."""
 
-    def judge(session: Session, found: object, what: str) -> None:
-        for difference in _differences(session, found, what, fields):
+    def judge(session: Session, message: object, what: str) -> None:
+        for difference in _differences(session, message, what, fields):
             session.note(difference)
 
     return judge
 
 
 def _differences(
-    session: Session, found: object, what: str, fields: dict[str, object]
+    session: Session, message: object, what: str, fields: dict[str, object]
 ) -> Iterator[str]:
     for name, wanted in fields.items():
         expected = wanted(session) if callable(wanted) else wanted
-        value = getattr(found, name)
+        value = getattr(message, name)
         choice = expected if isinstance(expected, (range, tuple, AnythingBut)) else (expected,)
         if value not in choice:
             yield f"{what} has {name} {value!r} instead of {_words(expected)}"
@@ -270,9 +270,9 @@ def put(
     session: Session, client: int, what: str, payload: bytes | Callable[[Session], bytes]
 ) -> None:
     """A client sends a payload as it is."""
-    found = session.client(client)
-    session.latest = f"{what} of {found.address}"
-    found.put(found.packet(payload if isinstance(payload, bytes) else payload(session)))
+    test_client = session.client(client)
+    session.latest = f"{what} of {test_client.address}"
+    test_client.put(test_client.packet(payload if isinstance(payload, bytes) else payload(session)))
 
 
 @step
@@ -309,15 +309,15 @@ def expect(
     unless: Callable[[Session], str] | None = None,
 ) -> None:
     """A client is sent a message that is as it should be; `unless` says why it need not come."""
-    found = session.client(client).find(kind, within=within)
-    excuse = "" if found is not None or unless is None else unless(session)
+    message = session.client(client).find(kind, within=within)
+    excuse = "" if message is not None or unless is None else unless(session)
     if excuse:
         session.note(excuse)
-    elif found is None:
+    elif message is None:
         raise CheckFailed(f"no {kind.NAME} came after {session.latest}")
     else:
         for judge in judgements:
-            judge(session, found, f"{kind.NAME} after {session.latest}")
+            judge(session, message, f"{kind.NAME} after {session.latest}")
 
 
 @step
@@ -339,9 +339,9 @@ def expect_none(
 @step
 def silence(session: Session, client: int, why: str, *, tolerated: bool = False) -> None:
     """A client is sent nothing for the quiet time; an answer may be tolerated and noted."""
-    found = session.client(client)
-    if session.probe.wait(lambda: bool(found.inbox), session.probe.quiet):
-        _deviates(session, f"message {found.inbox[0].code:04X} came, but {why}", tolerated)
+    test_client = session.client(client)
+    if session.probe.wait(lambda: bool(test_client.inbox), session.probe.quiet):
+        _deviates(session, f"message {test_client.inbox[0].code:04X} came, but {why}", tolerated)
 
 
 def _deviates(session: Session, text: str, tolerated: bool) -> None:  # noqa: FBT001

@@ -178,7 +178,7 @@ class Client:
             where: Says whether it is the one; all are when None.
             within: Seconds to wait; the usual time of the run when None.
         """
-        found: list[M] = []
+        messages: list[M] = []
 
         def look() -> bool:
             for received in self.inbox:
@@ -186,12 +186,12 @@ class Client:
                     message = decoded(message_class, received.payload)
                     if where is None or where(message):
                         self.inbox.remove(received)
-                        found.append(message)
+                        messages.append(message)
                         return True
             return False
 
         self._exchange.wait(look, self._exchange.timeout if within is None else within)
-        return found[0] if found else None
+        return messages[0] if messages else None
 
     def first_of(self, codes: tuple[int, ...]) -> ReceivedMessage | None:
         """Returns the next message with one of the codes, or None when none comes in time."""
@@ -200,11 +200,11 @@ class Client:
             return [message for message in self.inbox if message.code in codes]
 
         self._exchange.wait(lambda: bool(here()), self._exchange.timeout)
-        found = here()
-        if not found:
+        messages = here()
+        if not messages:
             return None
-        self.inbox.remove(found[0])
-        return found[0]
+        self.inbox.remove(messages[0])
+        return messages[0]
 
     def expect(
         self,

@@ -33,13 +33,13 @@ def requires(session: Session) -> str:
 
 def checks(session: Session) -> tuple[Check, ...]:
     """Returns one check for each query of the announced services that we know."""
-    found: dict[str, Check] = {}
+    checks_by_id: dict[str, Check] = {}
     for identity in session.services:
         service = session.known(identity)
-        made = [_unknown(session, identity)] if service is None else _of_service(service)
-        for check in made:
-            found.setdefault(check.id, check)
-    return tuple(found.values())
+        service_checks = [_unknown(session, identity)] if service is None else _of_service(service)
+        for check in service_checks:
+            checks_by_id.setdefault(check.id, check)
+    return tuple(checks_by_id.values())
 
 
 def _of_service(service: ServiceEntry) -> list[Check]:
@@ -113,9 +113,9 @@ def _judge_subsets(
     others: list[str] = []
     for wish in (0, *(1 << index for index in range(_MOST_BITS) if bits >> index & 1)):
         holder[PRESENCE_VECTOR] = wish
-        given = _judge(session, query, _ask(session, query, fields, reports), reports)
-        if given != wish & everything:
-            others.append(f"{wish:#x} gives {given:#x}")
+        presence = _judge(session, query, _ask(session, query, fields, reports), reports)
+        if presence != wish & everything:
+            others.append(f"{wish:#x} gives {presence:#x}")
     if others:
         session.note(
             f"the presence vector of the query does not choose the fields of the report: of "
@@ -182,4 +182,4 @@ def _presence_of(fields: Any) -> int:
         return 0
     if PRESENCE in fields:
         return int(fields[PRESENCE])
-    return next((found for field in fields.values() if (found := _presence_of(field))), 0)
+    return next((presence for field in fields.values() if (presence := _presence_of(field))), 0)

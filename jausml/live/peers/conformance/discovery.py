@@ -81,8 +81,8 @@ def _services(session: Session, report: _Listing) -> Services:
 
 
 def _holds_target(session: Session, report: _Listing, what: str) -> None:
-    found = _services(session, report)
-    session.require(session.probe.target in found, f"{what} does not hold the target itself")
+    services = _services(session, report)
+    session.require(session.probe.target in services, f"{what} does not hold the target itself")
 
 
 def _holds_discovery_once(session: Session, report: ReportServices, _: str) -> None:
@@ -112,8 +112,8 @@ def _agrees(session: Session, report: _Listing, what: str) -> None:
 
 def _holds_nobody(session: Session, report: ReportServices, what: str) -> None:
     """Nobody is listed whom the report for all does not list."""
-    found = sorted(map(str, set(_services(session, report)) - set(_everything(session))))
-    session.require(not found, f"{what} holds {found}, which nobody has listed before")
+    addresses = sorted(map(str, set(_services(session, report)) - set(_everything(session))))
+    session.require(not addresses, f"{what} holds {addresses}, which nobody has listed before")
 
 
 def _members(report: ReportConfiguration) -> set[tuple[int, int]]:

@@ -117,9 +117,9 @@ def periodic(session: Session, client: int) -> None:
 @step
 def carries(session: Session, client: int, kind: type[Message] | None = None) -> None:
     """The event of a client carries the whole report that answers its query."""
-    found = session.client(client)
+    test_client = session.client(client)
     report_class = kind or subject(session)[1]
-    payload = next_event(found).report_message
+    payload = next_event(test_client).report_message
     code = int.from_bytes(payload[:2], "little")
     session.require(
         code == report_class.CODE,
@@ -132,8 +132,8 @@ def carries(session: Session, client: int, kind: type[Message] | None = None) ->
 @step
 def numbered(session: Session, client: int, count: int) -> None:
     """Reports of the event of a client come, and have consecutive numbers."""
-    found = session.client(client)
-    numbers = [next_event(found).sequence_number for _ in range(count)]
+    test_client = session.client(client)
+    numbers = [next_event(test_client).sequence_number for _ in range(count)]
     session.require(
         all((after - before) & 0xFF == 1 for before, after in itertools.pairwise(numbers)),
         f"the sequence numbers of an event are {numbers[:20]}",
@@ -165,17 +165,17 @@ def ended(client: int) -> Step:
 def listed(session: Session, choice: Callable[[Session], core.QueryEvents.QueryEventsVar]) -> None:
     """ReportEvents of a choice holds the event of our first client, and only what was chosen."""
     chosen, own = choice(session), event_id(session)
-    found = session.client(B).ask(core.QueryEvents(chosen), core.ReportEvents).event_list
+    events = session.client(B).ask(core.QueryEvents(chosen), core.ReportEvents).event_list
     wanted = (own, PERIODIC, subject(session)[0].encode())
     session.require(
         any(
             (report_event.event_id, report_event.event_type, report_event.query_message) == wanted
-            for report_event in found
+            for report_event in events
         ),
         f"ReportEvents does not hold event {own} with its type and query",
     )
     others = [
-        report_event.event_id for report_event in found if not _is_chosen(chosen, report_event)
+        report_event.event_id for report_event in events if not _is_chosen(chosen, report_event)
     ]
     session.require(not others, f"ReportEvents holds events that were not asked for: {others}")
 

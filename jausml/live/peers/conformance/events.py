@@ -73,14 +73,14 @@ def _comes_first(session: Session, client: int, first: type[Message], other: typ
 @step
 def _keeps_rate(session: Session, client: int, intervals: int) -> None:
     """So many intervals take between half and twice the time of the confirmed rate."""
-    found = session.client(client)
-    period = 1 / max(found.event.confirmed_periodic_rate, 0.02)
+    test_client = session.client(client)
+    period = 1 / max(test_client.event.confirmed_periodic_rate, 0.02)
     session.skip_unless(
         intervals * period <= session.limits.longest_wait, f"the confirmed period is {period:.1f} s"
     )
     periods, count = 2.5 * intervals, intervals + 2
-    arrived = session.probe.wait(lambda: len(_events(found)) >= count, periods * period)
-    times = [event.time for event in _events(found)]
+    arrived = session.probe.wait(lambda: len(_events(test_client)) >= count, periods * period)
+    times = [event.time for event in _events(test_client)]
     session.require(arrived, f"{len(times)} of {count} reports came in {periods:g} periods")
     mean = (times[-1] - times[1]) / (len(times) - 2)
     session.require(
@@ -92,17 +92,17 @@ def _keeps_rate(session: Session, client: int, intervals: int) -> None:
 @step
 def _watches_control(session: Session, client: int) -> None:
     """A client has an event on each change of control; skips where there are no such events."""
-    found = session.client(client)
+    test_client = session.client(client)
     change = core.CreateEvent.EventType.EVERY_CHANGE
     session.send(client, core.CreateEvent(1, change, 0.0, core.QueryControl().encode()))
-    rejection = found.find(Reject, within=session.probe.quiet)
+    rejection = test_client.find(Reject, within=session.probe.quiet)
     unsupported = Reject.ResponseCode.CHANGE_BASED_EVENTS_NOT_SUPPORTED
     code = None if rejection is None else rejection.response_code
     session.skip_unless(code != unsupported, "the target supports no change-based events (code 2)")
     session.require(code is None, f"every-change event rejected with code {code}")
-    found.event = found.expect(Confirm, "CreateEvent")
+    test_client.event = test_client.expect(Confirm, "CreateEvent")
     # The present value, which some send at once.
-    found.find(core.Event, within=session.probe.quiet)
+    test_client.find(core.Event, within=session.probe.quiet)
 
 
 @step

@@ -141,10 +141,10 @@ def describe(payload: bytes, catalogue: Catalogue) -> str:
 @lru_cache(maxsize=1)
 def core_classes() -> Mapping[int, type[Message]]:
     """Returns the codecs of the core messages by message code."""
-    found = vars(core_messages).values()
+    members = vars(core_messages).values()
     return {
         member.CODE: member
-        for member in found
+        for member in members
         if isinstance(member, type) and issubclass(member, Message) and hasattr(member, "CODE")
     }
 

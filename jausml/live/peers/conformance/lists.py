@@ -91,9 +91,10 @@ def empty(session: Session) -> None:
 @step
 def holds(session: Session, *uids: int) -> None:
     """The list holds these elements and no others."""
-    found = _uids(session)
+    actual_uids = _uids(session)
     session.require(
-        found == [*uids], f"the list holds {found} instead of {[*uids]} after {session.latest}"
+        actual_uids == [*uids],
+        f"the list holds {actual_uids} instead of {[*uids]} after {session.latest}",
     )
 
 
@@ -204,9 +205,9 @@ _FIRST_YEAR = 2000
 _LARGEST_DIFFERENCE = timedelta(seconds=5)
 
 
-def _is_a_time(session: Session, found: ReportTime, what: str) -> None:
+def _is_a_time(session: Session, report: ReportTime, what: str) -> None:
     """The fields lie in their ranges; a clock far from ours is noted."""
-    time, date = found.time_stamp, found.date_stamp
+    time, date = report.time_stamp, report.date_stamp
     if time is None or date is None:
         lacking = "TimeStamp" if time is None else "DateStamp"
         raise CheckFailed(f"{what} holds no {lacking} although it was asked for")

@@ -94,7 +94,7 @@ def comes_to(session: Session, status: Status, in_1_0: Status | None = None) -> 
 
 
 @step
-def stays(session: Session, status: Status) -> None:
+def remains(session: Session, status: Status) -> None:
     """Like `comes_to`, but the state must hold for the quiet time."""
     session.pause()
     present = session.status()
@@ -109,7 +109,7 @@ def ignored(session: Session, client: int, command: Message, status: Status) -> 
     """A command of a client without control gets no answer, and the target stays in its state."""
     session.send(client, command)
     silence(client, f"{session.latest} is to be ignored")(session)
-    stays(status)(session)
+    remains(status)(session)
 
 
 @step
@@ -133,9 +133,9 @@ def emergency(session: Session, client: int) -> None:
 @step
 def _set_0(session: Session, client: int) -> None:
     """A client sets an emergency of code 0, which it owes to clear."""
-    found = session.client(client)
-    found.owe(ClearEmergency, _CLEAR_0)
-    found.put(found.packet(_SET_0, priority=Priority.SAFETY_CRITICAL))
+    test_client = session.client(client)
+    test_client.owe(ClearEmergency, _CLEAR_0)
+    test_client.put(test_client.packet(_SET_0, priority=Priority.SAFETY_CRITICAL))
 
 
 @step
@@ -170,7 +170,7 @@ CHECKS = (
         "Stays in Standby when control is taken",
         "AS5710A Management, Standby; AccessControl, RequestControl",
         "Only Resume leads to Ready, not RequestControl.",
-        (take(A, LOW), stays(STANDBY)),
+        (take(A, LOW), remains(STANDBY)),
     ),
     Check(
         "management.resume",
@@ -295,7 +295,7 @@ CHECKS = (
             may_hear(A, RejectControl),
             send(A, Resume()),
             send(B, Resume()),
-            stays(EMERGENCY),
+            remains(EMERGENCY),
         ),
     ),
     Check(
@@ -308,7 +308,7 @@ CHECKS = (
             emergency(B),
             send(A, Reset()),
             send(B, Reset()),
-            stays(EMERGENCY),
+            remains(EMERGENCY),
         ),
     ),
     Check(
@@ -316,7 +316,7 @@ CHECKS = (
         "Ignores ClearEmergency of those who set none",
         "AS5710A Management, Emergency: ClearEmergency, guard on the sender",
         "ClearEmergency of a client that set no emergency leaves the target in Emergency.",
-        (emergency(B), send(A, CLEAR), stays(EMERGENCY)),
+        (emergency(B), send(A, CLEAR), remains(EMERGENCY)),
     ),
     Check(
         "management.clear",
@@ -343,7 +343,7 @@ CHECKS = (
             emergency(A),
             emergency(B),
             send(A, CLEAR),
-            stays(EMERGENCY),
+            remains(EMERGENCY),
             send(B, CLEAR),
             comes_to(STANDBY),
         ),

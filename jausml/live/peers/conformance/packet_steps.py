@@ -37,8 +37,8 @@ def query(
     to_group: bool = False,
 ) -> None:
     """A query that the target answers is sent, or another payload; the header may be another."""
-    found = session.client(client)
-    packet = packet_of_query(session, found)._replace(
+    test_client = session.client(client)
+    packet = packet_of_query(session, test_client)._replace(
         acknowledge=acknowledge, message_type=message_type
     )
     if payload is not None:
@@ -48,7 +48,7 @@ def query(
     if to_group:
         session.probe.put_to_group(packet)
     else:
-        found.put(packet)
+        test_client.put(packet)
 
 
 def everybody(_: Session) -> JausAddress:
@@ -84,10 +84,10 @@ def datagram(
     session: Session, what: str, bytes_at: dict[int, bytes] | None = None, more: bytes = b""
 ) -> None:
     """A query is sent with other bytes at some offsets of its datagram, and more at its end."""
-    found = packet_of_query(session, session.first).encode()
+    data = packet_of_query(session, session.first).encode()
     for offset, others in (bytes_at or {}).items():
-        found = found[:offset] + others + found[offset + len(others) :]
-    session.probe.put_raw(found + more, what)
+        data = data[:offset] + others + data[offset + len(others) :]
+    session.probe.put_raw(data + more, what)
 
 
 @step
@@ -100,9 +100,9 @@ def two_queries(session: Session) -> None:
 @step
 def cut_short(session: Session) -> None:
     """A query is sent again and again, cut after each of its bytes."""
-    found = packet_of_query(session, session.first).encode()
-    for length in range(len(found)):
-        session.probe.put_raw(found[:length], f"{length} of {len(found)} bytes of a query")
+    data = packet_of_query(session, session.first).encode()
+    for length in range(len(data)):
+        session.probe.put_raw(data[:length], f"{length} of {len(data)} bytes of a query")
 
 
 @step
@@ -128,9 +128,9 @@ def fragments(session: Session, *order: int, first: int | None = None) -> None:
 @step
 def answered(session: Session, client: int, what: str = "a query", *, tolerated: str = "") -> None:
     """A client is sent something; what silence means may be noted instead."""
-    found = session.client(client)
-    if session.probe.wait(lambda: bool(found.inbox), session.probe.timeout):
-        del found.inbox[0]
+    test_client = session.client(client)
+    if session.probe.wait(lambda: bool(test_client.inbox), session.probe.timeout):
+        del test_client.inbox[0]
         return
     session.require(bool(tolerated), f"{what} is not answered")
     session.note(tolerated)
@@ -144,9 +144,9 @@ def acknowledged(
     tolerated: str = "",
 ) -> None:
     """What asked for it is acknowledged as it should be; what silence means may be noted."""
-    found = session.client(client)
-    if session.probe.wait(lambda: bool(found.acknowledgements), session.probe.timeout):
-        packet = found.acknowledgements.pop(0)
+    test_client = session.client(client)
+    if session.probe.wait(lambda: bool(test_client.acknowledgements), session.probe.timeout):
+        packet = test_client.acknowledgements.pop(0)
         for judge in judgements:
             judge(session, packet, "the acknowledgement")
         return

@@ -196,11 +196,11 @@ def _announced(session: Session) -> Sequence[ServiceIdentity]:
         if payload is None:
             continue
         try:
-            found = services_of(ReportServices.decode(payload), target.subsystem)
+            services = services_of(ReportServices.decode(payload), target.subsystem)
         except DecodeError:
             continue
-        if target in found:
-            return found[target]
+        if target in services:
+            return services[target]
     return ()
 
 

@@ -231,7 +231,7 @@ class Session:
         bases = (
             (service, {base.urn for base in self.known_bases(service)}) for service in self.services
         )
-        return next((service for service, found in bases if found.intersection(urns)), None)
+        return next((service for service, base_urns in bases if base_urns.intersection(urns)), None)
 
     def answers(self) -> bool:
         """Whether the target still answers a query."""
@@ -250,9 +250,9 @@ class Session:
             if self.tells_controller:
                 report = self.first.ask(core.QueryAuthority(), core.ReportAuthority)
             else:
-                found = self.tried(core.QueryAuthority(), core.ReportAuthority, attempts=2)
-                report = found or core.ReportAuthority(authority_code=0)
-                self.sufficient = USUAL_AUTHORITY if found else self._tried_authority()
+                answer = self.tried(core.QueryAuthority(), core.ReportAuthority, attempts=2)
+                report = answer or core.ReportAuthority(authority_code=0)
+                self.sufficient = USUAL_AUTHORITY if answer else self._tried_authority()
             self._default_authority = report.authority_code
         return self._default_authority
 

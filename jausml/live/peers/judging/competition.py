@@ -209,10 +209,10 @@ class Judge:
         self._on_score(score)
 
     def _obstacle(self, task: Task, part: Part) -> str:
-        given = {
+        scored_parts = {
             score.part.name for score in self.scores if score.task is task and _is_given(score)
         }
-        lacking = [part_name for part_name in part.needs if part_name not in given]
+        lacking = [part_name for part_name in part.needs if part_name not in scored_parts]
         return f"cannot be judged without {task.name}.{lacking[0]}" if lacking else ""
 
 

@@ -100,10 +100,12 @@ def _platform() -> Task:
 @step
 def _somebody_lists(session: Session, name: str) -> None:
     report = session.first.ask(query_services(), ReportServices)
-    found = services_of(report, session.probe.target.subsystem)
+    services_by_address = services_of(report, session.probe.target.subsystem)
     session.require(
         any(
-            service.urn.endswith(f":{name}") for services in found.values() for service in services
+            service.urn.endswith(f":{name}")
+            for services in services_by_address.values()
+            for service in services
         ),
         f"no component of ReportServices has {name}",
     )

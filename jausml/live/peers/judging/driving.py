@@ -43,20 +43,20 @@ class Topic:
         fields: dict[str, Any] = {}
         if self.presence is not None:
             fields = {PRESENCE_VECTOR: self.presence}
-        return made(session, self.service, f"Query{self.name}", **fields)
+        return message_of(session, self.service, f"Query{self.name}", **fields)
 
     def report(self, session: Session) -> type[EntryMessage]:
         """Returns the class of the report."""
         return message_class(session.catalogue.message(f"Report{self.name}", self.service))
 
 
-def made(session: Session, service: str, name: str, **fields: Any) -> EntryMessage:
+def message_of(session: Session, service: str, name: str, **fields: Any) -> EntryMessage:
     """Returns a message of a service; the record of its body need not be named."""
     entry = session.catalogue.message(name, service)
     return message_class(entry)(entry.completed(fields) if fields else {})
 
 
-def told(message: EntryMessage) -> dict[str, Any]:
+def fields_of(message: EntryMessage) -> dict[str, Any]:
     """Returns the fields of a message of one record that are present."""
     (record,) = message.fields.values()
     return {name: value for name, value in record.items() if name != PRESENCE}
@@ -74,8 +74,8 @@ def asks(client: int, topic: Topic, *judgements: Judgement[EntryMessage]) -> Ste
 def holds(*names: str) -> Judgement[EntryMessage]:
     """Fails unless a report has these fields."""
 
-    def judge(_: Session, found: EntryMessage, what: str) -> None:
-        lacking = [name for name in names if name not in told(found)]
+    def judge(_: Session, message: EntryMessage, what: str) -> None:
+        lacking = [name for name in names if name not in fields_of(message)]
         if lacking:
             raise CheckFailed(f"{what} lacks {', '.join(lacking)}")
 
@@ -104,9 +104,9 @@ def goes_on(session: Session, client: int, topic: Topic, seconds: float, fastest
 
 
 def _report(session: Session, client: int, topic: Topic) -> dict[str, Any]:
-    found = session.client(client).ask(topic.query(session), topic.report(session))
-    holds("TimeStamp")(session, found, found.NAME)
-    return told(found)
+    report = session.client(client).ask(topic.query(session), topic.report(session))
+    holds("TimeStamp")(session, report, report.NAME)
+    return fields_of(report)
 
 
 def _seconds(report: dict[str, Any]) -> float:
@@ -177,7 +177,7 @@ class Drive:
     def list_of(self, session: Session) -> SetElement:
         """Returns the request that sets the waypoints, under the UIDs 1, 2, and so on."""
         contents = [
-            (uid, made(session, DRIVER, "SetLocalWaypoint", X=x, Y=y).encode(), 0)
+            (uid, message_of(session, DRIVER, "SetLocalWaypoint", X=x, Y=y).encode(), 0)
             for uid, (x, y) in enumerate(self.course.waypoints, 1)
         ]
         records = [
@@ -198,7 +198,7 @@ class Drive:
 
     def execute(self, session: Session) -> None:
         """Has the list executed, and asks again and again until it ends or time is over."""
-        execute = made(session, DRIVER, "ExecuteList", Speed=TRAVEL_SPEED, ElementUID=1)
+        execute = message_of(session, DRIVER, "ExecuteList", Speed=TRAVEL_SPEED, ElementUID=1)
         session.send(0, execute)
         begun = session.probe.now()
         self.samples.clear()
@@ -250,15 +250,15 @@ class Drive:
 
     def _arrivals(self) -> list[int | None]:
         """Returns at which sample each waypoint was reached, after those before it."""
-        found: list[int | None] = []
+        arrivals: list[int | None] = []
         departure = self._departure
         since = len(self.samples) if departure is None else departure
         for goal in self.course.waypoints:
             rest = range(since, len(self.samples))
             at = next((at for at in rest if _is_near(self.samples[at].place, goal, RADIUS)), None)
-            found.append(at)
+            arrivals.append(at)
             since = since if at is None else at
-        return found
+        return arrivals
 
     def _leg(self, number: int) -> list[Sample]:
         """Returns the samples on the way to a waypoint that was reached."""
@@ -290,11 +290,13 @@ class Drive:
 
     def names_active(self, number: int) -> Step:
         """The element was told to be the active one on the way to its waypoint."""
-        return self._told(number, ACTIVE, lambda sample: sample.active, lambda uid: uid == number)
+        return self._reported(
+            number, ACTIVE, lambda sample: sample.active, lambda uid: uid == number
+        )
 
     def tells_speed(self, number: int) -> Step:
         """The speed of ExecuteList was told on the way to a waypoint."""
-        return self._told(
+        return self._reported(
             number,
             SPEED,
             lambda sample: sample.speed,
@@ -304,14 +306,14 @@ class Drive:
     def tells_waypoint(self, number: int) -> Step:
         """A waypoint was told on the way to it."""
         goal = self.course.waypoints[number - 1]
-        return self._told(
+        return self._reported(
             number,
             WAYPOINT,
             lambda sample: sample.waypoint,
             lambda place: _is_near(place, goal, _CLOSE),
         )
 
-    def _told(
+    def _reported(
         self,
         number: int,
         topic: Topic,
@@ -320,7 +322,7 @@ class Drive:
     ) -> Step:
         def judge(session: Session) -> None:
             leg, name = self._leg(number), topic.name
-            values = [found for sample in leg if (found := value(sample)) is not None]
+            values = [sample_value for sample in leg if (sample_value := value(sample)) is not None]
             if not any(map(is_right, values)):
                 _quote(session, leg, name)
             session.require(bool(values), f"Query{name} was not answered on the way to {number}")
@@ -345,7 +347,7 @@ def _latest(session: Session, client: Client, topic: Topic) -> dict[str, Any]:
     for received in reversed(client.inbox):
         if received.code == kind.CODE:
             try:
-                return told(kind(kind.ENTRY.decode(received.payload)))
+                return fields_of(kind(kind.ENTRY.decode(received.payload)))
             except MessageError:
                 return {}
     return {}

@@ -33,10 +33,10 @@ from jausml.live.peers.judging.driving import (
     Drive,
     Topic,
     asks,
+    fields_of,
     goes_on,
     holds,
-    made,
-    told,
+    message_of,
 )
 from jausml.runtime import messages as core
 from jausml.runtime.services.discovery_messages import query_services
@@ -106,8 +106,8 @@ class Handshake:
         )
 
     def _hear(self, session: Session, seconds: float, failure: str) -> None:
-        found = session.first.find(core.QueryIdentification, within=seconds)
-        session.require(found is not None, failure)
+        query = session.first.find(core.QueryIdentification, within=seconds)
+        session.require(query is not None, failure)
         self._heard = session.probe.now()
 
 
@@ -176,9 +176,9 @@ def own_services(session: Session) -> None:
     """The target lists its services, which are those of the session from now on."""
     report = session.first.ask(query_services(), core.ReportServices)
     target = session.probe.target
-    found = services_of(report, target.subsystem)
-    session.require(target in found, f"ReportServices does not hold {target} itself")
-    session.services = found[target]
+    services = services_of(report, target.subsystem)
+    session.require(target in services, f"ReportServices does not hold {target} itself")
+    session.services = services[target]
 
 
 @step
@@ -249,11 +249,11 @@ def _position() -> Task:
 @step
 def _sets_pose(session: Session, x: float, y: float, yaw: float) -> None:
     """The target says that it is where it is told to be, after a while at the latest."""
-    session.send(A, made(session, POSE.service, "SetLocalPose", X=x, Y=y, Yaw=yaw))
+    session.send(A, message_of(session, POSE.service, "SetLocalPose", X=x, Y=y, Yaw=yaw))
     end = session.probe.now() + _SET_WITHIN
     while True:
-        found = told(session.first.ask(POSE.query(session), POSE.report(session)))
-        off = hypot(found.get("X", _FAR) - x, found.get("Y", _FAR) - y)
+        pose = fields_of(session.first.ask(POSE.query(session), POSE.report(session)))
+        off = hypot(pose.get("X", _FAR) - x, pose.get("Y", _FAR) - y)
         if off <= _NEAR:
             return
         session.require(

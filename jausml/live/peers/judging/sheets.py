@@ -162,9 +162,9 @@ def _sums(sheet: Sheet) -> Iterator[str]:
     yield "</table>"
 
 
-def _points(given: float, of: float) -> str:
-    kind = "given" if given == of else "lost"
-    return f'<span class="{kind}">{given:g} of {of:g}</span>'
+def _points(points: float, of: float) -> str:
+    kind = "given" if points == of else "lost"
+    return f'<span class="{kind}">{points:g} of {of:g}</span>'
 
 
 def _task(sheet: Sheet, task: Task) -> Iterator[str]:

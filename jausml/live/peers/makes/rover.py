@@ -88,8 +88,8 @@ class JausPlusPlus:
         self._seen.add(packet)
         self._send(self._vehicle.take(payload, address_of(source)))
 
-    def _send(self, told: Iterable[tuple[JausAddress, bytes]]) -> None:
-        for client, payload in told:
+    def _send(self, messages: Iterable[tuple[JausAddress, bytes]]) -> None:
+        for client, payload in messages:
             self._number = self._number + 1 & 0xFFFF
             own = self._vehicle.address.packed
             head = _HEADER.pack(0, _SMALLEST + len(payload), 0, client.packed, own)

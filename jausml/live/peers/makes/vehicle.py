@@ -144,14 +144,14 @@ class Vehicle:
 
     def due(self) -> list[tuple[JausAddress, bytes]]:
         """Returns the reports whose time has come, with whom they are for."""
-        now, told = time.monotonic(), []
+        now, reports = time.monotonic(), []
         for number, event in self._events.items():
             if now >= event.due and not self.is_dead:
                 ((_, report),) = self.take(event.query, event.client)
-                told.append((event.client, core.Event(number, event.sequence, report).encode()))
+                reports.append((event.client, core.Event(number, event.sequence, report).encode()))
                 event.due = max(event.due + event.period, now)
                 event.sequence = event.sequence + 1 & 0xFF
-        return told
+        return reports
 
     def _answers(  # noqa: C901 - a branch for each message
         self, message: Message, source: JausAddress

@@ -80,7 +80,7 @@ class CallTranslation(Limiting):
             self.translate, decode, encode, self.note_blocking, ends.loop.stopwatch
         )
 
-    def made(self, data: bytes) -> bytes:
+    def translated(self, data: bytes) -> bytes:
         """Returns the translation of an encoded message."""
         try:
             target = self._transcode(data)
@@ -215,10 +215,10 @@ class Calls(Generic[CallT, AskingT]):
             return True
         return False
 
-    def _made(self, half: object, data: bytes, default: Callable[[], bytes]) -> bytes:
+    def _translated(self, half: object, data: bytes, default: Callable[[], bytes]) -> bytes:
         """Returns what a message becomes, or the default where nothing translates it."""
         if isinstance(half, CallTranslation):
-            return half.made(data)
+            return half.translated(data)
         try:
             return default()
         except EncodeError as error:

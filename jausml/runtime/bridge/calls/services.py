@@ -101,11 +101,11 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
             self._refuse(call)
             return
         try:
-            made = self._made(self._request, request, self._default)
+            message = self._translated(self._request, request, self._default)
         except CallFailedError as error:
             self._fail(call, NOT_TRANSLATED, str(error))
         else:
-            self._ask(call, peer, made)
+            self._ask(call, peer, message)
 
     def _default(self) -> bytes:
         asking = self._request
@@ -145,14 +145,14 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
             return
         rejection = self._rejections.get(payload[0] | payload[1] << 8)
         if rejection is not None:
-            self._fail(call, REJECTED, f"{peer} answered {_told(rejection, payload)}")
+            self._fail(call, REJECTED, f"{peer} answered {_described(rejection, payload)}")
             return
         answer = self._response
         if not isinstance(answer, CallTranslation):
             self._succeed(call, self.service.response())
             return
         try:
-            data = answer.made(payload)
+            data = answer.translated(payload)
         except CallFailedError as error:
             self._fail(call, NOT_TRANSLATED, str(error))
             return
@@ -204,7 +204,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         """Nothing is prepared for a peer: the next call looks who obeys."""
 
 
-def _told(rejection: type[Message], payload: bytes) -> str:
+def _described(rejection: type[Message], payload: bytes) -> str:
     """Returns a rejection in words, with its code where it has one."""
     message = rejection.decode(payload)
     codes = (getattr(message, response_code, None) for response_code in _RESPONSE_CODES)
@@ -284,7 +284,7 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         if not self._client.is_ready():
             self._fail(call, NO_SERVICE, f"nobody serves {self.service.name}")
             return
-        request = self._made(self._request, payload, lambda: self.service.request().to_cdr())
+        request = self._translated(self._request, payload, lambda: self.service.request().to_cdr())
         timer = self._ends.loop.call_later(self.timeout, partial(self._time_out, call))
         forget = self._client.call(request, partial(self._answered, call))
 
@@ -312,7 +312,7 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         answer = self._response
         try:
             if answer is not None:
-                self._send(self._made(answer, data, self._default), call.sender)
+                self._send(self._translated(answer, data, self._default), call.sender)
         except CallFailedError as error:
             self._fail(call, NOT_TRANSLATED, str(error))
         else:

@@ -188,14 +188,14 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         Behind a node manager or TCP there is none: there, control lapses.
         """
         component = self._ends.component
-        transport, own, found = component.transport, component.address, []
+        transport, own, datagrams = component.transport, component.address, []
         for peer in filter(self._peers.obeys, self.peers):
-            made = transport.datagram(own, peer, payload, self._priority)
-            if made is not None:
-                datagram, endpoint = made
+            pair = transport.datagram(own, peer, payload, self._priority)
+            if pair is not None:
+                datagram, endpoint = pair
                 content = {"data": datagram.hex(), "endpoint": endpoint}
-                found.append({**content, "slot": self._slot(peer)})
-        return [], found
+                datagrams.append({**content, "slot": self._slot(peer)})
+        return [], datagrams
 
     def _slot(self, peer: JausAddress) -> int:
         """Where the guardian finds the next sequence number to a peer."""
@@ -299,16 +299,18 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
         each name counts, for as long as a report of it would: such a report is as old as its oldest
         value. A message with all names stands by itself.
         """
-        told = dict(zip(keys, values, strict=False))
-        if not self._is_open or all(name in told for name in names):
+        values_by_name = dict(zip(keys, values, strict=False))
+        if not self._is_open or all(name in values_by_name for name in names):
             return limits.by_name(names, keys, values, needed)
         now, parts = self._ends.clock.now(), self._parts.setdefault(needed, {})
-        parts |= {name: (now, told[name]) for name in names if name in told}
+        parts |= {name: (now, values_by_name[name]) for name in names if name in values_by_name}
         since = now - self.silence_timeout if self.silence_timeout > 0 else -math.inf
         fresh = {name: part for name, part in parts.items() if part[0] > since}
-        found = limits.by_name(names, [*fresh], [value for _, value in fresh.values()], needed)
+        ordered_values = limits.by_name(
+            names, [*fresh], [value for _, value in fresh.values()], needed
+        )
         self._oldest = min(self._oldest, *(at for at, _ in fresh.values()))
-        return found
+        return ordered_values
 
     def deliver(self, payload: bytes) -> bool:
         """Makes the message the present report."""

@@ -334,11 +334,11 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
 
     def not_taken(self) -> dict[str, int]:
         """How many messages were refused, late or unreadable, and never came as far as this."""
-        found: Counter[str] = Counter()
+        counts_by_reason: Counter[str] = Counter()
         for sender, reason, count in self._ends.component.drops_before(self._message.NAME):
             if self._peers.is_anybody or sender in self._peers.present:
-                found[reason] += count
-        return dict(found)
+                counts_by_reason[reason] += count
+        return dict(counts_by_reason)
 
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components whose messages are taken."""

@@ -106,15 +106,15 @@ def compiled_first(function: Function, names: Sequence[str], slow: Transcode) ->
     if not names:
 
         def transcode(data: bytes) -> bytes | None:
-            made = function(data)
-            return slow(data) if made is None else made
+            target = function(data)
+            return slow(data) if target is None else target
 
         return transcode
 
     def transcode_joined(data: bytes, **joins: Any) -> bytes | None:
-        made = function(data, *(joins[name].fresh_data() for name in names))
-        if made is not None:
-            return made
+        target = function(data, *(joins[name].fresh_data() for name in names))
+        if target is not None:
+            return target
         # Objects of joins are made only here, where the function has given way.
         return slow(data, **{name: join.fresh() for name, join in joins.items()})
 
@@ -195,8 +195,8 @@ class NamedPlaces:
         keys = getattr(source, self.keys)
         if len(keys):
             for array in self.arrays:
-                found = by_name(self.names, keys, getattr(source, array), array)
-                setattr(source, array, found)
+                values = by_name(self.names, keys, getattr(source, array), array)
+                setattr(source, array, values)
             setattr(source, self.keys, list(self.names))
         return source
 

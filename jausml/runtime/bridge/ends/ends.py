@@ -167,10 +167,10 @@ class BySender:
             if taker.senders is None or sender in taker.senders.present
         ]
         refusing = [taker.refuse for taker in self._takers if taker.refuse is not None]
-        found = self._known[sender] = tuple(wanting or refusing[:1])
+        callbacks = self._known[sender] = tuple(wanting or refusing[:1])
         if len(self._known) > _MOST_SENDERS:  # inventions of a peer must not fill the memory
             self._known.clear()
-        return found
+        return callbacks
 
 
 class SharedTopics:

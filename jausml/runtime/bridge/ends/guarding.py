@@ -53,22 +53,22 @@ def type_library(package: str) -> str:
 
 def ros_of(arguments: Sequence[str]) -> dict[str, Any]:
     """Returns what the guardian needs to speak ROS."""
-    found = loaded_libraries()
-    given = list(arguments)
+    paths = loaded_libraries()
+    words = list(arguments)
     options = ("-e", "--enclave")
     enclave = [
         word
-        for option, value in pairwise(given)
+        for option, value in pairwise(words)
         if option in options
         for word in ("--ros-args", option, value)
     ]
-    libraries = {"rcl": found["librcl.so"], "utilities": found["librcutils.so"]}
+    libraries = {"rcl": paths["librcl.so"], "utilities": paths["librcutils.so"]}
     return {**libraries, "arguments": enclave}
 
 
 def _stamps(data: bytes) -> Iterator[int]:
     """Yields where stamps stand in a serialized message."""
-    found = data.find(_MARK)
-    while found >= 0:
-        yield found
-        found = data.find(_MARK, found + len(_MARK))
+    position = data.find(_MARK)
+    while position >= 0:
+        yield position
+        position = data.find(_MARK, position + len(_MARK))

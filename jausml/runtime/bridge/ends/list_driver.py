@@ -189,8 +189,8 @@ class ListDriver:
             return self._change_speed(speed)
         begun = Completion()
         uid = message.element_uid or getattr(self._component.elements.first, "uid", NO_UID)
-        found = self.elements_from(uid)
-        executor = self._executor_of(found, uid, sender)
+        elements = self.elements_from(uid)
+        executor = self._executor_of(elements, uid, sender)
         if executor is None:
             begun.fail()
             return begun
@@ -236,12 +236,12 @@ class ListDriver:
 
     def _report(self, _query: Message, _sender: JausAddress) -> Message | bytes | None:
         report: Any = self._messages.report
-        made: Message = report(element_uid=self.active)
-        return made
+        message: Message = report(element_uid=self.active)
+        return message
 
     def _report_speed(self, report: Any, _query: Message, _sender: JausAddress) -> Message:
-        made: Message = report(speed=self.speed)
-        return made
+        message: Message = report(speed=self.speed)
+        return message
 
     def _report_element(
         self, executor: ListExecutor, code: int, _query: Message, _sender: JausAddress
@@ -251,10 +251,10 @@ class ListDriver:
         None when there never was one of the kind: a place that nobody has said is no answer.
         """
         first = self._component.elements.first
-        told = self._last.get(executor) or first
-        if told is None or not executor.is_of(told):
+        element = self._last.get(executor) or first
+        if element is None or not executor.is_of(element):
             return None
-        return self._told_as(code, told)
+        return self._told_as(code, element)
 
     @staticmethod
     def _told_as(code: int, element: ListElement) -> bytes:

@@ -207,11 +207,11 @@ class MissionDriver(ListDriver):
     # ------------------------------------------------------------------ messages
 
     def _spool(self, message: Any, sender: JausAddress) -> None:
-        made = self._read(message, sender)
-        if isinstance(made, MissionError):
-            self._component.counters.count(made.value, f"mission of {sender}")
+        mission = self._read(message, sender)
+        if isinstance(mission, MissionError):
+            self._component.counters.count(mission.value, f"mission of {sender}")
             return
-        self._mission = made
+        self._mission = mission
         self._tell_of_mission()
 
     def _read(self, message: Any, sender: JausAddress) -> Mission | MissionError:
@@ -219,21 +219,21 @@ class MissionDriver(ListDriver):
         if former is not None and former.state not in (State.ABORTED, State.FINISHED):
             return MissionError.NOT_INIT
         tasks = _in_order(message.mission_plan)
-        found = [(task.task_data, data) for task in tasks for data in task.task_data.jaus_messages]
-        if not found or len(tasks) < len(message.mission_plan):
+        pairs = [(task.task_data, data) for task in tasks for data in task.task_data.jaus_messages]
+        if not pairs or len(tasks) < len(message.mission_plan):
             return MissionError.NO_TREE
         elements = [
             ListElement(at, data=task_message.jaus_message)
-            for at, (_, task_message) in enumerate(found, 1)
+            for at, (_, task_message) in enumerate(pairs, 1)
         ]
         if not all(
             _is_for(self._component.address, task_message.destination_id)
-            for _, task_message in found
+            for _, task_message in pairs
         ):
             return MissionError.NOT_FOR_US
         if not all(super(MissionDriver, self).supports(element) for element in elements):
             return MissionError.UNKNOWN_MESSAGE
-        names = [(task.task_info.task_id, task_message.uid) for task, task_message in found]
+        names = [(task.task_info.task_id, task_message.uid) for task, task_message in pairs]
         return Mission(message.mission_info.mission_id, sender, elements, names)
 
     def _execute(self, message: Any, sender: JausAddress) -> Completion:
@@ -320,8 +320,8 @@ class MissionDriver(ListDriver):
         self, kind: Kind, number: int, state: State, cause: Cause = Cause.NO_ERROR
     ) -> Message:
         report: Any = self._messages.report
-        made: Message = report(type_=kind, id_=number, status=state, secondary_status=cause)
-        return made
+        message: Message = report(type_=kind, id_=number, status=state, secondary_status=cause)
+        return message
 
 
 def _in_order(tasks: Sequence[Any]) -> list[Any]:

@@ -328,10 +328,10 @@ def address(text: str) -> JausAddress:
     Raises:
         ValueError: The text names no component, or several.
     """
-    found = JausAddress.parse(text)
-    if not found.is_concrete:
+    component_address = JausAddress.parse(text)
+    if not component_address.is_concrete:
         raise ValueError(f"{text} does not name one component")
-    return found
+    return component_address
 
 
 def addresses(texts: Iterable[str]) -> tuple[JausAddress, ...]:

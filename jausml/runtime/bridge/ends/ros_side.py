@@ -191,8 +191,8 @@ class Progress(Enum):
 
     def index(self, number: int, count: int) -> int:
         """Returns which of some elements is under way, from 0; the nearest for a number beyond."""
-        found = count - number if self is Progress.REMAINING else number
-        return min(max(found, 0), count - 1)
+        position = count - number if self is Progress.REMAINING else number
+        return min(max(position, 0), count - 1)
 
     def number(self, index: int, count: int) -> int:
         """Returns what the feedback says while an element is under way.

@@ -214,20 +214,20 @@ class Conflict:
 
 def conflicts(offered: Qos, requested: Qos) -> list[Conflict]:
     """Returns what keeps a publisher and a subscription apart; nothing when they connect."""
-    found = []
+    mismatches = []
     if offered.reliability == "best_effort" and requested.reliability == "reliable":
-        found.append(Conflict("reliability", "best_effort", "reliable"))
+        mismatches.append(Conflict("reliability", "best_effort", "reliable"))
     if offered.durability == "volatile" and requested.durability == "transient_local":
-        found.append(Conflict("durability", "volatile", "transient_local"))
+        mismatches.append(Conflict("durability", "volatile", "transient_local"))
     if _limit(offered.deadline) > _limit(requested.deadline):
-        found.append(Conflict("deadline", offered.deadline, requested.deadline))
+        mismatches.append(Conflict("deadline", offered.deadline, requested.deadline))
     if offered.liveliness == "automatic" and requested.liveliness == "manual_by_topic":
-        found.append(Conflict("liveliness", "automatic", "manual_by_topic"))
+        mismatches.append(Conflict("liveliness", "automatic", "manual_by_topic"))
     if _limit(offered.lease_duration) > _limit(requested.lease_duration):
-        found.append(
+        mismatches.append(
             Conflict("liveliness_lease_duration", offered.lease_duration, requested.lease_duration)
         )
-    return found
+    return mismatches
 
 
 def _limit(seconds: float) -> float:
@@ -294,29 +294,31 @@ class EndpointHealth:
         Args:
             alone: Whether the values of a second node at the other end would make them jump.
         """
-        found = self._incompatible() if self._suspected else []
+        faults = self._incompatible() if self._suspected else []
         ends = self.others() if alone and self.count() > 1 else ()
         names = sorted({name for name, _ in ends if not name.endswith(_UNKNOWN)})
         if len(names) > 1:
             text = f"{' and '.join(names)} publish on {self.topic}: the report jumps between them"
-            found.append(TopicFault(SEVERAL, text))
-        found += [TopicFault(OTHER_TYPE, self._strange(*stranger)) for stranger in self.strangers()]
+            faults.append(TopicFault(SEVERAL, text))
+        faults += [
+            TopicFault(OTHER_TYPE, self._strange(*stranger)) for stranger in self.strangers()
+        ]
         now = self.clock()
         if now - self._missed < self.qos.deadline + 1.0:
             verb = "was published on" if self.publishes else "came on"
             text = f"nothing {verb} {self.topic} within the deadline of {self.qos.deadline:g} s"
-            found.append(TopicFault(DEADLINE, text))
+            faults.append(TopicFault(DEADLINE, text))
         if now - self._lost < self.qos.lease_duration + 1.0:
             lease = f"within the lease of {self.qos.lease_duration:g} s"
             text = f"no publisher of {self.topic} showed that it is alive {lease}"
-            found.append(TopicFault(LIVELINESS, text))
+            faults.append(TopicFault(LIVELINESS, text))
         if self._loses_large(now):
             cure = (
                 f"set qos: {{ reliability: reliable }} or {self.parameter('reliability')}:=reliable"
             )
             text = f"messages of {self.topic} are lost on the way: it is best_effort, which loses"
-            found.append(TopicFault(LARGE, f"{text} what is larger than 512 kB; {cure}"))
-        return found
+            faults.append(TopicFault(LARGE, f"{text} what is larger than 512 kB; {cure}"))
+        return faults
 
     def _loses_large(self, now: float) -> bool:
         """Whether messages were lost before the queue, of a publisher that would repeat them."""
@@ -329,20 +331,20 @@ class EndpointHealth:
         return is_late and any(qos.reliability == "reliable" for _, qos in self.others())
 
     def _incompatible(self) -> list[TopicFault]:
-        found = [
+        faults = [
             TopicFault(INCOMPATIBLE, self._text(name, conflict))
             for name, qos in self.others()
             for conflict in self._conflicts(qos)
         ]
-        if found:
+        if faults:
             self._was_seen = True
         elif self._was_seen:
             self._suspected = ""
         else:
             other = "a subscription" if self.publishes else "a publisher"
             text = f"{other} of {self.topic} does not fit by its {self._suspected.lower()}"
-            found.append(TopicFault(INCOMPATIBLE, text))
-        return found
+            faults.append(TopicFault(INCOMPATIBLE, text))
+        return faults
 
     def _strange(self, name: str, kind: str) -> str:
         verb = "subscribes to" if self.publishes else "publishes"

@@ -187,13 +187,13 @@ class Library:
             # The loop waits without the lock of the interpreter; all else takes microseconds.
             self.core_wait = _WAIT(_address_of(core.jausml_core_wait))
             # rclpy has loaded them; other copies would know nothing.
-            found = {
+            entry_points = {
                 name: getattr(ctypes.CDLL(file, mode=os.RTLD_NOLOAD | os.RTLD_LAZY), symbol)
                 for name, (file, symbol) in _CLIENT_LIBRARY.items()
             }
         except (OSError, AttributeError) as error:
             raise NoFastPathError(str(error)) from error
-        addresses = {name: _address_of(entry_point) for name, entry_point in found.items()}
+        addresses = {name: _address_of(entry_point) for name, entry_point in entry_points.items()}
         # Kept here, as the core has no more than the address.
         self._core, self._ros = core, Ros(**addresses)
         self.ros = ctypes.addressof(self._ros)

@@ -285,8 +285,8 @@ class FastReceiver:
         _tell(order.contents, path)
         # Kept from being freed: the core has its address alone.
         self._lent.append(path.translation)
-        self._by_key[key] = found = _Known(path, order.contents, self._settling(way, path))
-        self._routes.append(found)
+        self._by_key[key] = known_route = _Known(path, order.contents, self._settling(way, path))
+        self._routes.append(known_route)
 
     def _settling(self, way: _Way, path: FastPath) -> Settle:
         """Returns what writes down a message, as those would have done whom it has not met."""

@@ -122,10 +122,10 @@ class FastSubscriber:
             age_limit=feed.age_limit,
             expected=feed.expected,
         )
-        found = library.core_subscribe(core, ctypes.byref(self._shared))
-        if not found:
+        pointer = library.core_subscribe(core, ctypes.byref(self._shared))
+        if not pointer:
             raise LookupError
-        self._pending = found.contents
+        self._pending = pointer.contents
 
     def settle(self, at: float, published: int, unknown: int, datagrams: int, error: int) -> None:
         """Writes down a message that was sent."""
@@ -143,14 +143,14 @@ class FastSubscriber:
 
     def pending(self) -> Other | None:
         """Returns a message that is not usual, which was taken; None when there is none."""
-        found = self._pending
-        if not self.is_current or not found.data:
+        message = self._pending
+        if not self.is_current or not message.data:
             return None
-        data, number = ctypes.string_at(found.data, found.size), found.number
+        data, number = ctypes.string_at(message.data, message.size), message.number
         # Once: the core fills it again with the next message that is not usual.
-        found.data = None
-        told = None if number == _NOT_TOLD else number
-        return Other(data, told, found.received, found.published, found.left)
+        message.data = None
+        message_number = None if number == _NOT_TOLD else number
+        return Other(data, message_number, message.received, message.published, message.left)
 
     def look(self) -> None:
         """Tells the core what Python has learnt when it took a message."""
@@ -211,11 +211,11 @@ class FastSide:
             return None  # the core forgets all before it waits again
         index = len(self._subscribers)
         try:
-            made = FastSubscriber(self._library, self._core, feed, path, index)
+            subscriber = FastSubscriber(self._library, self._core, feed, path, index)
         except LookupError:
             return None
-        self._subscribers.append(made)
-        return made
+        self._subscribers.append(subscriber)
+        return subscriber
 
     def close(self) -> None:
         """Has Python wait and receive again."""

@@ -273,15 +273,15 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         except Exception as error:  # of what the user has written
             self.fail(error)
             return None
-        made = self.all_transcoded(elements)
-        if made is None:
+        payloads = self.all_transcoded(elements)
+        if payloads is None:
             return None
         if "speed" in getattr(self._messages.execute, "__dataclass_fields__", ()) and not (
             0 < speed <= parameters.GREATEST_SPEED
         ):
             self.drop(NO_SPEED, f"{speed} m/s")
             return None
-        return peer, made, speed
+        return peer, payloads, speed
 
     # ------------------------------------------------------------------ RunWatcher
 

@@ -59,15 +59,15 @@ class ListConnection(Connection[SourceT, TargetT]):
 
     def all_transcoded(self, elements: Iterable[bytes]) -> list[bytes] | None:
         """Returns the elements of a list, translated; None, counted, when one cannot be."""
-        made: list[bytes] = []
+        payloads: list[bytes] = []
         try:
             for element in elements:
                 payload = self._transcode(element)
                 if payload is None:
                     self.drop(FILTERED)
                     return None
-                made.append(payload)
+                payloads.append(payload)
         except Exception as error:
             self.fail(error)
             return None
-        return made
+        return payloads

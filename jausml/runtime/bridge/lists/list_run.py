@@ -326,8 +326,8 @@ class ListRun(Run):
     def _execution(self) -> Message:
         execute: Any = self._messages.execute
         own = {"speed": self._speed} if "speed" in _fields_of(execute) else {}
-        made: Message = execute(element_uid=self._uids[0], **own)
-        return made
+        message: Message = execute(element_uid=self._uids[0], **own)
+        return message
 
     def _command_done(self, succeeded: bool) -> None:  # noqa: FBT001 - as the client calls it
         if not succeeded and not self._is_stopping:

@@ -126,11 +126,11 @@ class MissionRun(Run):
     def _queries(self) -> Sequence[tuple[Message, type[Message]]]:
         """Returns the queries of the mission and of the message that is under way."""
         query, report = self._status_query, self._messages.report
-        found = [(query(mission_id=self._number), report)]
+        queries = [(query(mission_id=self._number), report)]
         if self._was_run:
             uid = self._uids[max(self._last, 0)]
-            found.append((query(mission_id=self._number, task_id=_TASK, uid=uid), report))
-        return found
+            queries.append((query(mission_id=self._number, task_id=_TASK, uid=uid), report))
+        return queries
 
     @property
     def _status_query(self) -> Any:
@@ -143,15 +143,15 @@ class MissionRun(Run):
             if report.status in _OVER:
                 self.stored.discard(report.id_)
             if report.id_ == self._number:
-                self._rests = report.status == State.PAUSED and self._stays(self._number)
+                self._rests = report.status == State.PAUSED and self._remains_paused(self._number)
                 if is_followed:
-                    self._told(report.status)
+                    self._state_reported(report.status)
         elif report.type_ == Kind.MESSAGE and report.id_ in self._uids and is_followed:
             index = self._uids.index(report.id_) + (report.status == State.FINISHED)
             if self._was_run and report.status in (*_UNDER_WAY, State.FINISHED):
                 self._reach(min(max(index, self._last), len(self._uids) - 1))
 
-    def _told(self, state: int) -> None:
+    def _state_reported(self, state: int) -> None:
         if state == State.INIT and not self._was_run:
             self._run()
         elif state == State.INIT:
@@ -189,7 +189,7 @@ class MissionRun(Run):
 
         self._dismiss(settled)
 
-    def _stays(self, number: int) -> bool:
+    def _remains_paused(self, number: int) -> bool:
         """Whether a stop leaves a mission paused: RunMission must not be on its way still."""
         return self._pauses and number == self._number and self._is_sent and self._last >= 0
 
@@ -200,7 +200,7 @@ class MissionRun(Run):
         stops: list[Message] = []
         for number in sorted(self.stored):
             stops.append(pause(mission_id=number))
-            if not self._stays(number):
+            if not self._remains_paused(number):
                 stops.append(abort(mission_id=number))
         if not stops:
             then()
@@ -234,11 +234,11 @@ class MissionRun(Run):
     def _send(self, message: Message, then: Callable[[], None] | None = None) -> None:
         """Sends a message; goes on when it was acknowledged, or is repeated no longer."""
 
-        def told(_acknowledged: bool) -> None:  # noqa: FBT001 - as transports tell
+        def on_result(_acknowledged: bool) -> None:  # noqa: FBT001 - as transports tell
             if then is not None:
                 then()
 
         component = self._component
         component.transport.send(
-            component.address, self.peer, message.encode(), acknowledge=True, on_result=told
+            component.address, self.peer, message.encode(), acknowledge=True, on_result=on_result
         )

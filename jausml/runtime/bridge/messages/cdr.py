@@ -107,10 +107,10 @@ def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
         return bytearray(raw)
     if code == "?":
         return [raw_value != 0 for raw_value in raw]
-    found = array(code, raw)
+    values = array(code, raw)
     if order != _NATIVE:
-        found.byteswap()
-    return found
+        values.byteswap()
+    return values
 
 
 def vector(
@@ -154,18 +154,18 @@ def raw(code: str, values: Any, count: int | None = None) -> bytes:
     return struct.pack(f"<{len(values)}{code}", *values)
 
 
-def put(append: Append, offset: int, found: bytes, size: int) -> int:
+def put(append: Append, offset: int, octets: bytes, size: int) -> int:
     """Appends the elements of a sequence of numbers.
 
     Returns:
         The offset behind them.
     """
-    if not found:
+    if not octets:
         return offset
     padding = (len(HEADER) - offset) % size
     append(_PADDING[:padding])
-    append(found)
-    return offset + padding + len(found)
+    append(octets)
+    return offset + padding + len(octets)
 
 
 def octet(value: Any) -> int:
@@ -253,13 +253,13 @@ def _several(
     read: Callable[[int, int], tuple[str, int]],
 ) -> tuple[list[str], int]:
     check_count(data, offset, count, 4)
-    found = []
+    strings = []
     for _ in range(count):
         layout = _LENGTH[offset & 7 | order]
         (length,) = layout.unpack_from(data, offset)
         text, offset = read(offset + layout.size, length)
-        found.append(text)
-    return found, offset
+        strings.append(text)
+    return strings, offset
 
 
 def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
@@ -269,22 +269,22 @@ def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0)
         most: Largest number of characters; 0 for no limit.
     """
     for value in values:
-        found = encoded(value, most)
+        octets = encoded(value, most)
         layout = _LENGTH[offset & 7]
-        append(layout.pack(len(found)))
-        append(found)
-        offset += layout.size + len(found)
+        append(layout.pack(len(octets)))
+        append(octets)
+        offset += layout.size + len(octets)
     return offset
 
 
 def put_wide_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
     """Appends texts of wide characters as `put_texts` does."""
     for value in values:
-        found = wide(value, most)
+        octets = wide(value, most)
         layout = _LENGTH[offset & 7]
-        append(layout.pack(len(found) // 4))
-        append(found)
-        offset += layout.size + len(found)
+        append(layout.pack(len(octets) // 4))
+        append(octets)
+        offset += layout.size + len(octets)
     return offset
 
 

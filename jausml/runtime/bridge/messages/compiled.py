@@ -64,10 +64,10 @@ class Core:
             unknown: Paths of fields that it leaves out where their value is no number.
         """
         live = tuple(quantities), tuple(texts), tuple(joins)
-        found = Compiled(self, name, *live, needs_clock, tuple(unknown))
+        form = Compiled(self, name, *live, needs_clock, tuple(unknown))
 
         def mark(method: MethodT) -> MethodT:
-            vars(method)["compiled"] = found
+            vars(method)["compiled"] = form
             return method
 
         return mark
@@ -78,9 +78,9 @@ class Core:
         Raises:
             NoCoreError: There is none of this text, or it cannot be loaded.
         """
-        found = sorted(Path(self.module).parent.glob(LIBRARIES))
+        paths = sorted(Path(self.module).parent.glob(LIBRARIES))
         reason = "it is not built"
-        for path in found:
+        for path in paths:
             try:
                 # With the lock of the interpreter held: a function takes microseconds.
                 library = ctypes.PyDLL(str(path))
@@ -120,25 +120,25 @@ class Compiled:
             ctypes.POINTER(_Made),
         )
         function.restype = ctypes.c_int64
-        made = _Made()
-        where, text = ctypes.byref(made), ctypes.string_at
+        result = _Made()
+        where, text = ctypes.byref(result), ctypes.string_at
         if not (self.quantities or self.texts or self.joins or self.needs_clock):
 
             def plain(data: bytes) -> bytes | None:
                 size = function(data, len(data), None, where)
-                return None if size < 0 else text(made.data, size)
+                return None if size < 0 else text(result.data, size)
 
-            return self._noting(plain, made, note)
+            return self._noting(plain, result, note)
         live = _LiveValues(bridge, self)
-        given, update = ctypes.byref(live.given), live.update
+        live_reference, update = ctypes.byref(live.given), live.update
 
         def with_live(data: bytes, *joins: bytes | None) -> bytes | None:
             if not update(joins):
                 return None
-            size = function(data, len(data), given, where)
-            return None if size < 0 else text(made.data, size)
+            size = function(data, len(data), live_reference, where)
+            return None if size < 0 else text(result.data, size)
 
-        return self._noting(with_live, made, note)
+        return self._noting(with_live, result, note)
 
     def alone(self, bridge: Any, library: ctypes.CDLL) -> Translation | None:
         """Returns what a core is given to run the function without Python; None for one with joins.
@@ -157,7 +157,7 @@ class Compiled:
         """Returns the paths of the fields that a function has left out, each a bit."""
         return [path for at, path in enumerate(self.unknown) if left_out >> at & 1]
 
-    def _noting(self, function: Function, made: _Made, note: Callable[[str], None]) -> Function:
+    def _noting(self, function: Function, result: _Made, note: Callable[[str], None]) -> Function:
         """Returns a function that counts the fields that are left out."""
         if not self.unknown:
             return function
@@ -165,9 +165,9 @@ class Compiled:
 
         def noting(data: bytes, *joins: bytes | None) -> bytes | None:
             target = function(data, *joins)
-            if target is not None and made.unknown:
+            if target is not None and result.unknown:
                 for bit, path in bits:
-                    if made.unknown & bit:
+                    if result.unknown & bit:
                         note(path)
             return target
 
@@ -176,8 +176,8 @@ class Compiled:
 
 def compiled_of(translate: Callable[..., Any]) -> Compiled | None:
     """Returns the compiled form of a translation; none of an override."""
-    found: Compiled | None = getattr(translate, "compiled", None)
-    return found
+    form: Compiled | None = getattr(translate, "compiled", None)
+    return form
 
 
 class _Bytes(ctypes.Structure):

@@ -39,12 +39,12 @@ def by_name(
     Raises:
         AbsentFieldError: One is missing and needed; it is named.
     """
-    found = dict(zip(keys, values, strict=False))
-    missing = [name for name in names if name not in found] if needed else ()
+    values_by_name = dict(zip(keys, values, strict=False))
+    missing = [name for name in names if name not in values_by_name] if needed else ()
     if missing:
-        told = ", ".join(map(ascii, missing))
-        raise AbsentFieldError(f"{needed}: {told} is not among the names")
-    return [found.get(name) for name in names]
+        missing_names = ", ".join(map(ascii, missing))
+        raise AbsentFieldError(f"{needed}: {missing_names} is not among the names")
+    return [values_by_name.get(name) for name in names]
 
 
 def set_quaternion(target: Any, value: Quaternion) -> None:

@@ -37,17 +37,17 @@ class Table:
             convert: Gives the value for a number, or raises an error of the runtime.
             is_signed: Whether the octets are numbers of -128 .. 127.
         """
-        found: dict[int, int] = {}
+        values_by_octet: dict[int, int] = {}
         for octet in range(256):
             try:
                 value = convert(number(octet, is_signed=is_signed))
             except JausError:
                 continue
             if lower <= value <= upper:
-                found[octet] = round(value) & 0xFF
-        unused = set(range(256)).difference(found.values())
-        self.odd = min(unused) if len(found) < 256 else None
-        self.octets = bytes(found.get(octet, self.odd or 0) for octet in range(256))
+                values_by_octet[octet] = round(value) & 0xFF
+        unused = set(range(256)).difference(values_by_octet.values())
+        self.odd = min(unused) if len(values_by_octet) < 256 else None
+        self.octets = bytes(values_by_octet.get(octet, self.odd or 0) for octet in range(256))
 
 
 @lru_cache(64)
@@ -86,18 +86,18 @@ def each(
     """
     raw, is_signed = _raw(items)
     table = _table(convert, minimum, maximum, is_signed)
-    found = raw.translate(table.octets)
-    if table.odd is not None and table.odd in found:
-        limited = bytearray(found)
-        at = found.find(table.odd)
+    octets = raw.translate(table.octets)
+    if table.odd is not None and table.odd in octets:
+        limited = bytearray(octets)
+        at = octets.find(table.odd)
         while at >= 0:
             value = convert(number(raw[at], is_signed=is_signed))
             limited[at] = limit.integer(field, value, minimum, maximum) & 0xFF
-            at = found.find(table.odd, at + 1)
-        found = bytes(limited)
+            at = octets.find(table.odd, at + 1)
+        octets = bytes(limited)
     if record is not None:
-        return OctetRecords(record, found)
-    return array("b", found) if minimum < 0 else bytearray(found)
+        return OctetRecords(record, octets)
+    return array("b", octets) if minimum < 0 else bytearray(octets)
 
 
 def reverse_rows(cells: Sequence[Any], columns: float) -> Sequence[Any]:

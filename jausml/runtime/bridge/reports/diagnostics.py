@@ -133,10 +133,12 @@ def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> 
     return ConnectionStatus("jaus greetings", level, message, hardware_id, values)
 
 
-def guardian_status(told: str, failure: str, hardware_id: str) -> ConnectionStatus:
+def guardian_status(description: str, failure: str, hardware_id: str) -> ConnectionStatus:
     """Returns the status of the guardian of a bridge."""
     level = "error" if failure else "ok"
-    message = f"it {failure}: nothing stops the robot if this bridge dies" if failure else told
+    message = (
+        f"it {failure}: nothing stops the robot if this bridge dies" if failure else description
+    )
     return ConnectionStatus("guardian", level, message, hardware_id, ())
 
 

@@ -204,7 +204,7 @@ class StateLog:
     def __init__(self, name: str) -> None:
         """Begins with a connection that waits, of which nothing is told."""
         self._name = name
-        self._told = ConnectionPhase.WAITING
+        self._last_phase = ConnectionPhase.WAITING
         self._next = 0.0
         self._awaited = StopReason.START.value
         self._since = 0.0
@@ -215,11 +215,11 @@ class StateLog:
         if phase is ConnectionPhase.WAITING and judgement.reason != self._awaited:
             self._awaited, self._since = judgement.reason, now
         is_due = self._since > 0 and now - self._since >= PATIENCE
-        if phase is self._told is ConnectionPhase.WAITING and is_due:
+        if phase is self._last_phase is ConnectionPhase.WAITING and is_due:
             self._since = 0.0
             LOGGER.info("%s is %s: %s", self._name, phase.value, judgement.reason)
-        if phase is self._told or now < self._next:
+        if phase is self._last_phase or now < self._next:
             return
-        self._told, self._next = phase, now + INTERVAL
+        self._last_phase, self._next = phase, now + INTERVAL
         level = logging.WARNING if phase in _WARNED else logging.INFO
         LOGGER.log(level, "%s is %s: %s", self._name, phase.value, judgement.reason)

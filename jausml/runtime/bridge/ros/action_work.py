@@ -88,8 +88,8 @@ class ActionMessages:
         kind = self._codec.message_class
         element = f"{kind.__module__.split('.')[0]}/{kind.__name__}"
         wanted = (f"sequence<{element}", element)
-        found = _require(self.type.Goal, action.goal, wanted, action.type_name)
-        self._is_single = found == element
+        goal_type = _require(self.type.Goal, action.goal, wanted, action.type_name)
+        self._is_single = goal_type == element
         is_distance = action.counting is Progress.DISTANCE
         numbers = ("float", "double") if is_distance else ("int", "uint")
         _require(self.type.Feedback, action.progress, numbers, action.type_name)
@@ -98,13 +98,13 @@ class ActionMessages:
     def goal(self, elements: Sequence[bytes]) -> Any:
         """Returns a goal with these serialized elements."""
         goal = self.type.Goal()
-        made = [self._codec.decode(element) for element in elements]
-        assign(goal, self._action.goal, value=made[0] if self._is_single else made)
+        messages = [self._codec.decode(element) for element in elements]
+        assign(goal, self._action.goal, value=messages[0] if self._is_single else messages)
         # A nav_msgs/Path is in the frame of its own header, not in those of its poses.
         around = self._action.goal.rpartition(".")[0]
         holder: Any = attrgetter(around)(goal) if around else None
-        if made and hasattr(holder, "header") and hasattr(made[0], "header"):
-            holder.header = made[0].header
+        if messages and hasattr(holder, "header") and hasattr(messages[0], "header"):
+            holder.header = messages[0].header
         return goal
 
     def distances(self, goal: Any) -> list[float]:
@@ -120,8 +120,8 @@ class ActionMessages:
 
     def elements(self, goal: Any) -> list[bytes]:
         """Returns the elements of a goal, serialized: one more than it may have at most."""
-        found = attrgetter(self._action.goal)(goal)
-        return [self._codec.encode(element) for element in islice(found, LONGEST_GOAL + 1)]
+        elements = attrgetter(self._action.goal)(goal)
+        return [self._codec.encode(element) for element in islice(elements, LONGEST_GOAL + 1)]
 
     def feedback(self, number: int) -> Any:
         """Returns a feedback that says how far the list is; None when there is no such number."""
@@ -163,13 +163,13 @@ def _require(kind: Any, path: str, types: str | tuple[str, ...], name: str) -> s
     parent, _, member = path.rpartition(".")
     try:
         owner = attrgetter(parent)(kind()) if parent else kind
-        found = owner.get_fields_and_field_types()[member]
+        actual_type = owner.get_fields_and_field_types()[member]
     except (AttributeError, KeyError):
-        found = "nothing"
-    if not found.startswith(types):
+        actual_type = "nothing"
+    if not actual_type.startswith(types):
         wanted = types if isinstance(types, str) else " or ".join(types)
-        raise RosTypeError(f"{name}: {path} is {found} there, not {wanted}")
-    return str(found)
+        raise RosTypeError(f"{name}: {path} is {actual_type} there, not {wanted}")
+    return str(actual_type)
 
 
 def _position(element: Any) -> Any:

@@ -62,9 +62,9 @@ class FormerGoals:
 
     def new_id(self) -> bytes:
         """Returns the id of a goal of this life."""
-        made = self._mark + os.urandom(16 - MARK_SIZE)
-        self._own.add(made)
-        return made
+        goal_id = self._mark + os.urandom(16 - MARK_SIZE)
+        self._own.add(goal_id)
+        return goal_id
 
     def forget(self, goal: bytes) -> None:
         """Forgets a goal of this life that has ended: its server does not follow it any more."""

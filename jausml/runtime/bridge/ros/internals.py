@@ -109,8 +109,8 @@ def message_class(ros_type: type[Any]) -> type[Any]:
     named: str | None = getattr(ros_type, "TYPE", None)
     if named is None:
         return ros_type
-    found: type[Any] = installed(named)
-    return found
+    rclpy_class: type[Any] = installed(named)
+    return rclpy_class
 
 
 class Codec:

@@ -274,7 +274,7 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
     try:
         if early:
             return
-        node = _made(factory)
+        node = _new_node(factory)
         tell_unknown(node)
         # rclpy may begin to wait just after a signal has shut ROS down; nothing else wakes it then.
         steady = Clock(clock_type=ClockType.STEADY_TIME)
@@ -290,7 +290,7 @@ def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
         try_shutdown()
 
 
-def _made(factory: Callable[[], Any]) -> Any:
+def _new_node(factory: Callable[[], Any]) -> Any:
     """Makes a node; errors of the user's code stay as they are."""
     try:
         return factory()

@@ -70,20 +70,20 @@ class LazyParameters(Node):
     def get_parameters_by_prefix(self, prefix: str) -> dict[str, Any]:
         """Returns parameters by what their names have behind a prefix."""
         self._declare(*self.offered)
-        found: dict[str, Any] = super().get_parameters_by_prefix(prefix)
-        return found
+        parameters: dict[str, Any] = super().get_parameters_by_prefix(prefix)
+        return parameters
 
     def list_parameters(self, prefixes: list[str], depth: int) -> ListParametersResult:
         """Returns the names of parameters; those of all of them declare none."""
         if prefixes or depth:
             self._declare(*self.offered)
             return super().list_parameters(prefixes, depth)
-        found = super().list_parameters(prefixes, depth)
+        listing = super().list_parameters(prefixes, depth)
         names = list(self.offered)
         owners = (name.rpartition(".")[0] for name in names if "." in name)
-        found.names = [*found.names, *names]
-        found.prefixes = list(dict.fromkeys([*found.prefixes, *owners]))
-        return found
+        listing.names = [*listing.names, *names]
+        listing.prefixes = list(dict.fromkeys([*listing.prefixes, *owners]))
+        return listing
 
     def _declare_set(self, parameters: list[Any]) -> list[Any]:
         """Returns parameters that are to be set, once they are there: 10 is 10.0."""
@@ -121,7 +121,7 @@ class NodeParameters:
             node: One of `LazyParameters`.
             line: The command line that it was made with.
         """
-        self.given = {**_given(node), **_outvoted(node, line)}
+        self.given = {**_overrides(node), **_outvoted(node, line)}
         self._node = node
         self._checks: dict[str, Callable[[Any], object]] = {}
         self._followers: dict[str, Callable[[Any], None]] = {}
@@ -154,14 +154,14 @@ class NodeParameters:
             self._followers[name] = changed
         if name in self._declared:
             return self._node.get_parameter(name).value
-        given = self.given.get(name)
+        override = self.given.get(name)
         try:
-            value = parameter.taken(parameter.default if given is None else given.value)
+            value = parameter.taken(parameter.default if override is None else override.value)
         except ValueError as error:
             self._problems.append(str(error))
             return parameter.default
         declare = partial(self._declare, parameter, value, is_fixed=changed is None)
-        if given is None:
+        if override is None:
             self._node.offered[name] = declare
             return value
         return declare()
@@ -209,7 +209,7 @@ def tell_unknown(node: Any, possible: Iterable[str] = ()) -> None:
     Args:
         possible: Names of parameters that it would have declared, had they been given.
     """
-    unknown = [name for name in _given(node) if not node.has_parameter(name)]
+    unknown = [name for name in _overrides(node) if not node.has_parameter(name)]
     known = [*node.list_parameters([], 0).names, *possible] if unknown else []
     for name in unknown:
         meant = nearest(name, known)
@@ -226,10 +226,10 @@ def as_parameter_error(about: str = "") -> Iterator[None]:
         raise ParameterError(about + " ".join(str(error).split())) from error
 
 
-def _given(node: Any) -> Mapping[str, Any]:
+def _overrides(node: Any) -> Mapping[str, Any]:
     # rclpy keeps what command line and files say here, and has no other way to ask for it.
-    found: Mapping[str, Any] = node._parameter_overrides  # noqa: SLF001
-    return found
+    overrides: Mapping[str, Any] = node._parameter_overrides  # noqa: SLF001
+    return overrides
 
 
 def _outvoted(node: Any, line: Sequence[str]) -> dict[str, Any]:
@@ -237,17 +237,17 @@ def _outvoted(node: Any, line: Sequence[str]) -> dict[str, Any]:
 
     Of several types ROS takes the first of an order of its own, and the others are lost.
     """
-    found = {}
+    overrides = {}
     if "--params-file" in line:
         for option, text in pairwise(line):
             path, _, value = text.partition(":=")
             owner, _, name = path.rpartition(":")
-            taken = _given(node).get(name) if option in ("-p", "--param") else None
+            taken = _overrides(node).get(name) if option in ("-p", "--param") else None
             if taken and owner in ("", node.get_name(), node.get_fully_qualified_name()):
                 stated = ParameterMessage(name=name, value=get_parameter_value(value))
                 if stated.value.type != taken.type_.value:
-                    found[name] = RclpyParameter.from_parameter_msg(stated)
-    return found
+                    overrides[name] = RclpyParameter.from_parameter_msg(stated)
+    return overrides
 
 
 def _descriptor(parameter: Parameter, *, is_fixed: bool) -> ParameterDescriptor:
@@ -281,7 +281,7 @@ _UNLIMITED = 2**63 - 1
 
 
 def overridden(
-    health: EndpointHealth, given: Container[str], parameter: Callable[[Parameter], Any]
+    health: EndpointHealth, overrides: Container[str], parameter: Callable[[Parameter], Any]
 ) -> Qos:
     """Returns the quality of service of an endpoint after parameters.
 
@@ -291,7 +291,7 @@ def overridden(
     qos = health.qos
     for policy in OVERRIDABLE:
         name = health.parameter(policy)
-        if name in given:
+        if name in overrides:
             text = f"{policy} of the {health.entity} of {health.topic}."
             value = parameter(Parameter(name, getattr(qos, policy), text))
             qos = replace(qos, **{policy: value})

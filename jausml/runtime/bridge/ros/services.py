@@ -159,6 +159,6 @@ def _installed(service: RosService) -> Any:
     for part in (service.request, service.response):
         installed_class(part)
     package, kind, name = service.type_name.split("/")
-    found = getattr(importlib.import_module(f"{package}.{kind}"), name)
-    check_is_valid_srv_type(found)  # which imports what serializes it
-    return found
+    service_class = getattr(importlib.import_module(f"{package}.{kind}"), name)
+    check_is_valid_srv_type(service_class)  # which imports what serializes it
+    return service_class

@@ -89,8 +89,8 @@ def subscription_events(
             health.note_lost_liveliness()
 
     kinds = QoSSubscriptionEventType
-    found = _incompatible(health)
-    yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, found)
+    callback = _incompatible(health)
+    yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_INCOMPATIBLE_QOS, callback)
     if health.qos.deadline > 0:
         missed = _more(health.note_missed_deadline)
         yield from _event(handle, kinds.RCL_SUBSCRIPTION_REQUESTED_DEADLINE_MISSED, missed)
@@ -203,33 +203,33 @@ class NodeTopics:
         Args:
             ros_type: A class of rclpy, or a light class, whose `TYPE` names the type.
         """
-        found = message_class(ros_type)
+        rclpy_class = message_class(ros_type)
         health = self._watched(topic, topic.qos, publishes=True)
         health.qos = never_waiting(health.qos)
-        handle = self._made(internals.Publisher, found, topic, health)
+        handle = self._new_handle(internals.Publisher, rclpy_class, topic, health)
         self._publishers.append(handle)
-        self._watch_types(health, found, handle.get_subscription_count)
-        published = Published(health.topic, _type_name(found), health.qos)
-        made = NodePublisher(handle, found, published)
+        self._watch_types(health, rclpy_class, handle.get_subscription_count)
+        published = Published(health.topic, _type_name(rclpy_class), health.qos)
+        publisher = NodePublisher(handle, rclpy_class, published)
 
         def matched(state: Any) -> None:
-            made.matched = state.current_count
+            publisher.matched = state.current_count
             if state.current_count_change > 0 and greet is not None:
                 greet()
 
         self._wait_for(publisher_events(handle, health, matched))
-        return made
+        return publisher
 
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
         """Makes a subscription; messages are taken after `start`."""
-        found, counts = message_class(ros_type), TopicCounts()
+        rclpy_class, counts = message_class(ros_type), TopicCounts()
         health = self._watched(topic, deep_enough(topic.qos), publishes=False)
-        handle = self._made(internals.Subscription, found, topic, health)
+        handle = self._new_handle(internals.Subscription, rclpy_class, topic, health)
         self._subscriptions.append(handle)
-        self._watch_types(health, found, handle.get_publisher_count)
-        health.counts = counts if is_of_any_size(found) else None
+        self._watch_types(health, rclpy_class, handle.get_publisher_count)
+        health.counts = counts if is_of_any_size(rclpy_class) else None
         qos = health.qos
         # What is latched is as old as it is.
         age_limit = self._age_limit if qos.durability == "volatile" else 0
@@ -238,7 +238,7 @@ class NodeTopics:
         matched = matched_event(handle)
         self._events.append(matched)
         self._waiting.subscription(
-            Subscription(handle, matched, found, depth, take, age_limit, counts)
+            Subscription(handle, matched, rclpy_class, depth, take, age_limit, counts)
         )
         return counts
 
@@ -264,10 +264,10 @@ class NodeTopics:
         return health
 
     def _watch_types(
-        self, health: EndpointHealth, found: type[Any], count: Callable[[], int]
+        self, health: EndpointHealth, rclpy_class: type[Any], count: Callable[[], int]
     ) -> None:
         """Lets what fares badly know who is at the other end with another type, if nobody else."""
-        find, own = self._finder(publishes=health.publishes), _type_name(found)
+        find, own = self._finder(publishes=health.publishes), _type_name(rclpy_class)
 
         def strangers() -> list[tuple[str, str]]:
             if count():
@@ -280,17 +280,19 @@ class NodeTopics:
     def _finder(self, *, publishes: bool) -> Callable[[str], list[Any]]:
         """Returns what finds the other ends of a topic, by its full name."""
         node: Any = self._node
-        found: Callable[[str], list[Any]] = (
+        finder: Callable[[str], list[Any]] = (
             node.get_subscriptions_info_by_topic if publishes else node.get_publishers_info_by_topic
         )
-        return found
+        return finder
 
-    def _made(self, kind: Any, found: type[Any], topic: Topic, health: EndpointHealth) -> Any:
+    def _new_handle(
+        self, kind: Any, rclpy_class: type[Any], topic: Topic, health: EndpointHealth
+    ) -> Any:
         """Returns the handle of a new publisher or subscription."""
-        check_is_valid_msg_type(found)
+        check_is_valid_msg_type(rclpy_class)
         with as_parameter_error(f"topic {topic.name!a}: "), self._node.handle:
             profile = profile_of(health.qos).get_c_qos_profile()
-            return kind(self._node.handle, found, topic.name, profile)
+            return kind(self._node.handle, rclpy_class, topic.name, profile)
 
     def _wait_for(self, events: Iterator[tuple[Any, Callable[[], None]]]) -> None:
         for event, read in events:
@@ -355,9 +357,9 @@ class NodeTopics:
         return listener
 
 
-def _type_name(found: type[Any]) -> str:
-    package, kind, *_ = found.__module__.split(".")
-    return f"{package}/{kind}/{found.__name__}"
+def _type_name(rclpy_class: type[Any]) -> str:
+    package, kind, *_ = rclpy_class.__module__.split(".")
+    return f"{package}/{kind}/{rclpy_class.__name__}"
 
 
 def _node_name(end: Any) -> str:

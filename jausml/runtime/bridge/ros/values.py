@@ -48,9 +48,9 @@ def checked(message: Any) -> Any:
     kind: Any = type(message)
     for name, check in _checks(kind):
         value = getattr(message, name)
-        found = _at(name, check, value)
-        if found is not value:
-            setattr(message, name, found)
+        checked_value = _at(name, check, value)
+        if checked_value is not value:
+            setattr(message, name, checked_value)
     return message
 
 
@@ -122,8 +122,8 @@ def _elements(check: Check, count: int | None, is_fixed: bool, values: Any) -> A
         cdr.at_most(values, count)
     if isinstance(values, array) or hasattr(values, "dtype"):
         return values  # of rclpy, which has made numbers of the field of them
-    found = [_at(str(index), check, value) for index, value in enumerate(values)]
-    return values if all(map(operator.is_, found, values)) else found
+    checked_values = [_at(str(index), check, value) for index, value in enumerate(values)]
+    return values if all(map(operator.is_, checked_values, values)) else checked_values
 
 
 def _text(encoded: Callable[[str, int], bytes], most: int, value: Any) -> Any:
@@ -138,8 +138,8 @@ def _message(kind: Any, value: Any) -> Any:
 
 
 def _number(layout: struct.Struct, kind: type[float], value: Any) -> Any:
-    (found,) = layout.unpack(layout.pack(value))
-    return value if type(value) is kind else kind(found)
+    (number,) = layout.unpack(layout.pack(value))
+    return value if type(value) is kind else kind(number)
 
 
 def _octet(value: Any) -> Any:

@@ -174,16 +174,16 @@ class Messenger(Generic[Origin]):
         Those whose other one was heard last are last.
         To be called with the lock of the loop.
         """
-        found: dict[tuple[JausAddress, JausAddress], PeerTraffic] = {}
+        traffic_by_pair: dict[tuple[JausAddress, JausAddress], PeerTraffic] = {}
         for own in self.inbox.receivers:
             for peer, sent in self.packetizer.sent(own).items():
                 if peer not in self.inbox.receivers:
-                    found[own, peer] = PeerTraffic(own, peer, sent)
+                    traffic_by_pair[own, peer] = PeerTraffic(own, peer, sent)
         # A copy, as other threads send meanwhile.
         for (source, destination), outcome in list(self._outbox.outcomes.items()):
             pair = address_of(source), address_of(destination)
-            if pair in found:
-                found[pair] = found[pair]._replace(
+            if pair in traffic_by_pair:
+                traffic_by_pair[pair] = traffic_by_pair[pair]._replace(
                     acknowledged=outcome.acknowledged,
                     acknowledged_late=outcome.late,
                     answered=outcome.answered,
@@ -193,8 +193,8 @@ class Messenger(Generic[Origin]):
             if account.restarts >= OFTEN_ANEW:
                 self._quirks.learn(peer, Quirk.NUMBERS_ANEW, f"{account.restarts} times so far")
             # Taken out and put in again, so that who was heard last is last.
-            known = found.pop((own, peer), None) or PeerTraffic(own, peer)
-            found[own, peer] = known._replace(
+            known = traffic_by_pair.pop((own, peer), None) or PeerTraffic(own, peer)
+            traffic_by_pair[own, peer] = known._replace(
                 came=account.came,
                 lost=account.lost,
                 late=account.late,
@@ -203,7 +203,7 @@ class Messenger(Generic[Origin]):
                 restarts=account.restarts,
                 is_exact=account.is_exact,
             )
-        return list(found.values())
+        return list(traffic_by_pair.values())
 
     def _send_one(
         self,

@@ -73,11 +73,11 @@ class _Stream:
     @classmethod
     def of(cls, line: _Line) -> _Stream:
         """Return a stream with what came in order so far."""
-        made, flags = cls(), line.flags
+        stream, flags = cls(), line.flags
         for number, payload in enumerate(line.parts, line.start):
-            made.add(flags, number & 0xFFFF, payload, line.updated)
+            stream.add(flags, number & 0xFFFF, payload, line.updated)
             flags = _MIDDLE
-        return made
+        return stream
 
     def __len__(self) -> int:
         return len(self.fragments)

@@ -44,7 +44,7 @@ class KernelDrops:
         """Return what receives from a socket, whose drops are counted from now on."""
         if sys.platform != "linux":
             return sock.recvfrom
-        if len(_told(sock, option)) == _MEMINFO.size:
+        if len(_socket_option(sock, option)) == _MEMINFO.size:
             self._known[sock] = 0
             return sock.recvfrom
         return self._noting(sock)
@@ -52,9 +52,9 @@ class KernelDrops:
     def look(self) -> None:
         """Count what was dropped since the last time; sockets that are closed are forgotten."""
         for sock, known in list(self._known.items()):
-            told = _told(sock, SO_MEMINFO)
-            if told:
-                self._known[sock] = self._counted(known, _MEMINFO.unpack(told)[_DROPS])
+            memory_info = _socket_option(sock, SO_MEMINFO)
+            if memory_info:
+                self._known[sock] = self._counted(known, _MEMINFO.unpack(memory_info)[_DROPS])
             else:
                 del self._known[sock]
 
@@ -90,7 +90,7 @@ class KernelDrops:
         return total
 
 
-def _told(sock: socket.socket, option: int) -> bytes:
+def _socket_option(sock: socket.socket, option: int) -> bytes:
     """Returns what the kernel says of a socket; nothing where it does not, as of a closed one."""
     try:
         return sock.getsockopt(socket.SOL_SOCKET, option, _MEMINFO.size)

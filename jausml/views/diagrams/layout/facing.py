@@ -59,10 +59,10 @@ class _Work:
 
     def _bundled(self) -> list[list[Line]]:
         """Returns the lines of the same two rows, those to the right first."""
-        found: dict[frozenset[tuple[str, str]], list[Line]] = defaultdict(list)
+        bundles: dict[frozenset[tuple[str, str]], list[Line]] = defaultdict(list)
         for line in self._sheet.lines:
-            found[frozenset((line.source, line.target))].append(line)
-        return [sorted(bundle, key=self._goes_left) for bundle in found.values()]
+            bundles[frozenset((line.source, line.target))].append(line)
+        return [sorted(bundle, key=self._goes_left) for bundle in bundles.values()]
 
     def _goes_left(self, line: Line) -> bool:
         return self._boxes[line.source[0]].column != self._left
@@ -78,8 +78,8 @@ class _Work:
         down = round(median(steps)) if steps else 0
         widest = max(box.width for box in columns[0])
         right = widest + self._lane()
-        found = {box.id: (float(widest - box.width), tops[box.id]) for box in columns[0]}
-        return found | {box.id: (float(right), tops[box.id] + down) for box in columns[1]}
+        corners = {box.id: (float(widest - box.width), tops[box.id]) for box in columns[0]}
+        return corners | {box.id: (float(right), tops[box.id] + down) for box in columns[1]}
 
     def _step(self, line: Line, tops: dict[str, float]) -> float:
         """Returns how far the right end of a line stands above the left one."""
@@ -100,19 +100,19 @@ class _Work:
 
         `corners`: upper left corners of boxes.
         """
-        ways, wishes = {}, []
+        curves, wishes = {}, []
         for bundle in self._bundles:
             for index, line in enumerate(bundle):
                 aside = _APART * (index - (len(bundle) - 1) / 2)
-                ways[line.id] = self._points(line, corners, aside)
+                curves[line.id] = self._points(line, corners, aside)
                 share = (index + 0.5) / len(bundle)
                 wishes.append((line, 1 - share if self._goes_left(line) else share, aside))
         labels: dict[str, Point | None] = {}
         taken: list[Area] = []
         # Wide ones first: short ones find room between them.
         for line, wanted, aside in sorted(wishes, key=lambda wish: -wish[0].width):
-            labels[line.id] = _label(line, ways[line.id], wanted, aside, taken)
-        return {line: Route(way, labels[line]) for line, way in ways.items()}
+            labels[line.id] = _label(line, curves[line.id], wanted, aside, taken)
+        return {line: Route(way, labels[line]) for line, way in curves.items()}
 
     def _points(
         self, line: Line, corners: dict[str, Point], aside: float
@@ -153,8 +153,8 @@ def _label(
     """
     if not line.width:
         return None
-    ways = [on_curve(points, part) for part in (wanted, *_PARTS)]
-    places = [(round(x, 1), round(y, 1) + aside) for x, y in ways]
+    positions = [on_curve(points, part) for part in (wanted, *_PARTS)]
+    places = [(round(x, 1), round(y, 1) + aside) for x, y in positions]
     areas = [label_area(line, place) for place in places]
     free = (at for at, area in enumerate(areas) if not any(area.overlaps(t) for t in taken))
     chosen = next(free, 0)

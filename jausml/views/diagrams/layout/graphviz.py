@@ -58,11 +58,11 @@ class Graphviz:
         if can_face(sheet):
             return cleared(sheet, face(sheet))
         parts = [sheet] if sheet.packed else _parts(sheet)
-        found = _run("\n".join(line for part in parts for line in _graph(part)))
+        layouts = _run("\n".join(line for part in parts for line in _graph(part)))
         return cleared(
             sheet,
             _beside(
-                [spaced(part, _places(part, its)) for part, its in zip(parts, found, strict=True)]
+                [spaced(part, _places(part, its)) for part, its in zip(parts, layouts, strict=True)]
             ),
         )
 
@@ -165,13 +165,13 @@ def _beside(parts: Sequence[Places]) -> Places:
         return parts[0]
     blocks = [Block(e.width, e.height, {str(n): (0, 0)}) for n, e in enumerate(parts)]
     whole = packed(blocks)
-    found = Places(whole.width, whole.height, {}, {}, {})
+    places = Places(whole.width, whole.height, {}, {}, {})
     for number, part in enumerate(parts):
         moved = part.moved(*whole.corners[str(number)])
-        found.boxes.update(moved.boxes)
-        found.frames.update(moved.frames)
-        found.lines.update(moved.lines)
-    return found
+        places.boxes.update(moved.boxes)
+        places.frames.update(moved.frames)
+        places.lines.update(moved.lines)
+    return places
 
 
 def _cell(width: int, height: int) -> str:
@@ -264,15 +264,15 @@ def _strays(
             yield f"  {names[pair[0].id]} -> {names[pair[1].id]} [style=invis]"
 
 
-def _places(sheet: Sheet, found: dict[str, Any]) -> Places:
-    _, _, width, height = (float(word) for word in found["bb"].split(","))
+def _places(sheet: Sheet, layout: dict[str, Any]) -> Places:
+    _, _, width, height = (float(word) for word in layout["bb"].split(","))
 
     def point(text: str) -> Point:
         x, y = text.split(",")
         return round(float(x), 1), round(height - float(y), 1)
 
     boxes, frames, lines = {}, {}, {}
-    objects = {record["name"]: record for record in found.get("objects", ())}
+    objects = {record["name"]: record for record in layout.get("objects", ())}
     for number, box in enumerate(sheet.boxes):
         x, y = point(objects[f"b{number}"]["pos"])
         boxes[box.id] = round(x - box.width / 2, 1), round(y - box.height / 2, 1)
@@ -280,7 +280,7 @@ def _places(sheet: Sheet, found: dict[str, Any]) -> Places:
         left, low, right, high = objects[f"cluster_{number}"]["bb"].split(",")
         frames[frame.id] = point(f"{left},{high}"), point(f"{right},{low}")
     ends = _ends(sheet, boxes)
-    for edge in found.get("edges", ()):
+    for edge in layout.get("edges", ()):
         if "line" in edge:
             line = sheet.lines[int(edge["line"])]
             points = tuple(point(text) for text in edge["pos"].split(" ") if text[0] not in "es")

@@ -50,11 +50,11 @@ class Ground:
     def __init__(self, sheet: Sheet, places: Places) -> None:
         self.labels = {name: route.label for name, route in places.lines.items() if route.label}
         self._lines = {line.id: line for line in sheet.lines}
-        self._ways = {name: samples(route.points) for name, route in places.lines.items()}
+        self._paths = {name: samples(route.points) for name, route in places.lines.items()}
         self._boxes = [area_of(box, places.boxes[box.id]) for box in sheet.boxes]
         self._thin = [
             Area(x - _TIP, y - _TIP, x + _TIP, y + _TIP)
-            for x, y in (way[-1] for way in self._ways.values() if way)
+            for x, y in (way[-1] for way in self._paths.values() if way)
         ]
         for frame in sheet.frames:
             (left, top), (right, bottom) = places.frames[frame.id]
@@ -70,9 +70,9 @@ class Ground:
         places = sorted(self._candidates(line), key=lambda candidate: dist(candidate, wanted))
         least = self.hidden(line.id, wanted)
         for place in places:
-            found = self.hidden(line.id, place)
-            if found < least:
-                least, self.labels[line.id] = found, place
+            overlap = self.hidden(line.id, place)
+            if overlap < least:
+                least, self.labels[line.id] = overlap, place
             if not least:
                 return
 
@@ -83,13 +83,13 @@ class Ground:
         """
         area = self.area(line, middle)
         others = [self.area(name, centre) for name, centre in self.labels.items() if name != line]
-        found = _TEXTS * sum(map(area.overlaps, (*self._boxes, *others)))
+        text_overlap = _TEXTS * sum(map(area.overlaps, (*self._boxes, *others)))
         return (
-            found
+            text_overlap
             + sum(map(area.overlaps, self._thin))
             + sum(
                 any(_crosses(segment, area) for segment in pairwise(way))
-                for name, way in self._ways.items()
+                for name, way in self._paths.items()
                 if name != line
             )
         )
@@ -100,7 +100,7 @@ class Ground:
 
     def _candidates(self, line: Line) -> Iterator[Point]:
         right, down = line.width / 2 + _BESIDE, line.height / 2 + _BESIDE
-        for x, y in self._ways[line.id]:
+        for x, y in self._paths[line.id]:
             for across, along in ((0, 0), (0, -down), (0, down), (-right, 0), (right, 0)):
                 yield round(x + across, 1), round(y + along, 1)
 

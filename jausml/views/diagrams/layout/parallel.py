@@ -39,9 +39,9 @@ def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
     for one, other in pairs:
         if nearness(lines[one.id], lines[other.id]) < APART:
             for line, kept in ((one, other), (other, one)):
-                found = _another(line, lines[kept.id], areas, lines)
-                if found is not None:
-                    lines[line.id] = found
+                route = _another(line, lines[kept.id], areas, lines)
+                if route is not None:
+                    lines[line.id] = route
                     break
     return lines
 
@@ -56,8 +56,8 @@ def _another(
 ) -> Route | None:
     """Returns a way apart from one that is kept, through no box; that over the fewest lines."""
     others = [samples(kept_route.points) for name, kept_route in lines.items() if name != line.id]
-    found: list[tuple[int, float, Route]] = []
-    for points in _ways(areas[line.source[0]], areas[line.target[0]]):
+    candidates: list[tuple[int, float, Route]] = []
+    for points in _paths(areas[line.source[0]], areas[line.target[0]]):
         x, y = on_curve(points, 0.5)
         label = (round(x, 1), round(y, 1)) if lines[line.id].label is not None else None
         route, way = Route(points, label), samples(points)
@@ -65,11 +65,11 @@ def _another(
                            for a in areas.values() for x, y in way)  # fmt: skip
         if is_clear and nearness(route, kept) >= APART:
             crossed = sum(_cross(way, other) for other in others)
-            found.append((crossed, dist(points[0], points[-1]), route))
-    return min(found, default=(0, 0.0, None), key=lambda candidate: candidate[:2])[2]
+            candidates.append((crossed, dist(points[0], points[-1]), route))
+    return min(candidates, default=(0, 0.0, None), key=lambda candidate: candidate[:2])[2]
 
 
-def _ways(source: Area, target: Area) -> Iterator[tuple[Point, Point, Point, Point]]:
+def _paths(source: Area, target: Area) -> Iterator[tuple[Point, Point, Point, Point]]:
     """Yields simple ways between boxes of which one is above the other, or beside it."""
     if source.bottom < target.top or target.bottom < source.top:
         y0, y1 = (

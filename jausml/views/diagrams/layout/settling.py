@@ -79,8 +79,10 @@ def settle(
     for box in sheet.boxes:
         if box.id in known and box.id in fixed:
             ground.put(box, known[box.id])
-    stays = [box for box in sheet.boxes if box.id in known and box.id not in fixed]
-    for box in sorted(stays, key=lambda placed_box: (known[placed_box.id][::-1], placed_box.id)):
+    movable_boxes = [box for box in sheet.boxes if box.id in known and box.id not in fixed]
+    for box in sorted(
+        movable_boxes, key=lambda placed_box: (known[placed_box.id][::-1], placed_box.id)
+    ):
         corner = known[box.id]
         ground.put(box, corner if ground.is_bare(box, corner) else ground.nearest(box, corner))
     new = [box for box in sheet.boxes if box.id not in known]
@@ -109,12 +111,12 @@ def frames_around(
     for box in sheet.boxes:
         if box.id in boxes:
             _widen(inner, box.group, area_of(box, boxes[box.id]))
-    found: dict[str, Area] = {}
+    areas_by_frame: dict[str, Area] = {}
     for frame in reversed(sheet.frames):
         if frame.id in inner:
-            found[frame.id] = _framed(frame, inner[frame.id])
-            _widen(inner, frame.parent, found[frame.id])
-    return found
+            areas_by_frame[frame.id] = _framed(frame, inner[frame.id])
+            _widen(inner, frame.parent, areas_by_frame[frame.id])
+    return areas_by_frame
 
 
 def _widen(areas: dict[str, Area], name: str, area: Area) -> None:
@@ -158,15 +160,15 @@ class _Ground:
 
     def peers(self, box: Box) -> list[_End]:
         """Returns where the lines of a box end at boxes that stand."""
-        found = []
+        ends = []
         for line in self._sheet.lines:
             for (own, _), (other, row) in (
                 (line.source, line.target),
                 (line.target, line.source),
             ):
                 if own == box.id != other and other in self.corners:
-                    found.append(_End(self._boxes[other], self._row(self._boxes[other], row)))
-        return found
+                    ends.append(_End(self._boxes[other], self._row(self._boxes[other], row)))
+        return ends
 
     def _row(self, box: Box, row: str) -> float:
         down = box.middles().get(row) if row else None
@@ -312,9 +314,11 @@ def surrounding(
         for cell in _cells(area):
             cells[cell].add(name)
     frames = {sheet_frame.id: sheet_frame for sheet_frame in sheet.frames}
-    for frame, found in more.items():
+    for frame, line_areas in more.items():
         reach = reduce(
-            Area.around, (_framed(frames[frame], line_area) for line_area in found), grown[frame]
+            Area.around,
+            (_framed(frames[frame], line_area) for line_area in line_areas),
+            grown[frame],
         )
         reach = reach.wider(_APART)
         near = set().union(*(cells[grid_cell] for grid_cell in _cells(reach) if grid_cell in cells))
@@ -327,7 +331,7 @@ def surrounding(
         ]
         more[frame] = [
             line_area
-            for line_area in found
+            for line_area in line_areas
             if not any(
                 _framed(frames[frame], line_area).overlaps(other, _APART) for other in outside
             )

@@ -118,11 +118,11 @@ _SAMPLES = 12
 
 def samples(points: Sequence[Point]) -> list[Point]:
     """Returns points on a way of cubic Bezier curves."""
-    found = list(points[:1])
+    sampled_points = list(points[:1])
     for at in range(0, len(points) - 3, 3):
         curve = points[at : at + 4]
-        found += [on_curve(curve, step / _SAMPLES) for step in range(1, _SAMPLES + 1)]
-    return found
+        sampled_points += [on_curve(curve, step / _SAMPLES) for step in range(1, _SAMPLES + 1)]
+    return sampled_points
 
 
 def on_curve(points: Sequence[Point], part: float) -> Point:

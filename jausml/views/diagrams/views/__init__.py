@@ -45,12 +45,12 @@ def view_names(model: Model, *, library: bool = True) -> list[str]:
 
     A view has the first of its names that no view before it has.
     """
-    found: list[str] = []
+    chosen_names: list[str] = []
     taken: set[str] = set()
     for names, _ in _offered(model, library=library):
-        found += [name for name in names if name not in taken][:1]
+        chosen_names += [name for name in names if name not in taken][:1]
         taken.update(names)
-    return found
+    return chosen_names
 
 
 def graph_of(

@@ -59,8 +59,10 @@ def add_service_connection(
     context = builder.context
     message, usual = connection.message, getattr(owner, "frequency", 0)
     label = exchange(connection.exchange.name, connection.rate, usual)
-    told = name_of(message)
-    row = context.row(connection, name_of(connection), told, message=told, exchange=label)
+    message_name = name_of(message)
+    row = context.row(
+        connection, name_of(connection), message_name, message=message_name, exchange=label
+    )
     end = builder.put(context.id_of(owner), row)
     provider = connection.provider
     providers = [provider] if provider is not None else []
@@ -237,9 +239,9 @@ def _jaus_ends(
 
 def _ros_ends(builder: Builder, owner: bridge.Bridge, name: str, way: str, kind: str) -> list[End]:
     """Returns the ends at the ROS side; a name that no node has is one of other nodes."""
-    found = [end for other, its, end in builder.endpoints if (other, its) == (name, way)]
-    if found:
-        return found
+    ends = [end for other, its, end in builder.endpoints if (other, its) == (name, way)]
+    if ends:
+        return ends
     own = builder.context.id_of(owner)
     box = builder.add(
         Node(f"{own}!ros", "others", "other ROS nodes", "not in the model", column=ROS_COLUMN)
@@ -273,8 +275,8 @@ def qos(profile: ros.QoSProfile | None) -> str:
 
 def topics_qos(connection: bridge.Connection) -> str:
     """Returns the quality of service of the topics of a connection, of those that state one."""
-    told = ((str(ros_topic.name or "?"), qos(ros_topic.qos)) for ros_topic in connection.topics)
-    return "; ".join(f"{name}: {words}" for name, words in told if words)
+    pairs = ((str(ros_topic.name or "?"), qos(ros_topic.qos)) for ros_topic in connection.topics)
+    return "; ".join(f"{name}: {words}" for name, words in pairs if words)
 
 
 def limits(connection: bridge.Connection) -> str:

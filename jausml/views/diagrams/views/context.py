@@ -43,11 +43,11 @@ class Context:
         self._keys: dict[EObject, str] = {}
         self._findings: dict[tuple[str, str], list[Finding]] = defaultdict(list)
         for diagnostic in sorted(diagnostics):
-            found = Finding(diagnostic.severity.value, diagnostic.rule, diagnostic.message)
+            finding = Finding(diagnostic.severity.value, diagnostic.rule, diagnostic.message)
             key = (
                 (diagnostic.location.path, diagnostic.fragment) if diagnostic.fragment else ("", "")
             )
-            self._findings[key].append(found)
+            self._findings[key].append(finding)
 
     def id_of(self, element: EObject) -> str:
         """Returns the id of an element: its fragment, behind its file unless that is the first."""
@@ -55,12 +55,12 @@ class Context:
         if known is not None:
             return known
         document = self.model.document_of(element)
-        found = self.model.fragment(element)
+        identifier = self.model.fragment(element)
         if document is not None and document is not self.model.documents[0]:
-            found = f"{document.path.name}#{found}"
-        self._elements[found] = element
-        self._ids[element] = found
-        return found
+            identifier = f"{document.path.name}#{identifier}"
+        self._elements[identifier] = element
+        self._ids[element] = identifier
+        return identifier
 
     def reference(self, element: EObject | None) -> str:
         """Returns the reference to an element, empty for none."""
@@ -78,7 +78,7 @@ class Context:
     def key(self, element: EObject) -> str:
         """Returns what names an element when positions of elements change."""
         if element not in self._keys:
-            self._keys[element] = self.model.made(Keys).of(element)
+            self._keys[element] = self.model.derived(Keys).of(element)
         return self._keys[element]
 
     def findings(self, *elements: EObject | None, deep: bool = True) -> tuple[Finding, ...]:
@@ -88,17 +88,17 @@ class Context:
         """
         if not self._findings:
             return ()
-        found: dict[Finding, None] = {}
+        findings: dict[Finding, None] = {}
         pending = [subject for subject in reversed(elements) if subject is not None]
         while pending:
             element = pending.pop()
             document = self.model.document_of(element)
             path = document.display if document is not None else ""
             for finding in self._findings.get((path, self.model.fragment(element)), ()):
-                found[finding] = None
+                findings[finding] = None
             if deep:
                 pending += reversed(self.model.owned(element))
-        return tuple(found)
+        return tuple(findings)
 
     def row(
         self, element: EObject, label: str, note: str = "", mark: str = "", /, **more: object
@@ -205,9 +205,9 @@ class Builder:
 def _distinct(edges: list[Edge]) -> list[Edge]:
     """Returns edges with ids of their own: later ones that share one are numbered."""
     counts: dict[str, int] = {}
-    found = []
+    numbered_edges = []
     for edge in edges:
         counts[edge.id] = counts.get(edge.id, 0) + 1
         number = counts[edge.id]
-        found.append(edge if number == 1 else replace(edge, id=f"{edge.id}!{number}"))
-    return found
+        numbered_edges.append(edge if number == 1 else replace(edge, id=f"{edge.id}!{number}"))
+    return numbered_edges

@@ -90,24 +90,24 @@ def _of_jaus(context: Context, place: JausPlace, before: str, depth: int) -> Ite
             yield from _of_jaus(context, element, before, depth)
         return
     for part in (place.members() or ()) if depth < DEEPEST else ():
-        found = place.step(part.name) if part.name else None
-        if not isinstance(found, JausPlace):
+        member_place = place.step(part.name) if part.name else None
+        if not isinstance(member_place, JausPlace):
             continue
         path = f"{before}.{part.name}" if before else str(part.name)
-        attribute = found.attribute()
+        attribute = member_place.attribute()
         # What nothing holds around it must be there, unless a presence vector tells.
         needed = depth == 0 and not attribute.optional
         port = Port(
             path,
             str(part.name),
-            _note(_jaus_type(found.field), attribute),
+            _note(_jaus_type(member_place.field), attribute),
             "required" if needed else "optional" if attribute.optional else "",
             depth,
             details=_details(part, attribute),
             findings=context.findings(part),
             element=context.reference(part),
         )
-        yield Member(path, port, tuple(_of_jaus(context, found, path, depth + 1)))
+        yield Member(path, port, tuple(_of_jaus(context, member_place, path, depth + 1)))
 
 
 def _of_ros(context: Context, place: RosPlace, before: str, depth: int) -> Iterator[Member]:
@@ -118,11 +118,11 @@ def _of_ros(context: Context, place: RosPlace, before: str, depth: int) -> Itera
         return
     kind = place.type
     for field in kind.fields if kind is not None and depth < DEEPEST else ():
-        found = place.step(field.name) if field.name else None
-        if not isinstance(found, RosPlace):
+        member_place = place.step(field.name) if field.name else None
+        if not isinstance(member_place, RosPlace):
             continue
         path = f"{before}.{field.name}" if before else str(field.name)
-        attribute = found.attribute()
+        attribute = member_place.attribute()
         port = Port(
             path,
             str(field.name),
@@ -132,7 +132,7 @@ def _of_ros(context: Context, place: RosPlace, before: str, depth: int) -> Itera
             findings=context.findings(field),
             element=context.reference(field),
         )
-        yield Member(path, port, tuple(_of_ros(context, found, path, depth + 1)))
+        yield Member(path, port, tuple(_of_ros(context, member_place, path, depth + 1)))
 
 
 def _note(kind: str, attribute: Attribute) -> str:

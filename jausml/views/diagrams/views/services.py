@@ -170,8 +170,8 @@ def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: b
     own = _id(builder, machine, path)
     outer, _, name = path.rpartition(".")
     around = _id(builder, machine, outer) if outer else ""
-    found = machine.nodes.get(path)
-    elements = found.elements if found is not None else []
+    node = machine.nodes.get(path)
+    elements = node.elements if node is not None else []
     element = context.reference(elements[-1]) if elements else ""
     if is_composite:
         builder.groups.append(Group(own, "state", name, around, element=element))

@@ -41,26 +41,26 @@ def participants(model: Model) -> Sequence[jaus.Component | ros.Node]:
 def graph(context: Context) -> Graph:
     """Returns the system view."""
     builder = Builder(context)
-    found = participants(context.model)
-    boxes = [_box(context, participant) for participant in found]
+    members = participants(context.model)
+    boxes = [_box(context, participant) for participant in members]
     _add_hosts(context, builder, {node.group for node in boxes})
     for box in boxes:
         builder.add(box)
-    for participant in found:
+    for participant in members:
         if isinstance(participant, ros.Node):
             _add_endpoints(builder, participant)
-    for participant in found:
+    for participant in members:
         if isinstance(participant, jaus.Component):
             for connection in participant.connections:
                 connections.add_service_connection(builder, participant, connection)
             _add_control(builder, participant)
         if isinstance(participant, bridge.Bridge):
             connections.add_bridge(builder, participant)
-    for participant in found:
+    for participant in members:
         if isinstance(participant, jaus.Component):
             connections.add_idle_services(builder, participant)
     _add_topics(
-        builder, [participant for participant in found if isinstance(participant, ros.Node)]
+        builder, [participant for participant in members if isinstance(participant, ros.Node)]
     )
     root = context.model.root
     name = name_of(root) if isinstance(root, systems.System) else context.view
@@ -124,8 +124,8 @@ def _add_endpoints(builder: Builder, node: ros.Node) -> None:
         for feature, way in ends:
             for endpoint in getattr(node, feature):
                 name, kind = connections.topic(getattr(endpoint, named), node), _type(endpoint.type)
-                told = connections.qos(endpoint.qos) if named == "topic" else ""
-                more = details(endpoint, way=way, type=kind, QoS=told)
+                quality = connections.qos(endpoint.qos) if named == "topic" else ""
+                more = details(endpoint, way=way, type=kind, QoS=quality)
                 port = Port(context.id_of(endpoint), name, kind, details=more)
                 builder.put(context.id_of(node), port)
                 builder.endpoints.append((name, way, End(context.id_of(node), port.id)))
@@ -156,11 +156,11 @@ def _add_topics(builder: Builder, nodes: Sequence[ros.Node]) -> None:
     inside = {builder.context.id_of(node) for node in nodes}
     ends = [endpoint for endpoint in builder.endpoints if endpoint[2].node in inside]
     pairs = (("publishes", "subscribes", "topic"), ("calls", "serves", "call"))
-    found: defaultdict[tuple[str, str], list[End]] = defaultdict(list)
+    ends_by_name: defaultdict[tuple[str, str], list[End]] = defaultdict(list)
     for name, way, end in ends:
-        found[name, way].append(end)
+        ends_by_name[name, way].append(end)
     for name, way, start in ends:
         for source_way, target_way, kind in pairs:
-            for end in found[name, target_way] if way == source_way else ():
+            for end in ends_by_name[name, target_way] if way == source_way else ():
                 identifier = f"{start.port}!{end.port}"
                 builder.edges.append(Edge(identifier, start, end, kind, name))

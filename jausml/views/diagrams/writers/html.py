@@ -87,21 +87,23 @@ def _known(graph: Graph, keys: svg.Keys) -> Iterator[tuple[str, dict[str, Any]]]
         own = keys.node(node.id)
         yield own, _entry(node.title, _text(node), node, [])
         for port in node.ports:
-            told = _entry(port.label, f"{port.label} {port.note}", port, [own])
-            yield keys.port(node.id, port.id), told
+            entry = _entry(port.label, f"{port.label} {port.note}", port, [own])
+            yield keys.port(node.id, port.id), entry
     titles = {graph_node.id: graph_node.title for graph_node in graph.nodes}
     labels = {(node.id, port.id): port.label for node in graph.nodes for port in node.ports}
     for edge in graph.edges:
         source, target = titles[edge.source.node], titles[edge.target.node]
         title = f"{source} \N{RIGHTWARDS ARROW} {target}"
-        ways = {
+        keys_by_direction = {
             name: [key for key in (keys.port(end.node, end.port), keys.node(end.node)) if key]
             for name, end in (("from", edge.source), ("to", edge.target))
         }
         rows = [labels.get((end.node, end.port), "") for end in (edge.source, edge.target)]
         text = " ".join([edge.title, source, target, *rows])
-        told = _entry(title, text, edge, [key for ends in ways.values() for key in ends])
-        yield keys.edge(edge.id), told | ways
+        entry = _entry(
+            title, text, edge, [key for ends in keys_by_direction.values() for key in ends]
+        )
+        yield keys.edge(edge.id), entry | keys_by_direction
 
 
 def _text(node: Node) -> str:

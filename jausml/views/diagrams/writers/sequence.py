@@ -41,8 +41,8 @@ class Course:
     @property
     def actors(self) -> list[str]:
         """Who takes part, in the order of appearance."""
-        found = (name for line in self.lines for name in (line.sender, line.receiver) if name)
-        return list(dict.fromkeys(found))
+        names = (name for line in self.lines for name in (line.sender, line.receiver) if name)
+        return list(dict.fromkeys(names))
 
 
 def mermaid(course: Course) -> str:

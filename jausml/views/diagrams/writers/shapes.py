@@ -133,9 +133,9 @@ def _widths(node: Node) -> Iterator[float]:
         yield width(text, SMALL)
     for port in node.ports:
         row = row_text(port)
-        found = row.indent + width(row.label, ROW)
-        found += sum(GAP + width(remark, SMALL) for remark in (row.note, row.mark) if remark)
-        yield found
+        row_width = row.indent + width(row.label, ROW)
+        row_width += sum(GAP + width(remark, SMALL) for remark in (row.note, row.mark) if remark)
+        yield row_width
 
 
 def _line(edge: Edge, *, is_labelled: bool) -> Line:

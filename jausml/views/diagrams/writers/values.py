@@ -223,15 +223,15 @@ def _line_ends(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _
         for name, down in box.tops().items()
     }
     counts: dict[_Way, int] = {}
-    found = []
+    numbered_lines = []
     for line in sheet.lines:
         way: list[float] = []
         for name, row in (line.source, line.target):
             area = area_of(boxes[name], corners[name])
             way += [area.left, area.right, rows.get((name, row), area.top)]
         counts[tuple(way)] = counts.get(tuple(way), 0) + 1
-        found.append((line, (*way, counts[tuple(way)])))
-    return found
+        numbered_lines.append((line, (*way, counts[tuple(way)])))
+    return numbered_lines
 
 
 def _closed(node: Node, area: Area) -> dict[str, Any]:

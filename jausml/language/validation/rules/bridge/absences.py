@@ -51,8 +51,8 @@ def _made_up(
         # An instant of 0 may mean "none", but readers take it for 1970, or for the latest.
         if not isinstance(target, Attribute) or (target.says_unknown and target.kind != TIME):
             continue
-        for source, found in placed.sources:
-            may_lack = isinstance(found, Attribute) and found.may_lack
+        for source, attribute in placed.sources:
+            may_lack = isinstance(attribute, Attribute) and attribute.may_lack
             join = None if may_lack else _lenient_join(placed, source)
             if not may_lack and join is None:
                 continue

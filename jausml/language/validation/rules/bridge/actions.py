@@ -36,7 +36,7 @@ def _is_sound(subject: Subject, connection: bridge.RosActionConnection) -> bool:
     return subject.is_intact(used.message, used.type)
 
 
-_of_lists = partial(rule, kinds=bridge.RosActionConnection, needs=_ENDS, given=_is_sound)
+_of_lists = partial(rule, kinds=bridge.RosActionConnection, needs=_ENDS, condition=_is_sound)
 
 
 @_of_lists("JML481", "no list driver for the elements")
@@ -80,11 +80,11 @@ def goal_holds_elements(_: Subject, connection: bridge.RosActionConnection) -> I
 
     Good: `goalMember="poses"` of FollowWaypoints with a map to PoseStamped
     """
-    found = _place(connection.type.goal, connection.goalMember)
+    place = _place(connection.type.goal, connection.goalMember)
     wanted = ros_name(connection.element.type)
-    if isinstance(found, PathFault):
-        yield Finding(connection, found.message, "goalMember", found.hint)
-    elif found is not None and not _holds(found, connection):
+    if isinstance(place, PathFault):
+        yield Finding(connection, place.message, "goalMember", place.hint)
+    elif place is not None and not _holds(place, connection):
         message = f"'{connection.goalMember}' is no sequence of {wanted}, which the map makes"
         yield Finding(connection, message, "goalMember")
 
@@ -114,10 +114,10 @@ def members_fit(_: Subject, connection: bridge.RosActionConnection) -> Iterator[
         ("reasonMember", connection.reasonMember, connection.type.result, "string", ("string",)),
     )
     for feature, path, owner, noun, kinds in parts:
-        found = _place(owner, path) if path else None
-        if isinstance(found, PathFault):
-            yield Finding(connection, found.message, feature, found.hint)
-        elif found is not None and not _is_of(found, kinds):
+        place = _place(owner, path) if path else None
+        if isinstance(place, PathFault):
+            yield Finding(connection, place.message, feature, place.hint)
+        elif place is not None and not _is_of(place, kinds):
             yield Finding(connection, f"'{path}' is no {noun}", feature)
 
 

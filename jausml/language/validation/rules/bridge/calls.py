@@ -65,7 +65,7 @@ def _fits(subject: Subject, connection: bridge.RosServiceConnection) -> bool:
     return all(half.map.type is parts[half.kind] for half in calls.halves(connection))
 
 
-_of_calls = partial(rule, kinds=bridge.RosServiceConnection, needs=_ENDS, given=_is_sound)
+_of_calls = partial(rule, kinds=bridge.RosServiceConnection, needs=_ENDS, condition=_is_sound)
 
 
 @_of_calls("JML467", "map that does not fit the service", is_decision=True)
@@ -119,7 +119,7 @@ def something_asks(_: Subject, connection: bridge.RosServiceConnection) -> Itera
     "no service for the messages of a call",
     kinds=bridge.RosServiceConnection,
     needs=_ENDS,
-    given=_fits,
+    condition=_fits,
 )
 def messages_provided(
     subject: Subject, connection: bridge.RosServiceConnection

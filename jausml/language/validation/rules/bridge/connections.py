@@ -45,7 +45,7 @@ def _is_owned(subject: Subject, connection: bridge.Connection) -> bool:
     return is_sound(subject, connection) and connection.eContainer() is not None
 
 
-_of_connections = partial(rule, kinds=bridge.Connection, needs=_ENDS, given=_is_owned)
+_of_connections = partial(rule, kinds=bridge.Connection, needs=_ENDS, condition=_is_owned)
 
 
 @_of_connections("JML421", "map without assignments for the direction", is_decision=True)
@@ -112,8 +112,8 @@ def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
         return  # the way that a text leaves open follows from the services of the bridge
     purpose = "to send it to" if by_message else "to ask for it"
     message = f"'{connection.name}' carries {connection.map.message.name}"
-    ways = "" if by_message else _serving(connection), _other_ways(subject, connection)
-    hint = ", or ".join(filter(None, ("name peers or search for them", *ways)))
+    hints = "" if by_message else _serving(connection), _other_ways(subject, connection)
+    hint = ", or ".join(filter(None, ("name peers or search for them", *hints)))
     yield Finding(connection, f"{message}, but names no peer {purpose}", "exchange", hint)
 
 

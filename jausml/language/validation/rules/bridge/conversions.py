@@ -190,24 +190,24 @@ def _value_fault(conversion: Conversion, values: list[float]) -> str:
 
 def _chain_findings(placed: Placed[WithChain]) -> Iterator[Finding]:
     assignment = placed.assignment
-    found = placed.source_attributes
+    attributes = placed.source_attributes
     is_list = isinstance(assignment, bridge.ListAssignment)
     unknown = any(
         not attribute.kind or (attribute.kind in (LIST, NUMBERS) and not is_list)
-        for attribute in found
+        for attribute in attributes
     )
-    if not found or unknown:
+    if not attributes or unknown:
         return
     if len(assignment.conversions) > MOST_CONVERSIONS:
         message = f"{len(assignment.conversions)} conversions, more than {MOST_CONVERSIONS}"
         yield Finding(assignment.conversions[MOST_CONVERSIONS], message, "kind")
         return
     if not assignment.conversions:
-        if len(found) > 1:
-            message = f"{len(found)} sources without a conversion that takes them"
+        if len(attributes) > 1:
+            message = f"{len(attributes)} sources without a conversion that takes them"
             yield Finding(assignment, message, "source")
         return
-    kinds = chain_kinds(assignment.conversions, [attribute.kind for attribute in found])
+    kinds = chain_kinds(assignment.conversions, [attribute.kind for attribute in attributes])
     if isinstance(kinds, ChainFault):
         yield Finding(kinds.conversion, kinds.message, "kind")
     elif is_list and kinds not in ([NUMBERS], ["any"]):

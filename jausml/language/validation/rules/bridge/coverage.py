@@ -86,10 +86,10 @@ def _filled_by_map(direction: Direction) -> list[Steps]:
 
 def _siblings(direction: Direction) -> list[list[Placed[bridge.Assignment]]]:
     """The assignments of one owner each, in order."""
-    found: dict[EObject | None, list[Placed[bridge.Assignment]]] = {}
+    assignments_by_owner: dict[EObject | None, list[Placed[bridge.Assignment]]] = {}
     for assignment in direction.assignments:
-        found.setdefault(assignment.assignment.eContainer(), []).append(assignment)
-    return list(found.values())
+        assignments_by_owner.setdefault(assignment.assignment.eContainer(), []).append(assignment)
+    return list(assignments_by_owner.values())
 
 
 def _repeated(siblings: Sequence[Placed[bridge.Assignment]]) -> Iterator[Finding]:
@@ -135,8 +135,8 @@ def _choices(place: PathPlace, path: str) -> Iterator[tuple[str, str]]:
     steps = path.split(".")
     for position, step in enumerate(steps):
         before = ".".join(steps[:position])
-        found = place.follow(before or ".")
-        if isinstance(found, JausPlace) and _is_choice(found.field):
+        inner_place = place.follow(before or ".")
+        if isinstance(inner_place, JausPlace) and _is_choice(inner_place.field):
             yield before, step
 
 
@@ -173,13 +173,13 @@ def _missing_inside(
     before: str,
 ) -> Iterator[Finding]:
     for index in sorted({path[0] for path in inner if path[0].startswith("[")} or {""}):
-        found = place.follow(f"{field.name}{index}")
+        inner_place = place.follow(f"{field.name}{index}")
         rest = [path[1:] if index else path for path in inner if path[0] == index or not index]
-        if not isinstance(found, JausPlace) or isinstance(found.field, jaus.BitField):
+        if not isinstance(inner_place, JausPlace) or isinstance(inner_place.field, jaus.BitField):
             continue
         if () not in rest:
             name = f"{before}{field.name}{index}."
-            yield from _missing(owner, found, rest, direction, name)
+            yield from _missing(owner, inner_place, rest, direction, name)
 
 
 def _required(owner: Owner, name: str, feature: str, direction: Direction) -> Finding:

@@ -165,7 +165,7 @@ def _converted(
     targets: list[Axis | None],
 ) -> Finding | None:
     """Checks a conversion between frames against the frames of both ends."""
-    taken, given = conversion.frames
+    taken, target_frame = conversion.frames
     name = conversion.name
     wrong = _order(name, passage.sources, conversion.takes_axes, placed.sources)
     wrong = wrong or _order(name, targets, conversion.gives_axes, placed.targets)
@@ -176,9 +176,9 @@ def _converted(
         return Finding(placed.assignment, message, "conversions", "leave out the further sign")
     for source in passage.sources:
         for target in targets:
-            problem = _ends_problem(source, target, taken, given)
+            problem = _ends_problem(source, target, taken, target_frame)
             if problem:
-                message = f"{name} is for {taken} and {given}, but {problem}"
+                message = f"{name} is for {taken} and {target_frame}, but {problem}"
                 element = next(
                     candidate
                     for candidate in placed.assignment.conversions
@@ -201,9 +201,9 @@ def _order(
     return ""
 
 
-def _ends_problem(source: Axis | None, target: Axis | None, taken: str, given: str) -> str:
+def _ends_problem(source: Axis | None, target: Axis | None, taken: str, target_frame: str) -> str:
     """Says which end is in a frame that a conversion is not for."""
-    for axis, wanted in ((source, taken), (target, given)):
+    for axis, wanted in ((source, taken), (target, target_frame)):
         if axis is None:
             continue
         verb = "the source is" if axis is source else "the target is"
@@ -274,20 +274,20 @@ def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Findi
 def _exchanged(
     placed: Placed[bridge.FieldAssignment], source: Attribute, target: Attribute
 ) -> Iterator[Finding]:
-    given, wanted = frames.geodetic(source), frames.geodetic(target)
+    coordinate, wanted = frames.geodetic(source), frames.geodetic(target)
     from_, to = placed.sources[0][0], placed.targets[0][0]
-    if given and wanted:
-        if given != wanted:
-            message = f"'{from_}' is a {given}, but '{to}' a {wanted}"
+    if coordinate and wanted:
+        if coordinate != wanted:
+            message = f"'{from_}' is a {coordinate}, but '{to}' a {wanted}"
             yield Finding(placed.assignment, message, "source")
-    elif frames.ALTITUDE in (given, wanted):
+    elif frames.ALTITUDE in (coordinate, wanted):
         passage = frames.passage(steps_of(placed), placed.source_attributes)
-        axis = frames.axis_of(target if given else source)
+        axis = frames.axis_of(target if coordinate else source)
         if passage is None or passage.sign is None or axis is None or axis.name != "z":
             return
         if (passage.sign < 0) != IS_DOWN[axis.frame]:
             down = "down" if IS_DOWN[axis.frame] else "up"
-            names = f"'{from_ if given else to}'", f"'{to if given else from_}'"
+            names = f"'{from_ if coordinate else to}'", f"'{to if coordinate else from_}'"
             message = f"{names[0]} points up, and {names[1]} points {down}"
             done = any(
                 conversion.kind.name == Negate.name for conversion in placed.assignment.conversions

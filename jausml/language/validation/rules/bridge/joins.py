@@ -104,12 +104,12 @@ def _topic_findings(connection: bridge.Connection) -> Iterator[Finding]:
 
 def used_joins(assignments: Iterable[bridge.Assignment]) -> set[str]:
     """Returns what source paths begin with, those in lists included: joins and fields."""
-    found: set[str] = set()
+    names: set[str] = set()
     for assignment in assignments:
-        found |= {path.lstrip("/").partition(".")[0] for path in source_paths(assignment)}
+        names |= {path.lstrip("/").partition(".")[0] for path in source_paths(assignment)}
         if isinstance(assignment, bridge.ListAssignment):
-            found |= used_joins(assignment.assignments)
-    return found
+            names |= used_joins(assignment.assignments)
+    return names
 
 
 @rule(
@@ -186,7 +186,7 @@ def shaping_range(_: Subject, connection: bridge.Connection) -> Iterator[Finding
         yield Finding(connection, message, "ageLimit")
 
 
-@rule("JML491", "shaping of what is asked for", kinds=bridge.Connection, given=is_sound)
+@rule("JML491", "shaping of what is asked for", kinds=bridge.Connection, condition=is_sound)
 def queries_unshaped(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection that uses queries determines with its rate how many messages come.
 
@@ -210,7 +210,7 @@ def queries_unshaped(_: Subject, connection: bridge.Connection) -> Iterator[Find
     "maxRate that changes nothing",
     severity=Severity.WARNING,
     kinds=bridge.Connection,
-    given=is_sound,
+    condition=is_sound,
 )
 def rates_reached(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A maxRate is below the rate at which messages of a periodic event come.
@@ -242,7 +242,7 @@ def rates_reached(_: Subject, connection: bridge.Connection) -> Iterator[Finding
     "shaping that loses the last word",
     severity=Severity.WARNING,
     kinds=bridge.Connection,
-    given=is_sound,
+    condition=is_sound,
 )
 def last_words_kept(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A message that stays valid until the next one always passes.

@@ -71,10 +71,10 @@ def _end_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
     paths = [("target", *target) for target in placed.targets]
     paths += [("source", *source) for source in placed.sources[:1]]
-    for feature, path, found in paths:
+    for feature, path, attribute in paths:
         find = placed.scope.find_target if feature == "target" else placed.scope.find_source
-        if isinstance(found, Attribute) and not is_many(find(path)):
-            message = f"'{path}' is {found.name}, no list and no array"
+        if isinstance(attribute, Attribute) and not is_many(find(path)):
+            message = f"'{path}' is {attribute.name}, no list and no array"
             yield Finding(assignment, message, feature)
     if len(placed.targets) > 1:
         yield Finding(assignment, "a ListAssignment has one target", "target")
@@ -99,14 +99,14 @@ def _name_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
         return
     scope = placed.scope
     find = scope.find_target if scope.to_ros else scope.find_source
-    found = find(assignment.keys)
-    if isinstance(found, PathFault):
-        message = f"keys '{assignment.keys}': {found.message}"
-        yield Finding(assignment, message, "keys", found.hint)
-    elif isinstance(found, RosPlace):
-        element = found.element() if found.is_array else None
+    place = find(assignment.keys)
+    if isinstance(place, PathFault):
+        message = f"keys '{assignment.keys}': {place.message}"
+        yield Finding(assignment, message, "keys", place.hint)
+    elif isinstance(place, RosPlace):
+        element = place.element() if place.is_array else None
         if element is None or element.attribute().kind != TEXT:
-            message = f"keys '{assignment.keys}' is {found.attribute().name}, no sequence of texts"
+            message = f"keys '{assignment.keys}' is {place.attribute().name}, no sequence of texts"
             yield Finding(assignment, message, "keys")
 
 
@@ -146,16 +146,16 @@ def _message_findings(
 ) -> Iterator[Finding]:
     assignment, to_ros = placed.assignment, direction.to_ros
     ends = {"source": placed.source_attributes, "target": placed.target_attributes}
-    for feature, found in ends.items():
+    for feature, attributes in ends.items():
         path = getattr(assignment, feature)
         is_jaus = (feature == "source") == to_ros
-        if len(found) > 1:
+        if len(attributes) > 1:
             yield Finding(assignment, f"a MessageAssignment has one {feature}", feature)
-        elif found and is_jaus and not found[0].carries:
-            message = f"'{path}' is {found[0].name}, which carries no JAUS message"
+        elif attributes and is_jaus and not attributes[0].carries:
+            message = f"'{path}' is {attributes[0].name}, which carries no JAUS message"
             yield Finding(assignment, message, feature)
-        elif found and not is_jaus and found[0].kind != ros_name(used.type):
-            message = f"'{path}' is {found[0].name}, but map '{used.name}' is for"
+        elif attributes and not is_jaus and attributes[0].kind != ros_name(used.type):
+            message = f"'{path}' is {attributes[0].name}, but map '{used.name}' is for"
             note = Note(used, f"map '{used.name}'", "type")
             yield Finding(assignment, f"{message} {ros_name(used.type)}", feature, related=(note,))
     yield from _map_findings(assignment, used, direction)

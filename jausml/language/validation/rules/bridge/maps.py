@@ -58,14 +58,14 @@ def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
     """
     for direction in directions_of(subject, directed):
         for placed in direction.assignments:
-            for path, found in placed.targets:
-                if isinstance(found, PathFault):
-                    message = f"target '{path}': {found.message}"
-                    yield Finding(placed.assignment, message, "target", found.hint)
-            for path, found in placed.sources:
-                if isinstance(found, PathFault):
-                    message = f"source '{path}': {found.message}"
-                    yield Finding(placed.assignment, message, "source", found.hint)
+            for path, end in placed.targets:
+                if isinstance(end, PathFault):
+                    message = f"target '{path}': {end.message}"
+                    yield Finding(placed.assignment, message, "target", end.hint)
+            for path, end in placed.sources:
+                if isinstance(end, PathFault):
+                    message = f"source '{path}': {end.message}"
+                    yield Finding(placed.assignment, message, "source", end.hint)
 
 
 @rule("JML412", "value does not fit the target", kinds=DIRECTED)
@@ -151,8 +151,8 @@ def _default_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Findin
         yield Finding(assignment, message, "whenAbsent")
         return
     of_sources = len(placed.sources) > 1
-    for path, found in placed.sources if of_sources else placed.targets:
-        fault = _constant_fault(value, found)
+    for path, end in placed.sources if of_sources else placed.targets:
+        fault = _constant_fault(value, end)
         if fault:
             message = f"defaultValue {value!a} of '{path}' {fault}"
             yield Finding(assignment, message, "defaultValue")
@@ -189,17 +189,17 @@ def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
         return Finding(placed.assignment, message, "target", "assign their members")
     ends = [("source", *source) for source in placed.sources]
     ends += [("target", *target) for target in placed.targets]
-    for feature, path, found in ends:
-        if not isinstance(found, Attribute):
+    for feature, path, attribute in ends:
+        if not isinstance(attribute, Attribute):
             continue
         verb = "translate" if feature == "source" else "fill"
-        if not found.kind:
+        if not attribute.kind:
             hint = f"assign its members, or {verb} it in the skeleton of the bridge"
-            return Finding(placed.assignment, f"'{path}' is {found.name}", feature, hint)
-        if found.kind in _MANY:
+            return Finding(placed.assignment, f"'{path}' is {attribute.name}", feature, hint)
+        if attribute.kind in _MANY:
             arrow = f"{placed.assignment.source} -> {placed.assignment.target}"
             hint = f"{verb} its elements by a ListAssignment, in text {arrow} {{ ... }}"
-            return Finding(placed.assignment, f"'{path}' is {found.name}", feature, hint)
+            return Finding(placed.assignment, f"'{path}' is {attribute.name}", feature, hint)
     return None
 
 

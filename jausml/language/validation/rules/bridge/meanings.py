@@ -95,13 +95,13 @@ def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Findin
         by_target = {placed.assignment.target.strip(): placed for placed in _single(direction)}
         way = "jausToRos" if direction.to_ros else "rosToJaus"
         for vector in used.vectors:
-            given = {value.path: value.value for value in vector.given}
+            inputs = {value.path: value.value for value in vector.given}
             for value in vector.expected if vector.direction.name == way else ():
                 placed = by_target.get(value.path)
-                made = None if placed is None else outcome(placed, given, value)
-                if made is not None:
+                result = None if placed is None else outcome(placed, inputs, value)
+                if result is not None:
                     message = f"'{vector.name}' expects {value.value} of '{value.path}', "
-                    yield Finding(value, f"{message}the map makes {made:.9g}", "value")
+                    yield Finding(value, f"{message}the map makes {result:.9g}", "value")
 
 
 def _single(direction: Direction) -> Iterator[Placed[bridge.FieldAssignment]]:

@@ -194,17 +194,17 @@ def _find_assignments(
 def _ends(placed: Placed[bridge.FieldAssignment]) -> list[_End]:
     if not any(target_attribute.kind == NUMBER for target_attribute in placed.target_attributes):
         return []
-    given = result_ranges(placed)
-    if len(given) != len(placed.targets):
+    ranges = result_ranges(placed)
+    if len(ranges) != len(placed.targets):
         return []
-    found = []
-    ends = zip(placed.targets, placed.target_attributes, given, strict=True)
+    number_ends = []
+    ends = zip(placed.targets, placed.target_attributes, ranges, strict=True)
     for (path, _), attribute, values in ends:
         carried = source_range(attribute) if attribute.kind == NUMBER else None
         # Listed values have rules of their own.
         if carried is not None and not attribute.named:
-            found.append(_End(path, attribute, carried, values))
-    return found
+            number_ends.append(_End(path, attribute, carried, values))
+    return number_ends
 
 
 def _exceeds(end: _End) -> bool:
@@ -244,18 +244,18 @@ def _silent_loss(placed: Placed[bridge.FieldAssignment], end: _End, error: float
     Args:
         error: What rounding loses, in the unit of the target.
     """
-    given = attribute_measure(end.attribute) or result_measure(placed)
-    if not isinstance(given, Measure) or not end.attribute.is_ros:
+    end_measure = attribute_measure(end.attribute) or result_measure(placed)
+    if not isinstance(end_measure, Measure) or not end.attribute.is_ros:
         return ""
     ends = (end.attribute, *placed.source_attributes)
     angle = measure("rad")
-    if end.attribute.is_single and angle is not None and given.unit.is_compatible(angle.unit):
+    if end.attribute.is_single and angle is not None and end_measure.unit.is_compatible(angle.unit):
         if any(attribute.frame == _GEODETIC for attribute in ends):
-            return f"{error * given.unit.factor * _EARTH_RADIUS:.2g} m on the ground"
+            return f"{error * end_measure.unit.factor * _EARTH_RADIUS:.2g} m on the ground"
     elif end.attribute.integral and not any(
         source_attribute.integral for source_attribute in placed.source_attributes
     ):
-        return f"{error:g} {given.text}" if given.unit.dimension else ""
+        return f"{error:g} {end_measure.text}" if end_measure.unit.dimension else ""
     return ""
 
 
@@ -386,19 +386,19 @@ def _connection_findings(subject: Subject, connection: bridge.Connection) -> Ite
     direction = direction_of(subject, connection.map, to_ros=False)
     if direction is None:
         return
-    found = [
+    assignments = [
         placed.assignment
         for placed in direction.of_kind(bridge.FieldAssignment)
         if placed.assignment.outOfRange.name == "asConnection"
         and _never_left_out(placed) is not None
     ]
-    if found:
-        names = ", ".join(f"'{assignment.target}'" for assignment in found[:_MOST_NOTES])
-        more = " ..." if len(found) > _MOST_NOTES else ""
+    if assignments:
+        names = ", ".join(f"'{assignment.target}'" for assignment in assignments[:_MOST_NOTES])
+        more = " ..." if len(assignments) > _MOST_NOTES else ""
         message = f"'{connection.name}' leaves out fields that are not optional: {names}{more}"
         notes = tuple(
             Note(assignment, f"'{assignment.target}'", "target")
-            for assignment in found[:_MOST_NOTES]
+            for assignment in assignments[:_MOST_NOTES]
         )
         hint = f"give these assignments {_HINT}"
         yield Finding(connection, message, "outOfRange", hint, notes)

@@ -55,9 +55,9 @@ def round_trips(subject: Subject, directed: bridge.AttributeMap) -> Iterator[Fin
         for placed in _fields(back):
             returning.setdefault(_paths(placed.sources), []).append(placed)
         for placed in _fields(there):
-            ways = returning.get(_paths(placed.targets), [])
-            if ways and not any(map(units_clash, (placed, *ways))):
-                yield from _trip_findings(placed, ways)
+            returns = returning.get(_paths(placed.targets), [])
+            if returns and not any(map(units_clash, (placed, *returns))):
+                yield from _trip_findings(placed, returns)
 
 
 @rule("JML438", "variance in a wrong place", severity=Severity.WARNING, kinds=DIRECTED)
@@ -79,9 +79,9 @@ def covariances(subject: Subject, directed: Directed) -> Iterator[Finding]:
                     yield from _square_findings(placed, source, target)
 
 
-def _pairs(found: Iterable[Direction]) -> Iterator[tuple[Direction, Direction]]:
+def _pairs(directions: Iterable[Direction]) -> Iterator[tuple[Direction, Direction]]:
     there: dict[bridge.AttributeMap, Direction] = {}
-    for direction in found:
+    for direction in directions:
         # Stops and safe values have no way back.
         if direction.owner is not direction.map:
             continue
@@ -98,18 +98,18 @@ def _fields(direction: Direction) -> Iterator[Placed[bridge.FieldAssignment]]:
             yield placed
 
 
-def _paths(found: Iterable[tuple[str, Found]]) -> tuple[str, ...]:
-    return tuple(path for path, _ in found)
+def _paths(ends: Iterable[tuple[str, Found]]) -> tuple[str, ...]:
+    return tuple(path for path, _ in ends)
 
 
 def _trip_findings(
-    there: Placed[bridge.FieldAssignment], ways: list[Placed[bridge.FieldAssignment]]
+    there: Placed[bridge.FieldAssignment], returns: list[Placed[bridge.FieldAssignment]]
 ) -> Iterator[Finding]:
     sources = _paths(there.sources)
-    same = [back for back in ways if set(_paths(back.targets)) & set(sources)]
+    same = [back for back in returns if set(_paths(back.targets)) & set(sources)]
     if not same:
-        if not _is_selective(there, ways):
-            yield _other_field(there, ways[0])
+        if not _is_selective(there, returns):
+            yield _other_field(there, returns[0])
         return
     for back in same:
         targets = _paths(back.targets)
@@ -120,10 +120,10 @@ def _trip_findings(
 
 
 def _is_selective(
-    there: Placed[bridge.FieldAssignment], ways: list[Placed[bridge.FieldAssignment]]
+    there: Placed[bridge.FieldAssignment], returns: list[Placed[bridge.FieldAssignment]]
 ) -> bool:
     """Whether several values meet in one, so that each way back gives a part of it alone."""
-    return len(there.sources) > 1 or any(len(back.targets) > 1 for back in ways)
+    return len(there.sources) > 1 or any(len(back.targets) > 1 for back in returns)
 
 
 def _is_inverse(
@@ -194,8 +194,8 @@ def _samples(there: Placed[bridge.FieldAssignment], attribute: Attribute) -> Ite
                 continue
     low, high = source_range(attribute) or (-math.inf, math.inf)
     if math.isfinite(low) and math.isfinite(high):
-        found = (low + part * (high - low) for part in _PARTS)
-        yield from (math.floor(sample) if attribute.integral else sample for sample in found)
+        samples = (low + part * (high - low) for part in _PARTS)
+        yield from (math.floor(sample) if attribute.integral else sample for sample in samples)
     else:
         yield from (sample for sample in _SAMPLES if low <= sample <= high)
 
@@ -205,8 +205,8 @@ def _cell_findings(
 ) -> Iterator[Finding]:
     if not _is_of_variances(placed):
         return
-    for path, found in ends:
-        size = _matrix_size(found)
+    for path, attribute in ends:
+        size = _matrix_size(attribute)
         match = _CELL.fullmatch(path)
         if not size or match is None or int(match[2]) % (size + 1) == 0:
             continue
@@ -224,14 +224,16 @@ def _is_of_variances(placed: Placed[bridge.FieldAssignment]) -> bool:
     return is_deviation or not effects.isdisjoint({UnitEffect.SQUARE, UnitEffect.ROOT})
 
 
-def _is_deviation(found: Found) -> bool:
-    return isinstance(found, Attribute) and "rms" in found.label.lower().split("_")
+def _is_deviation(attribute: Found) -> bool:
+    return isinstance(attribute, Attribute) and "rms" in attribute.label.lower().split("_")
 
 
-def _matrix_size(found: Found) -> int:
-    if not isinstance(found, Attribute) or "covariance" not in found.label:
+def _matrix_size(attribute: Found) -> int:
+    if not isinstance(attribute, Attribute) or "covariance" not in attribute.label:
         return 0
-    return _MATRICES.get(found.field.arraySize, 0) if isinstance(found.field, ros.Field) else 0
+    return (
+        _MATRICES.get(attribute.field.arraySize, 0) if isinstance(attribute.field, ros.Field) else 0
+    )
 
 
 def _square_findings(

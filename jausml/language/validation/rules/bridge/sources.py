@@ -154,7 +154,7 @@ def _published(subject: Subject, owner: bridge.Bridge) -> list[Flow]:
     "message that the runtime itself takes",
     kinds=bridge.Connection,
     needs=_ENDS,
-    given=is_sound,
+    condition=is_sound,
 )
 def core_messages_left(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """No connection takes a command of a core service from the bridge, or makes a report of one.
@@ -204,7 +204,7 @@ def _hook(message: jaus.MessageDef) -> str:
     is_decision=True,
     kinds=bridge.Connection,
     needs=(*_ENDS, "holdReason"),
-    given=is_sound,
+    condition=is_sound,
 )
 def emergencies_explained(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection of an emergency says what releases the stop, as a person has decided it.

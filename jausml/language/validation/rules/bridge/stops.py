@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     "safe value that is never sent",
     severity=Severity.WARNING,
     kinds=bridge.Connection,
-    given=is_sound,
+    condition=is_sound,
 )
 def safe_value_used(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A safe value that is not for a command takes effect only with a silence timeout.
@@ -51,7 +51,7 @@ def safe_value_used(_: Subject, connection: bridge.Connection) -> Iterator[Findi
     "command that nothing stops",
     is_decision=True,
     kinds=bridge.Connection,
-    given=is_sound,
+    condition=is_sound,
 )
 def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A connection with commands says what happens when their source is lost.
@@ -84,7 +84,7 @@ def commands_stop(subject: Subject, connection: bridge.Connection) -> Iterator[F
     "hold that is not explained",
     is_decision=True,
     kinds=bridge.Connection,
-    given=is_sound,
+    condition=is_sound,
 )
 def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A command that outlasts its source does so for a stated reason, and sends no stop.
@@ -118,7 +118,7 @@ def holds_explained(_: Subject, connection: bridge.Connection) -> Iterator[Findi
     "stop that drives",
     severity=Severity.WARNING,
     kinds=bridge.Connection,
-    given=is_sound,
+    condition=is_sound,
 )
 def stops_stand(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A stop sends zeros in what moves a vehicle: speeds, turning rates, accelerations, efforts.
@@ -150,7 +150,7 @@ def stops_stand(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     "stop that silence does not send",
     severity=Severity.WARNING,
     kinds=bridge.Connection,
-    given=is_sound,
+    condition=is_sound,
 )
 def silence_stops(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A command with a stop sends it when its source falls silent.
@@ -176,7 +176,7 @@ def silence_stops(_: Subject, connection: bridge.Connection) -> Iterator[Finding
     "silence time-out within the period",
     severity=Severity.WARNING,
     kinds=bridge.Connection,
-    given=is_sound,
+    condition=is_sound,
 )
 def timeouts_outlast_periods(_: Subject, connection: bridge.Connection) -> Iterator[Finding]:
     """A silence timeout is longer than the period of the rate that the connection declares.

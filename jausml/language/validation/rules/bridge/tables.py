@@ -84,26 +84,28 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `State -> state : look_up(gate)` with `table gate ( open <-> OPEN  closed <-> CLOSED )`
     """
-    for placed, found in _enumerated(subject, directed):
-        if wrong := found.renumbered:
-            told = ", ".join(
+    for placed, comparison in _enumerated(subject, directed):
+        if wrong := comparison.renumbered:
+            examples = ", ".join(
                 f"{one.name} is {one.number} and {other.name} {other.number}"
                 for one, other in wrong[:_MOST_NAMES]
             )
-            table = table_text(found, to_ros=placed.scope.to_ros)
+            table = table_text(comparison, to_ros=placed.scope.to_ros)
             yield Finding(
                 placed.assignment,
-                f"names that both ends have stand for other numbers: {told}",
+                f"names that both ends have stand for other numbers: {examples}",
                 "source",
                 f"look_up a table ( {table} )",
             )
     for looked in _looked_up(subject, directed):
         if astray := looked.astray:
-            told = ", ".join(
-                f"{one.name} becomes {given:g}, but {other.name} is {other.number}"
-                for one, other, given in astray[:_MOST_NAMES]
+            examples = ", ".join(
+                f"{one.name} becomes {number:g}, but {other.name} is {other.number}"
+                for one, other, number in astray[:_MOST_NAMES]
             )
-            message = f"table '{looked.table.name}' leads names astray that both ends have: {told}"
+            message = (
+                f"table '{looked.table.name}' leads names astray that both ends have: {examples}"
+            )
             meant = table_text(looked.ends, to_ros=looked.placed.scope.to_ros)
             yield Finding(looked.placed.assignment, message, "conversions", f"it is ( {meant} )")
 
@@ -118,11 +120,13 @@ def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: a table that maps STUCK to one of them, or a value set that has it
     """
-    for placed, found in _enumerated(subject, directed):
+    for placed, comparison in _enumerated(subject, directed):
         (target,) = placed.target_attributes
         legal = target.values
-        lost = [value for value in found.unmatched if legal and not _is_legal(value.number, target)]
-        if lost and not target.is_ros and found.is_of_one_enumeration:
+        lost = [
+            value for value in comparison.unmatched if legal and not _is_legal(value.number, target)
+        ]
+        if lost and not target.is_ros and comparison.is_of_one_enumeration:
             names = ", ".join(f"{value.name} ({value.number})" for value in lost[:_MOST_NAMES])
             message = f"'{target.label}' has no value for {names}, which drops the message"
             yield Finding(placed.assignment, message, "source")
@@ -137,9 +141,9 @@ def _enumerated(
             ends = placed.source_attributes, placed.target_attributes
             if placed.assignment.conversions or any(len(end) != 1 for end in ends):
                 continue
-            found = compared(ends[0][0], ends[1][0])
-            if found is not None:
-                yield placed, found
+            comparison = compared(ends[0][0], ends[1][0])
+            if comparison is not None:
+                yield placed, comparison
 
 
 @dataclass(frozen=True)
@@ -153,24 +157,24 @@ class _LookedUp:
     @property
     def given(self) -> list[tuple[bridge.TableEntry, str, str]]:
         """The entries, each with what it takes and gives, names as their numbers."""
-        taken, given = map(
+        taken, target = map(
             _Meaning, (self.placed.source_attributes[0], self.placed.target_attributes[0])
         )
         sides = ("jaus", "ros") if self.placed.scope.to_ros else ("ros", "jaus")
         return [
-            (entry, taken.of(_side(entry, sides[0])), given.of(_side(entry, sides[1])))
+            (entry, taken.of(_side(entry, sides[0])), target.of(_side(entry, sides[1])))
             for entry in self.table.entries
         ]
 
     @property
     def astray(self) -> list[tuple[NamedValue, NamedValue, float]]:
         """What both ends have by name, with the number that the table gives instead."""
-        first = {taken: given for _, taken, given in reversed(self.given) if is_real(given)}
+        first = {taken: number for _, taken, number in reversed(self.given) if is_real(number)}
         pairs = ((one, other, first.get(str(one.number))) for one, other in self.ends.common)
         return [
-            (one, other, float(given))
-            for one, other, given in pairs
-            if given is not None and float(given) != other.number
+            (one, other, float(number))
+            for one, other, number in pairs
+            if number is not None and float(number) != other.number
         ]
 
 
@@ -181,9 +185,9 @@ def _looked_up(subject: Subject, directed: Directed) -> Iterator[_LookedUp]:
             ends = placed.source_attributes, placed.target_attributes
             if len(steps) != 1 or any(len(end) != 1 for end in ends):
                 continue
-            table, found = steps[0].table, compared(ends[0][0], ends[1][0])
-            if steps[0].kind.name == LookUp.name and table is not None and found is not None:
-                yield _LookedUp(placed, table, found)
+            table, comparison = steps[0].table, compared(ends[0][0], ends[1][0])
+            if steps[0].kind.name == LookUp.name and table is not None and comparison is not None:
+                yield _LookedUp(placed, table, comparison)
 
 
 def _is_legal(number: int, attribute: Attribute) -> bool:
@@ -194,7 +198,7 @@ def _findings(
     placed: Placed[bridge.FieldAssignment], position: int, table: bridge.ValueTable
 ) -> Iterator[Finding]:
     to_ros = placed.scope.to_ros
-    given, taken = ("ros", "jaus") if to_ros else ("jaus", "ros")
+    target_side, taken = ("ros", "jaus") if to_ros else ("jaus", "ros")
     conversions = placed.assignment.conversions
     if position == 0 and len(placed.source_attributes) == 1:
         source = placed.source_attributes[0]
@@ -204,7 +208,7 @@ def _findings(
     if len(conversions) == len(placed.source_attributes) == len(placed.target_attributes) == 1:
         yield from _repeated(table, taken, placed)
     if position == len(conversions) - 1 and len(placed.target_attributes) == 1:
-        yield from _entry_findings(table, given, placed.target_attributes[0])
+        yield from _entry_findings(table, target_side, placed.target_attributes[0])
 
 
 def _entry_findings(
@@ -244,8 +248,8 @@ def _unnamed(looked: _LookedUp) -> Iterator[Finding]:
     to_ros = looked.placed.scope.to_ros
     named = (looked.ends.target if to_ros else looked.ends.source).values()
     known = {str(value.number) for value in named}
-    for entry, taken, given in looked.given:
-        if (given if to_ros else taken) not in known:
+    for entry, taken, result in looked.given:
+        if (result if to_ros else taken) not in known:
             message = f"no constant of the ROS type is {entry.ros!a}"
             hint = f"it has {', '.join(value.name for value in named)}"
             yield Finding(entry, message, "ros", hint, severity=Severity.WARNING)

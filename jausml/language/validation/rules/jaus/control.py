@@ -122,13 +122,13 @@ def authorities_differ(subject: Subject) -> Iterator[Finding]:
     Good: `authority="200"` at the one that may take over
     """
     first: dict[tuple[jaus.Component, int], tuple[jaus.Component, EObject]] = {}
-    told: set[tuple[jaus.Component, jaus.Component]] = set()
+    reported_pairs: set[tuple[jaus.Component, jaus.Component]] = set()
     for component in subject.instances(jaus.Component):
         for place, feature, target in _controlled(component):
             other, note = first.setdefault((target, component.authority), (component, place))
-            if other is component or (component, target) in told:
+            if other is component or (component, target) in reported_pairs:
                 continue
-            told.add((component, target))
+            reported_pairs.add((component, target))
             message = f"'{component.name}' and '{other.name}' control '{target.name}' with one"
             message += f" authority, {component.authority}: whoever asks first keeps it"
             hint = "raise the authority of the one that may take over"
@@ -327,20 +327,20 @@ def _messages(service: jaus.Service) -> list[jaus.MessageDef]:
 
 
 def _messages_of(component: jaus.Component) -> list[jaus.MessageDef]:
-    found: dict[jaus.MessageDef | None, None] = {}
+    messages: dict[jaus.MessageDef | None, None] = {}
     for service in with_inherited((*with_standard(component), *component.uses)):
-        found.update(dict.fromkeys(_messages(service)))
+        messages.update(dict.fromkeys(_messages(service)))
     for connection in component.connections:
-        found.update(dict.fromkeys((connection.message, connection.query)))
+        messages.update(dict.fromkeys((connection.message, connection.query)))
     if isinstance(component, bridge.Bridge):
         for bridge_connection in component.bridgeConnections:
             carried = bridge_connection.map.message if bridge_connection.map is not None else None
-            found.update(dict.fromkeys((carried, bridge_connection.query)))
+            messages.update(dict.fromkeys((carried, bridge_connection.query)))
         for call in component.serviceConnections:
-            found.update(dict.fromkeys(calls.messages(call)))
+            messages.update(dict.fromkeys(calls.messages(call)))
         for action in component.actionConnections:
             used = driver_messages(action.driver)
             if used is not None:
-                found.update(dict.fromkeys(used.all))
-            found[action.element.message if action.element is not None else None] = None
-    return [message for message in found if message is not None]
+                messages.update(dict.fromkeys(used.all))
+            messages[action.element.message if action.element is not None else None] = None
+    return [message for message in messages if message is not None]

@@ -51,23 +51,23 @@ def installed_types(subject: Subject) -> Iterator[Finding]:
 
 def _uses(subject: Subject) -> dict[InterfaceType, Use]:
     """Returns the types that a model declares or uses, each with the first use."""
-    found: dict[InterfaceType, Use] = {}
+    uses: dict[InterfaceType, Use] = {}
     types: tuple[type[InterfaceType], ...] = (ros.MessageType, ros.ServiceType, ros.ActionType)
     for own in (interface for kind in types for interface in subject.instances(kind)):
         if isinstance(own.eContainer(), ros.InterfacePackage):
-            found[own] = (own, None)
+            uses[own] = (own, None)
     users: tuple[type[User], ...] = (
         *(ros.TopicEndpoint, ros.ServiceEndpoint, bridge.AttributeMap, bridge.Join),
     )
     pending: list[tuple[InterfaceType | None, Use]] = [
         (user.type, (user, "type")) for kind in users for user in subject.instances(kind)
     ]
-    pending += [(kind, use) for own, use in found.items() for kind in _held(own)]
+    pending += [(kind, use) for own, use in uses.items() for kind in _held(own)]
     for kind, use in pending:
-        if kind is not None and kind not in found and kind.eContainer() is not None:
-            found[kind] = use
+        if kind is not None and kind not in uses and kind.eContainer() is not None:
+            uses[kind] = use
             pending += [(message_type, use) for message_type in _held(kind)]
-    return found
+    return uses
 
 
 def _held(kind: InterfaceType) -> list[ros.MessageType]:

@@ -199,14 +199,14 @@ def _topics(subject: Subject) -> list[list[Endpoint]]:
 
 
 def _find_topics(subject: Subject) -> list[list[Endpoint]]:
-    found: list[list[Endpoint]] = []
+    topics: list[list[Endpoint]] = []
     for group in subject.systems(("name", "namespace")):
         by_topic: dict[str, list[Endpoint]] = defaultdict(list)
         for end in endpoints(group):
             if subject.is_read(end.element):
                 by_topic[end.topic].append(end)
-        found += by_topic.values()
-    return found
+        topics += by_topic.values()
+    return topics
 
 
 def _offer(publisher: Endpoint) -> object:
