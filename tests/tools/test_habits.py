@@ -111,7 +111,6 @@ def test_help_says_what_each_target_does():
     assert {line.split()[0] for line in said.splitlines()} == TARGETS
 
 
-MAY_BE_BOUND = re.compile(r"\beach\b(\s+in\b|\s*[],):=])")
 
 
 HIDING = {"each", "found", "told", "made", "given", "ways", "stays"}
