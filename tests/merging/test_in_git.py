@@ -167,7 +167,7 @@ def test_a_file_that_is_no_model_is_merged_as_lines(repository):
 def test_a_file_that_comes_is_told_as_such(repository):
     (repository.folder / "models" / "other.xmi").write_text(MINIMAL, encoding="utf-8")
     repository.git("add", ".")
-    assert "+ models/other.xmi: added" in repository.git("diff", "--cached", "--ext-diff")
+    assert "+ system minimal: added" in repository.git("diff", "--cached", "--ext-diff")
 
 
 @pytest.mark.slow

@@ -113,7 +113,7 @@ def test_a_library_that_is_checked_itself_is_read_itself(tmp_path):
     read(write(tmp_path, COMPONENT), cache)
     path = library_root() / "jaus" / "mobility.xmi"
     result = read(path, cache)
-    assert result.model.documents[0].given
+    assert result.model.documents[0].is_input
     assert outline(result) == outline(read(path))
 
 

@@ -121,9 +121,9 @@ def test_a_mutation_changes_the_document_until_it_is_undone(written, name):
     texts = set()
     found = mutations(model)
     for mutation in found:
-        undoing = mutation.change.made()
+        undoing = mutation.change.apply()
         texts.add(to_xmi(roots, model, "/elsewhere/model.xmi"))
-        undoing.made()
+        undoing.apply()
         assert to_xmi(roots, model, "/elsewhere/model.xmi") == before, mutation.words
     assert before not in texts
     assert len(texts) > 0.9 * len(found)

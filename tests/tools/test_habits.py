@@ -111,8 +111,6 @@ def test_help_says_what_each_target_does():
     assert {line.split()[0] for line in said.splitlines()} == TARGETS
 
 
-
-
 HIDING = {"each", "found", "told", "made", "given", "ways", "stays"}
 """They hide the noun: a loop over services has `service`, what was found are `services`."""
 

@@ -11,7 +11,7 @@ import pytest
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths
 from jausml.language.validation.engine import check_project
-from jausml.proving.results import FieldResult, MapResult, told
+from jausml.proving.results import FieldResult, MapResult, outcome_text
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -64,4 +64,4 @@ def test_what_was_found_of_a_map_is_told() -> None:
 def test_a_number_says_how_many_of_its_values_change(unchanged, words):
     made = FieldResult("JAUS", "Speed", "", 8, 1.0, (0.0, 255.0), 256, 256, has_way_back=True)
     made.unchanged, made.changed = unchanged, 256 - unchanged
-    assert told(made) == words
+    assert outcome_text(made) == words

@@ -287,9 +287,8 @@ def _joined_inputs(ends: Ends, vector: bridge.TestVector) -> tuple[list[str], li
             path = path.partition(".")[2]
             messages.setdefault(name, ends.joined_message(join))
         if vector_value.value != ABSENT:
-            values.setdefault(name, {})[path] = (
-                messages[name].place(path).parse(str(vector_value.value))
-            )
+            place = messages[name].place(path)
+            values.setdefault(name, {})[path] = place.parse(str(vector_value.value))
     lines = [line for name, message in messages.items() for line in message.fill(values[name])]
     return lines, [name for name in messages if name]
 
