@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
@@ -39,7 +39,7 @@ class Action:
     """What happens to one file, and why.
 
     Attributes:
-        old: Text that stands there now (LF line ends); None for no file or no text.
+        old: Text that stands there (LF line ends); None for no file or one not readable as text.
         backup: Where the old bytes are copied before an overwrite, or empty.
     """
 
@@ -54,7 +54,12 @@ class Action:
 
 @dataclass(frozen=True)
 class Plan:
-    """All actions of a run; the manifest's is the last."""
+    """All actions of a run; the manifest's is the last.
+
+    Attributes:
+        manifest: Text of the new manifest, also when its action is to keep the file: the writer
+            announces it in the pending file before any other change.
+    """
 
     out: Path
     actions: tuple[Action, ...]
@@ -98,7 +103,7 @@ def make_plan(
     model: str,
     targets: Collection[str] | None,
     force: bool = False,
-    known: Callable[[frozenset[str]], Mapping[str, Any]] | None = None,
+    model_facts: Callable[[frozenset[str]], Mapping[str, Any]] | None = None,
 ) -> Plan:
     """Compares rendered files with the output folder. Reads only.
 
@@ -107,57 +112,73 @@ def make_plan(
             each file that is not among the artifacts is no longer produced.
         force: Overwrite edited generated files after a copy to `<file>.orig`. Skeletons are never
             overwritten.
-        known: Returns what is to be known of the model, for the paths that are deleted.
+        model_facts: Called with the paths to be deleted; returns what the manifest stores of the
+            model.
     """
     out = out.resolve()
-    unique = {artifact.path: artifact for artifact in artifacts}
+    by_path = {artifact.path: artifact for artifact in artifacts}
     problems = find_problems(artifacts)
     files: dict[str, Entry] = {}
     actions: list[Action] = []
-    for path, artifact in unique.items():
+    for path, artifact in by_path.items():
         entry, state = manifest.files.get(path), inspect(out, path)
-        problem = problems.get(path) or _foreign(entry, targets)
-        problem = problem or _claimed(entry, artifact, state, model)
+        problem = problems.get(path) or _other_target_problem(entry, targets)
+        problem = problem or _other_model_problem(entry, artifact, state, model)
         if problem:
             actions.append(Action(ActionKind.REFUSE, path, problem))
         else:
             actions.append(_compare(artifact, state, manifest, out, force=force))
             files[path] = new_entry(artifact, entry, model)
-    for path, kept, action in _others(artifacts, out, manifest, model, targets):
-        files |= {path: kept} if kept else {}
-        actions += [action] if action else []
-    actions += _strays(out, manifest, unique)
-    actions += _remains(out, manifest)
+    for file in _not_produced(by_path, out, manifest, model, targets):
+        if file.entry is not None:
+            files[file.path] = file.entry
+        if file.action is not None:
+            actions.append(file.action)
+    actions += _unlisted_generated(out, manifest, by_path)
+    actions += _left_by_killed_run(out, manifest)
     actions.sort(key=lambda action: action.path)
     deleted = frozenset(deletion.path for deletion in actions if deletion.kind is ActionKind.DELETE)
-    facts = known(deleted) if known else {}
+    facts = model_facts(deleted) if model_facts else {}
     models = {**manifest.models, model: {**manifest.models.get(model, {}), **facts}}
     new = Manifest(files=files, models=models)
     return Plan(out, (*actions, _manifest_action(out, manifest, new)), new.dump())
 
 
-def _others(
-    artifacts: Sequence[Artifact],
+@dataclass(frozen=True)
+class _NotProduced:
+    """A file of the old manifest that a run does not produce.
+
+    Attributes:
+        entry: Its entry in the new manifest; None when that forgets it.
+        action: What happens to it; None when nothing does.
+    """
+
+    path: str
+    entry: Entry | None
+    action: Action | None = None
+
+
+def _not_produced(
+    by_path: Mapping[str, Artifact],
     out: Path,
     manifest: Manifest,
     model: str,
     targets: Collection[str] | None,
-) -> Iterator[tuple[str, Entry | None, Action | None]]:
-    """Yields files that this run does not produce: what stays in the manifest, what happens."""
-    produced = {artifact.path for artifact in artifacts}
-    shared = {artifact.target for artifact in artifacts if artifact.is_shared}
+) -> Iterator[_NotProduced]:
+    shared = {artifact.target for artifact in by_path.values() if artifact.is_shared}
     for path, entry in manifest.files.items():
-        others = tuple(name for name in entry.models if name != model)
-        if path in produced:
+        if path in by_path:
             continue
-        if _foreign(entry, targets) or model not in entry.models:
-            yield path, entry, None
-        elif others and entry.target not in shared:
-            yield path, replace(entry, models=others), None
+        other_models = tuple(name for name in entry.models if name != model)
+        if _other_target_problem(entry, targets) or model not in entry.models:
+            yield _NotProduced(path, entry)
+        elif other_models and entry.target not in shared:
+            yield _NotProduced(path, replace(entry, models=other_models))
         else:
-            action = _gone(path, manifest, inspect(out, path), _successor(entry, artifacts))
+            successor = _successor(entry, by_path.values())
+            action = _action_for_unproduced(path, manifest, inspect(out, path), successor)
             is_orphan = action is not None and action.kind is ActionKind.ORPHAN
-            yield path, entry if is_orphan else None, action
+            yield _NotProduced(path, entry if is_orphan else None, action)
 
 
 def unified_diff(plan: Plan) -> str:
@@ -165,13 +186,15 @@ def unified_diff(plan: Plan) -> str:
     return "".join(_diff(action) for action in plan.changes)
 
 
-def _foreign(entry: Entry | None, targets: Collection[str] | None) -> str:
+def _other_target_problem(entry: Entry | None, targets: Collection[str] | None) -> str:
     if entry is None or targets is None or entry.target in targets:
         return ""
     return f"the file belongs to target '{entry.target}', which is not part of this run"
 
 
-def _claimed(entry: Entry | None, artifact: Artifact, state: FileState, model: str) -> str:
+def _other_model_problem(
+    entry: Entry | None, artifact: Artifact, state: FileState, model: str
+) -> str:
     """Says which other model has a file that would have another text; empty when none has."""
     others = [name for name in entry.models if name != model] if entry else []
     if entry is None or not others or artifact.is_shared or state.text in (None, artifact.text):
@@ -185,6 +208,7 @@ def _claimed(entry: Entry | None, artifact: Artifact, state: FileState, model: s
 def _compare(
     artifact: Artifact, state: FileState, manifest: Manifest, out: Path, *, force: bool
 ) -> Action:
+    """Returns what happens to a produced file; the first case that fits counts."""
     path = artifact.path
     entry = manifest.files.get(path)
     if state.obstacle:
@@ -232,7 +256,9 @@ def _is_untouched(state: FileState, hashes: Collection[str]) -> bool:
     return has_valid_header(state.text) or text_digest(state.text) in hashes
 
 
-def _gone(path: str, manifest: Manifest, state: FileState, successor: str) -> Action | None:
+def _action_for_unproduced(
+    path: str, manifest: Manifest, state: FileState, successor: str
+) -> Action | None:
     """Returns what happens to a file that is no longer produced; None when it is not there."""
     entry = manifest.files[path]
     if state.obstacle:
@@ -247,7 +273,7 @@ def _gone(path: str, manifest: Manifest, state: FileState, successor: str) -> Ac
     return Action(ActionKind.DELETE, path, "no longer produced", old=state.text)
 
 
-def _successor(entry: Entry, artifacts: Sequence[Artifact]) -> str:
+def _successor(entry: Entry, artifacts: Iterable[Artifact]) -> str:
     """Returns the skeleton that the same element now has under another path, or empty."""
     paths = (
         artifact.path
@@ -258,16 +284,19 @@ def _successor(entry: Entry, artifacts: Sequence[Artifact]) -> str:
     return min(paths, default="")
 
 
-def _strays(out: Path, manifest: Manifest, unique: Mapping[str, Artifact]) -> Iterator[Action]:
+def _unlisted_generated(
+    out: Path, manifest: Manifest, by_path: Mapping[str, Artifact]
+) -> Iterator[Action]:
+    """Yields the generated files that this run does not produce, where no manifest lists them."""
     if not manifest.problem:
         return
     reason = f"generated by jausml, but not of this run ({manifest.problem}); delete it if unused"
     for path in find_generated(out):
-        if path not in unique:
+        if path not in by_path:
             yield Action(ActionKind.ORPHAN, path, reason)
 
 
-def _remains(out: Path, manifest: Manifest) -> Iterator[Action]:
+def _left_by_killed_run(out: Path, manifest: Manifest) -> Iterator[Action]:
     """Yields the deletions of what a killed run left besides its files."""
     for path in (*map(temporary, manifest.unfinished), PENDING_PATH):
         state = inspect(out, path)

@@ -116,16 +116,16 @@ def broken_code(old: Model, new: Model, targets: Sequence[Target[Any]], out: Pat
     before, after = render(old, targets, beside), render(new, targets, beside)
     manifest = read_manifest(out)
     paths = [{artifact.path for artifact in state} for state in (before, after)]
-    come, gone = frozenset(paths[1] - paths[0]), frozenset(paths[0] - paths[1])
-    interfaces = Interface(before, out, manifest, come), Interface(after, out, manifest, gone)
+    added, removed = frozenset(paths[1] - paths[0]), frozenset(paths[0] - paths[1])
+    interfaces = Interface(before, out, manifest, added), Interface(after, out, manifest, removed)
     former = former_names(*interfaces)
     known = {
         (finding.kind, finding.path, finding.line, finding.column)
-        for finding in drift(before, out, manifest, deleted=come)
+        for finding in drift(before, out, manifest, deleted=added)
     }
     return [
         finding
-        for finding in drift(after, out, manifest, deleted=gone, former=former)
+        for finding in drift(after, out, manifest, deleted=removed, former=former)
         if finding.severity is not Severity.INFO
         and (finding.kind, finding.path, finding.line, finding.column) not in known
     ]
@@ -169,19 +169,17 @@ def _generate(
     processes = [dict(process) for list_processes in launching for process in list_processes(model)]
     former: dict[str, str] = {}
 
-    def known(deleted: frozenset[str]) -> dict[str, Any]:
-        before = manifest.models.get(name, {}).get("former")
+    def facts(deleted: frozenset[str]) -> dict[str, Any]:
+        remembered = manifest.models.get(name, {}).get("former")
         after = Interface(artifacts, out, manifest, deleted)
-        former.update(former_names(Interface((), out, manifest), after, before))
-        facts: dict[str, Any] = {"processes": processes} if launching else {}
-        return {**facts, "former": former} if former or before else facts
+        former.update(former_names(Interface((), out, manifest), after, remembered))
+        stored: dict[str, Any] = {"processes": processes} if launching else {}
+        return {**stored, "former": former} if former or remembered else stored
 
     plan = make_plan(
-        artifacts, out, manifest, model=name, targets=covered, force=force, known=known
+        artifacts, out, manifest, model=name, targets=covered, force=force, model_facts=facts
     )
-    compare = partial(
-        drift, artifacts, out, manifest, deleted=frozenset(plan.deleted), former=former
-    )
+    compare = partial(drift, artifacts, out, manifest, deleted=plan.deleted, former=former)
     findings = compare()
     is_written = write and not plan.refused
     if is_written:

@@ -150,7 +150,7 @@ class Workspace:
     def render(self, model, targets=None):
         return gen.render(model, self.targets if targets is None else targets)
 
-    def plan(self, model, targets=None, known=None, **options):
+    def plan(self, model, targets=None, facts=None, **options):
         names = None if targets is None else {target.name for target in targets}
         manifest = gen.read_manifest(self.out)
         artifacts = self.render(model, targets)
@@ -160,7 +160,7 @@ class Workspace:
             manifest,
             model=self.model,
             targets=names,
-            known=known and (lambda _: known),
+            model_facts=facts and (lambda _: facts),
             **options,
         )
 

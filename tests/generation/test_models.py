@@ -141,8 +141,8 @@ def test_a_file_with_one_text_belongs_to_both(shared, second, vehicle):
 
 
 def test_what_is_known_of_each_model_is_kept_apart(shared, second, vehicle, arm):
-    shared.write([vehicle], known={"processes": [1]})
-    second.write([arm], known={"processes": [2]})
+    shared.write([vehicle], facts={"processes": [1]})
+    second.write([arm], facts={"processes": [2]})
 
     assert gen.read_manifest(shared.out).models == {
         "toy": {"processes": [1]},
@@ -167,7 +167,7 @@ def forget_models(workspace, source="toy.xmi"):
 
 
 def test_an_old_manifest_is_adopted_by_the_model_of_its_file(shared, vehicle, arm):
-    shared.write([vehicle, arm], known={"processes": [1]})
+    shared.write([vehicle, arm], facts={"processes": [1]})
     new = shared.path(gen.MANIFEST_PATH).read_bytes()
     forget_models(shared)
 
@@ -195,7 +195,7 @@ def test_an_old_manifest_of_another_file_has_strangers(shared, vehicle):
 
 
 def test_a_renamed_model_keeps_its_files(shared, vehicle, arm):
-    shared.write([vehicle, arm], known={"processes": [1]})
+    shared.write([vehicle, arm], facts={"processes": [1]})
     renamed = replace(shared, model="renamed")
     manifest = gen.read_manifest(shared.out).adopted("renamed", "toy")
 

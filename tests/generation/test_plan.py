@@ -426,11 +426,11 @@ def test_the_manifest_changes_only_with_the_files_that_there_are(workspace, vehi
 
 def test_what_is_known_of_a_model_is_kept_until_it_is_replaced(workspace, vehicle):
     processes = [{"name": "v", "package": "vehicle", "module": "vehicle.node", "kind": "jaus"}]
-    workspace.write([vehicle], known={"processes": processes, "other": 1})
+    workspace.write([vehicle], facts={"processes": processes, "other": 1})
     workspace.write([vehicle])
     assert gen.read_manifest(workspace.out).models["toy"] == {"processes": processes, "other": 1}
 
-    workspace.write([vehicle], known={"processes": []})
+    workspace.write([vehicle], facts={"processes": []})
 
     assert gen.read_manifest(workspace.out).models["toy"] == {"processes": [], "other": 1}
 
