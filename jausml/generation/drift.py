@@ -43,7 +43,7 @@ def drift(
     for path in _paths(out, interface, skeletons):
         try:
             data = read_input(out / path)
-            if path in skeletons or interface.concerns(path, data):
+            if path in skeletons or interface.may_import(path, data):
                 files.append(File(path, data, tree_of(data)))
         except SourceProblem as problem:
             if path in skeletons or interface.is_inside(path):

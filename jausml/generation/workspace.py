@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.generation.artifact import Artifact
 from jausml.generation.contract.finding import CODE_RULES, STALE, Finding, Fix, fix_files
-from jausml.generation.contract.interface import Interface, former_names
+from jausml.generation.contract.interface import Interface
+from jausml.generation.contract.renames import former_names
 from jausml.generation.drift import drift
 from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
 from jausml.generation.manifest import Manifest, inspect, read_manifest

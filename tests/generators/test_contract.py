@@ -231,6 +231,16 @@ def test_a_renamed_field_is_fixed(yard):
     assert text == CODE.replace("height", "lift")
 
 
+@pytest.mark.parametrize("name", ["Pace", "Rate"])
+def test_a_renamed_field_is_still_known_when_its_class_is_renamed_too(yard, name):
+    stow = [("FoldBoom {", "StowBoom {"), ("FoldBoomRec", "StowBoomRec")]
+    yard(("fixed_field Speed", "fixed_field Pace"))
+    yard(("fixed_field Speed", f"fixed_field {name}"), *stow, fix=True)
+    expected = CODE.replace("FoldBoom", "StowBoom").replace("on_fold_boom", "on_stow_boom")
+    fixed = expected.replace("message.speed", f"message.{name.lower()}")
+    assert (yard.out / FOLDER / "boom.py").read_text() == fixed
+
+
 def test_fields_that_change_their_meaning_are_not_renamed(yard):
     old = 'Height { type: uint16  units: "m"  scale: { lower: 0  upper: 10 } }'
     new = 'Lift { type: uint16  units: "m"  scale: { lower: 0  upper: 20 } }'
