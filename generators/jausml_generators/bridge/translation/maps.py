@@ -49,7 +49,7 @@ def to_ros(
     owner: str,
     class_name: str,
     joins: Mapping[str, tuple[str, MessageView]],
-    around: Surroundings,
+    surroundings: Surroundings,
 ) -> Body:
     """Returns the steps that make `target` (ROS) from `source` (JAUS).
 
@@ -57,7 +57,7 @@ def to_ros(
         joins: Parameter and class of each joined report, by name of the join.
     """
     body = Body(owner, connection.outOfRange.name)
-    _map_to_ros(body, connection.map, message, class_name, joins, around)
+    _map_to_ros(body, connection.map, message, class_name, joins, surroundings)
     return body
 
 
@@ -66,7 +66,7 @@ def to_jaus(
     message: MessageView,
     owner: str,
     joins: Mapping[str, tuple[str, ros.MessageType]],
-    around: Surroundings,
+    surroundings: Surroundings,
 ) -> Body:
     """Returns the steps that make `target` (JAUS) from `source` (ROS).
 
@@ -74,7 +74,7 @@ def to_jaus(
         joins: Parameter and `ros.MessageType` of each joined message, by name of the join.
     """
     body = Body(owner, connection.outOfRange.name)
-    _map_to_jaus(body, connection.map, message, joins, around)
+    _map_to_jaus(body, connection.map, message, joins, surroundings)
     return body
 
 
@@ -83,15 +83,15 @@ def stop(
     message: MessageView,
     owner: str,
     class_name: str,
-    around: Surroundings,
+    surroundings: Surroundings,
 ) -> Body:
     """Returns the steps that make `target`, of either side, without a source."""
     body = Body(owner, connection.outOfRange.name)
     used = connection.map
     if connection.direction.name == "jausToRos":
-        translation = _translation_to_ros(body, used, message, {}, around)
+        translation = _translation_to_ros(body, used, message, {}, surroundings)
     else:
-        translation = _translation_to_jaus(body, used, message, {}, around)
+        translation = _translation_to_jaus(body, used, message, {}, surroundings)
         class_name = message.class_name
     body.add(Write(TARGET, New(class_name)))
     translation.add(stop_assignments(connection))
@@ -114,11 +114,11 @@ def _map_to_ros(
     message: MessageView,
     class_name: str,
     joins: Mapping[str, tuple[str, MessageView]],
-    around: Surroundings,
+    surroundings: Surroundings,
 ) -> None:
     if may_set_limits(attribute_map.message):
         _refuse_limits(body, attribute_map)
-    translation = _translation_to_ros(body, attribute_map, message, joins, around)
+    translation = _translation_to_ros(body, attribute_map, message, joins, surroundings)
     # What is required comes before anything is made: a refused message costs least.
     translation.require(attribute_map.toRos)
     body.add(Write(TARGET, New(class_name)))
@@ -131,9 +131,9 @@ def _map_to_jaus(
     attribute_map: bridge.AttributeMap,
     message: MessageView,
     joins: Mapping[str, tuple[str, ros.MessageType]],
-    around: Surroundings,
+    surroundings: Surroundings,
 ) -> None:
-    translation = _translation_to_jaus(body, attribute_map, message, joins, around)
+    translation = _translation_to_jaus(body, attribute_map, message, joins, surroundings)
     translation.require(attribute_map.toJaus)
     body.add(Write(TARGET, New(message.class_name)))
     translation.add(attribute_map.toJaus)
@@ -144,12 +144,14 @@ def _translation_to_ros(
     attribute_map: bridge.AttributeMap,
     message: MessageView,
     joins: Mapping[str, tuple[str, MessageView]],
-    around: Surroundings,
+    surroundings: Surroundings,
 ) -> _MapTranslation:
     start = RosStart("target", attribute_map.type)
-    target = RosTarget(attribute_map.type, start, around.type_name)
+    target = RosTarget(attribute_map.type, start, surroundings.type_name)
     source = JausSource(message, JausStart("source", names=body.local_of), joins=joins)
-    return _MapTranslation(body, around, attribute_map, source, target, body.owner, _nested_method)
+    return _MapTranslation(
+        body, surroundings, attribute_map, source, target, body.owner, _nested_method
+    )
 
 
 def _translation_to_jaus(
@@ -157,11 +159,13 @@ def _translation_to_jaus(
     attribute_map: bridge.AttributeMap,
     message: MessageView,
     joins: Mapping[str, tuple[str, ros.MessageType]],
-    around: Surroundings,
+    surroundings: Surroundings,
 ) -> _MapTranslation:
     source = RosSource(attribute_map.type, RosStart("source", attribute_map.type), joins)
     target = JausTarget(message)
-    return _MapTranslation(body, around, attribute_map, source, target, body.owner, _nested_method)
+    return _MapTranslation(
+        body, surroundings, attribute_map, source, target, body.owner, _nested_method
+    )
 
 
 def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap) -> str:
@@ -170,26 +174,26 @@ def _nested_method(translation: Translation, attribute_map: bridge.AttributeMap)
     Args:
         attribute_map: The `bridge.AttributeMap` of the message inside.
     """
-    around, owner = translation.surroundings, translation.body.owner
+    surroundings, owner = translation.surroundings, translation.body.owner
     key = (owner, attribute_map, translation.to_ros)
-    if key in around.nested:
-        return around.nested[key].name
-    message = around.view_of(attribute_map.message)
-    type_name = around.type_name(attribute_map.type)
+    if key in surroundings.nested:
+        return surroundings.nested[key].name
+    message = surroundings.view_of(attribute_map.message)
+    type_name = surroundings.type_name(attribute_map.type)
     ends = (message.class_name, type_name)
     source, target = ends if translation.to_ros else ends[::-1]
-    name = around.attributes.claim(f"_{owner}_{snake_case(attribute_map.name)}")
+    name = surroundings.attributes.claim(f"_{owner}_{snake_case(attribute_map.name)}")
     words = (f"{message.jaus_name} ({message.code_text})", full_name(attribute_map.type))
     source_words, target_words = words if translation.to_ros else words[::-1]
     about = printable(attribute_map.documentation or "")
     text = "\n\n".join(filter(None, [f"{source_words} to {target_words}.", about]))
     # Entered before its statements are made, so that a message within itself finds its method.
-    nested = around.nested[key] = NestedTranslation(name, source, target, text)
+    nested = surroundings.nested[key] = NestedTranslation(name, source, target, text)
     body = Body(owner, translation.body.policy)
     if translation.to_ros:
-        _map_to_ros(body, attribute_map, message, type_name, {}, around)
+        _map_to_ros(body, attribute_map, message, type_name, {}, surroundings)
     else:
-        _map_to_jaus(body, attribute_map, message, {}, around)
+        _map_to_jaus(body, attribute_map, message, {}, surroundings)
     nested.lines = printed(body.steps)
     return name
 

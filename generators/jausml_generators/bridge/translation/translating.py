@@ -43,64 +43,66 @@ _NAME = "\1"
 
 
 @dataclass
-class _Unnamed(Surroundings):
-    """Surroundings of a connection without a name: what takes its name is claimed later.
+class _UnnamedSurroundings(Surroundings):
+    """Surroundings of a translation that many connections share.
+
+    Where each connection has an attribute of its own, a mark stands for the name of that.
 
     Attributes:
-        claims: How each of it is claimed, from the surroundings, the name of a connection
-            and the frames of its map.
+        claims: By mark, what claims the attribute, from the surroundings of the bridge, the name
+            of a connection and the frames of its map.
     """
 
     claims: list[Callable[[Surroundings, str, Frames], str]] = field(default_factory=list)
 
     def frame(self, connection: str, path: str, value: str) -> str:  # noqa: ARG002 - none yet
-        """Returns what stands for the attribute of the name of a frame."""
-        return self._later(
+        """Returns the mark for the attribute of the name of a frame."""
+        return self._marked(
             lambda uses, name, frames: uses.frame(name, path, frames.get(path, value))
         )
 
     def memory(self, name: str, annotation: str) -> str:
-        """Returns what stands for the attribute that keeps a value."""
-        return self._later(
+        """Returns the mark for the attribute that keeps a value."""
+        return self._marked(
             lambda uses, connection, _: uses.memory(name.replace(_NAME, connection), annotation)
         )
 
-    def _later(self, claim: Callable[[Surroundings, str, Frames], str]) -> str:
+    def _marked(self, claim: Callable[[Surroundings, str, Frames], str]) -> str:
         self.claims.append(claim)
         return _mark(len(self.claims) - 1)
 
 
-class _Made(NamedTuple):
-    """A translation as the body of a method, and as a function of the compiled core."""
+class _SharedTranslation(NamedTuple):
+    """The body of a method without names of connections, frames and messages.
 
-    lines: tuple[str, ...]
-    compiled: Compiled | None
-
-
-class _Shared(NamedTuple):
-    """A translation without a name, and its functions by message."""
+    Attributes:
+        compiled: Its functions in the compiled core, by message.
+    """
 
     text: str
     steps: tuple[Step, ...]
-    around: _Unnamed
+    surroundings: _UnnamedSurroundings
     compiled: dict[jaus.MessageDef, Compiled | None]
 
 
 @dataclass(frozen=True)
-class _Asked:
-    """A translation that a connection asks for, and how its steps, lines and function are made."""
+class _TranslationRequest:
+    """What a connection needs translated, and what makes the steps, lines and function of it.
+
+    Attributes:
+        make_steps: Returns the steps for the name of a connection, a message and surroundings.
+    """
 
     name: str
     message: MessageView
-    used: bridge.AttributeMap
-    steps: Callable[[str, MessageView, Surroundings], tuple[Step, ...]]
-    printed: Callable[[tuple[Step, ...]], tuple[str, ...]]
-    compiled: Callable[[tuple[Step, ...]], Compiled | None]
+    attribute_map: bridge.AttributeMap
+    make_steps: Callable[[str, MessageView, Surroundings], tuple[Step, ...]]
+    print_steps: Callable[[tuple[Step, ...]], tuple[str, ...]]
+    compile_steps: Callable[[tuple[Step, ...]], Compiled | None]
 
-    def alone(self, uses: Surroundings) -> _Made:
-        """Returns it as it is when nobody shares it."""
-        steps = self.steps(self.name, self.message, uses)
-        return _Made(self.printed(steps), self.compiled(steps))
+
+_Printed = tuple[tuple[str, ...], "Compiled | None"]
+"""A translation as the lines of a method, and as a function of the compiled core."""
 
 
 class SharedTranslations:
@@ -108,34 +110,35 @@ class SharedTranslations:
 
     def __init__(self, uses: Surroundings) -> None:
         self._uses = uses
-        self._shared: dict[object, _Shared] = {}
+        self._shared: dict[object, _SharedTranslation] = {}
 
-    def translation(self, key: object, asked: _Asked) -> _Made:
-        """Returns a translation."""
+    def translation(self, key: object, request: _TranslationRequest) -> _Printed:
+        """Returns a translation with the names of the connection that requests it."""
         if key not in self._shared:
-            # The very collections of the bridge, no copies: what is made here counts for all of it.
-            known = {
-                attribute.name: getattr(self._uses, attribute.name)
-                for attribute in fields(self._uses)
-            }
-            around = _Unnamed(**known)
-            steps = asked.steps(_NAME, build_unnamed(asked.message), around)
-            self._shared[key] = _Shared("\n".join(asked.printed(steps)), steps, around, {})
-        shared, element = self._shared[key], asked.used.message
+            self._shared[key] = self._unnamed(request)
+        shared, element = self._shared[key], request.attribute_map.message
         if element not in shared.compiled:
-            shared.compiled[element] = asked.compiled(shared.steps)
-        # Each connection has attributes of its own, in the order of the marks.
-        frames = frames_of(asked.used)
-        claimed = [claim(self._uses, asked.name, frames) for claim in shared.around.claims]
+            shared.compiled[element] = request.compile_steps(shared.steps)
+        frames = frames_of(request.attribute_map)
+        attributes = [
+            claim(self._uses, request.name, frames) for claim in shared.surroundings.claims
+        ]
 
         def named(text: str) -> str:
-            for number, claimed_name in enumerate(claimed):
-                text = text.replace(_mark(number), claimed_name)
-            return text.replace(_NAME, asked.name).replace(FORM_CLASS, asked.message.class_name)
+            for number, attribute in enumerate(attributes):
+                text = text.replace(_mark(number), attribute)
+            return text.replace(_NAME, request.name).replace(FORM_CLASS, request.message.class_name)
 
         compiled = shared.compiled[element]
-        lines = named(shared.text).split("\n")
-        return _Made(tuple(lines), None if compiled is None else compiled.renamed(named))
+        lines = tuple(named(shared.text).split("\n"))
+        return lines, None if compiled is None else compiled.renamed(named)
+
+    def _unnamed(self, request: _TranslationRequest) -> _SharedTranslation:
+        # The very collections of the bridge, no copies: what is made here counts for all of it.
+        collections = {item.name: getattr(self._uses, item.name) for item in fields(self._uses)}
+        surroundings = _UnnamedSurroundings(**collections)
+        steps = request.make_steps(_NAME, build_unnamed(request.message), surroundings)
+        return _SharedTranslation("\n".join(request.print_steps(steps)), steps, surroundings, {})
 
 
 def _mark(number: int) -> str:
@@ -157,7 +160,7 @@ class AlikeMaps:
         self._frames: set[EObject] = set()
 
     def first(self, attribute_map: bridge.AttributeMap) -> bridge.AttributeMap:
-        """Returns the first that was asked for of the maps that say the same.
+        """Returns the first map, of those seen so far, that says the same.
 
         They may differ in their own names, in those of frames, which are parameters, and in the
         names and codes of their messages, if these are of one service and laid out alike.
@@ -269,16 +272,6 @@ class Translations:
     core: Core
 
 
-@dataclass(frozen=True)
-class _Around:
-    """What all translations of a bridge have in common."""
-
-    uses: Surroundings
-    shared: SharedTranslations
-    maps: AlikeMaps
-    core: Core
-
-
 def translate(
     element: bridge.Bridge,
     connections: Sequence[bridge.Connection],
@@ -292,23 +285,15 @@ def translate(
     methods = _methods_of([*connections, *element.serviceConnections])
     attributes = Scope(_TAKEN_ATTRIBUTES | methods)
     uses = Surroundings(view_of, ros_classes.name_of, overrides, attributes)
-    named = [
-        (
-            connection,
-            attributes.claim(snake_case(connection.name)),
-            ros_classes.name_of(connection.map.type),
-        )
-        for connection in connections
-    ]
+    names = [attributes.claim(snake_case(connection.name)) for connection in connections]
+    ros_names = [ros_classes.name_of(connection.map.type) for connection in connections]
     core = Core(light, ros_classes, uses)
-    around = _Around(uses, SharedTranslations(uses), AlikeMaps(view_of), core)
-    translated = tuple(_translated(*entry, around) for entry in named)
-    calling = [
-        (service_connection, attributes.claim(snake_case(service_connection.name)), ros_classes)
-        for service_connection in element.serviceConnections
-    ]
-    of_calls = tuple(_translated_call(*entry, around) for entry in calling)
-    return Translations(translated, of_calls, uses, ros_classes, core)
+    translator = _Translator(uses, SharedTranslations(uses), AlikeMaps(view_of), core)
+    translated = tuple(map(translator.connection, connections, names, ros_names))
+    services = element.serviceConnections
+    call_names = [attributes.claim(snake_case(service.name)) for service in services]
+    translated_calls = tuple(map(translator.call, services, call_names))
+    return Translations(translated, translated_calls, uses, ros_classes, core)
 
 
 def _methods_of(
@@ -323,85 +308,89 @@ def _methods_of(
     )
 
 
-def _translated_call(
-    connection: bridge.RosServiceConnection,
-    name: str,
-    ros_classes: RosClasses,
-    around: _Around,
-) -> TranslatedCall:
-    request, response = map(ros_classes.name_of, calls.types(connection))
-    halves = {}
-    for half in calls.halves(connection):
-        half_connection = calls.as_connection(connection, half)
-        own = around.uses.attributes.claim(f"{name}_{half.kind}")
-        ros_name = ros_classes.name_of(half.map.type)
-        translated = _translated(half_connection, own, ros_name, around)
-        halves[half.kind] = (half_connection, translated)
-    return TranslatedCall(name, request, response, halves)
+@dataclass(frozen=True)
+class _Translator:
+    """Translates the connections of one bridge."""
+
+    uses: Surroundings
+    shared: SharedTranslations
+    maps: AlikeMaps
+    core: Core
+
+    def call(self, connection: bridge.RosServiceConnection, name: str) -> TranslatedCall:
+        """Translates a service connection."""
+        request, response = map(self.uses.type_name, calls.types(connection))
+        halves = {}
+        for half in calls.halves(connection):
+            half_connection = calls.as_connection(connection, half)
+            own = self.uses.attributes.claim(f"{name}_{half.kind}")
+            translated = self.connection(half_connection, own, self.uses.type_name(half.map.type))
+            halves[half.kind] = (half_connection, translated)
+        return TranslatedCall(name, request, response, halves)
+
+    def connection(self, connection: bridge.Connection, name: str, ros_name: str) -> Translated:
+        """Translates a connection."""
+        uses, used = self.uses, connection.map
+        message = uses.view_of(used.message)
+        is_to_ros = connection.direction.name == "jausToRos"
+        joins = _joins(connection, uses)
+
+        parameters = [join.name for join in joins]
+        function = f"{snake_case(used.name)}_to_{'ros' if is_to_ros else 'jaus'}"
+        reports = {
+            str(join.name): (translated_join.name, uses.view_of(join.message))
+            for translated_join in joins
+            if isinstance(join := translated_join.join, bridge.ReportJoin)
+        }
+        types = {
+            str(join.name): (translated_join.name, join.type)
+            for translated_join in joins
+            if isinstance(join := translated_join.join, bridge.Join)
+        }
+        ends = Ends(
+            message, used.type, {**dict(reports.values()), **dict(types.values())}, is_to_ros
+        )
+
+        def make_steps(
+            owner: str, view: MessageView, surroundings: Surroundings
+        ) -> tuple[Step, ...]:
+            if is_to_ros:
+                body = to_ros(connection, view, owner, ros_name, reports, surroundings)
+            else:
+                body = to_jaus(connection, view, owner, types, surroundings)
+            return tuple(body.steps)
+
+        print_steps = partial(printed, parameters=parameters)
+        compile_steps = partial(self.core.add, function, ends=ends)
+        alike = (self.maps.first(used), is_to_ros, connection.outOfRange.name)
+        if any(attribute_map is not used for attribute_map in used_maps(used, to_ros=is_to_ros)):
+            # Each connection has its own methods for the messages inside its message.
+            steps = make_steps(name, message, uses)
+            lines, compiled = print_steps(steps), compile_steps(steps)
+        else:
+            request = _TranslationRequest(
+                name, message, used, make_steps, print_steps, compile_steps
+            )
+            lines, compiled = self.shared.translation(alike, request)
+        safe_lines: tuple[str, ...] = ()
+        # Lists and calls, which are in no model as connections, end in ways of their own.
+        if connection.eContainer() is not None and has_stop(connection):
+            stopped = stop(connection, message, name, ros_name, uses)
+            safe_lines = _returned(printed(stopped.steps))
+        return Translated(name, ros_name, joins, lines, safe_lines, alike, compiled)
 
 
 def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[TranslatedJoin, ...]:
     """Returns what is joined to the message that a connection takes."""
     scope, used = Scope(OWN_NAMES), connection.map
+    typed: list[tuple[bridge.Join | bridge.ReportJoin, str]]
     if connection.direction.name == "jausToRos":
-        return tuple(
-            TranslatedJoin(
-                report_join,
-                scope.claim(snake_case(report_join.name)),
-                uses.view_of(report_join.message).class_name,
-            )
-            for report_join in used.reportJoins
-        )
-    return tuple(
-        TranslatedJoin(join, scope.claim(snake_case(join.name)), uses.type_name(join.type))
-        for join in used.joins
-    )
-
-
-def _translated(
-    connection: bridge.Connection, name: str, ros_name: str, around: _Around
-) -> Translated:
-    uses, maps = around.uses, around.maps
-    used, message = connection.map, uses.view_of(connection.map.message)
-    is_to_ros = connection.direction.name == "jausToRos"
-    joins = _joins(connection, uses)
-
-    parameters = [join.name for join in joins]
-    function = f"{snake_case(used.name)}_to_{'ros' if is_to_ros else 'jaus'}"
-    reports = {
-        str(join.name): (translated_join.name, uses.view_of(join.message))
-        for translated_join in joins
-        if isinstance(join := translated_join.join, bridge.ReportJoin)
-    }
-    types = {
-        str(join.name): (translated_join.name, join.type)
-        for translated_join in joins
-        if isinstance(join := translated_join.join, bridge.Join)
-    }
-    ends = Ends(message, used.type, {**dict(reports.values()), **dict(types.values())}, is_to_ros)
-
-    def steps(name: str, message: MessageView, around: Surroundings) -> tuple[Step, ...]:
-        if is_to_ros:
-            body = to_ros(connection, message, name, ros_name, reports, around)
-        else:
-            body = to_jaus(connection, message, name, types, around)
-        return tuple(body.steps)
-
-    compiled = partial(around.core.add, function, ends=ends)
-    asked = _Asked(name, message, used, steps, partial(printed, parameters=parameters), compiled)
-    alike = (maps.first(used), is_to_ros, connection.outOfRange.name)
-    if any(attribute_map is not used for attribute_map in used_maps(used, to_ros=is_to_ros)):
-        # Each connection has its own methods for the messages inside its message.
-        translation = asked.alone(uses)
+        typed = [(join, uses.view_of(join.message).class_name) for join in used.reportJoins]
     else:
-        translation = around.shared.translation(alike, asked)
-    safe_lines: tuple[str, ...] = ()
-    # Lists and calls, which are in no model as connections, end in ways of their own.
-    if connection.eContainer() is not None and has_stop(connection):
-        stopped = stop(connection, message, name, ros_name, uses)
-        safe_lines = _returned(printed(stopped.steps))
-    return Translated(
-        name, ros_name, joins, translation.lines, safe_lines, alike, translation.compiled
+        typed = [(join, uses.type_name(join.type)) for join in used.joins]
+    return tuple(
+        TranslatedJoin(join, scope.claim(snake_case(join.name)), type_name)
+        for join, type_name in typed
     )
 
 
