@@ -57,8 +57,7 @@ class Plan:
     """All actions of a run; the manifest's is the last.
 
     Attributes:
-        manifest: Text of the new manifest, also when its action is to keep the file: the writer
-            announces it in the pending file before any other change.
+        manifest: Text of the new manifest; the pending file gets it even where it stays the same.
     """
 
     out: Path

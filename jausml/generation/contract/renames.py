@@ -9,14 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from jausml.generation.contract.interface import Interface
-from jausml.generation.contract.symbols import (
-    Class,
-    Module,
-    Modules,
-    Symbol,
-    Value,
-    is_enumeration,
-)
+from jausml.generation.contract.symbols import Class, Module, Modules, Symbol, Value, is_enumeration
 
 _Symbols = Mapping[str, Symbol | None]
 """What a module or a class defines, by name."""
@@ -137,18 +130,14 @@ def _renamed_fields(
     new_class: Class,
     old_fields: Sequence[str],
     new_fields: Sequence[str],
-    inner_classes: Mapping[str, str],
+    renamed_classes: Mapping[str, str],
 ) -> dict[str, str]:
-    """Returns the new names of fields, if nothing but names differs between two classes.
-
-    Args:
-        inner_classes: The new names of the classes inside.
-    """
+    """Returns the new names of fields, if nothing but names differs between two classes."""
     if len(old_fields) != len(new_fields):
         return {}
     fields = dict(zip(old_fields, new_fields, strict=True))
     text = _normalized_code(old_class.node)
-    for old_name, new_name in {**inner_classes, **fields}.items():
+    for old_name, new_name in {**renamed_classes, **fields}.items():
         text = re.sub(rf"\b{old_name}\b", new_name, text)
     return fields if text == _normalized_code(new_class.node) else {}
 
