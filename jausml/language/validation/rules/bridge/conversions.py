@@ -75,7 +75,7 @@ def conversions(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
 
 
 @conversions.also(DIRECTED)
-def _conversions_d_i_r_e_c_t_e_d(subject: Subject, directed: Directed) -> Iterator[Finding]:
+def _directed_conversions(subject: Subject, directed: Directed) -> Iterator[Finding]:
     for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
             yield from _chain_findings(placed)
