@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import io
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -326,8 +327,8 @@ def _manifest_action(out: Path, old: Manifest, new: Manifest) -> Action:
 
 
 def _diff(action: Action) -> str:
-    before = action.old.splitlines(keepends=True) if action.old else []
-    after = action.new.splitlines(keepends=True) if action.new else []
+    # Of lines `patch` knows \n alone; `splitlines` also cuts at a form feed, which Python may have.
+    before, after = (list(io.StringIO(text or "")) for text in (action.old, action.new))
     lines = difflib.unified_diff(
         before,
         after,
