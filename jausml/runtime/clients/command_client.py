@@ -85,9 +85,8 @@ class PendingCommand:
             self._client.component.call(self._on_refused, code, text)
 
     def report_end(self, *, succeeded: bool) -> None:
-        """Tell the user whether the command was done."""
-        self._client.forget(self)
-        if self._on_done is not None:
+        """Tell the user whether the command was done, if that is awaited still."""
+        if self._client.forget(self) and self._on_done is not None:
             self._client.component.call(self._on_done, succeeded)
 
     def stop_waiting(self) -> None:
@@ -168,11 +167,15 @@ class CommandClient:
         pending = self._pending.get((sender, message.request_id))
         if pending is not None and pending.event_id is None:
             self._take_answer(pending)
+            # A target that has the same command under way replaces it, under the id that it has.
+            replaced = self._awaiting(sender, message.event_id)
             # A target may use all its time, and its report is repeated on a bad link: it is given
             # as long as any other component that is silent.
             pending.await_end(message.event_id, self.component.settings.retry_max)
             result = self._early_results.get(sender, {}).pop(message.event_id, None)
             self._drop_early_results(sender)
+            if replaced is not None:
+                replaced.report_end(succeeded=False)
             if result is not None:
                 pending.report_end(succeeded=result == CommandEvent.CommandResult.SUCCESSFUL)
 
@@ -188,16 +191,26 @@ class CommandClient:
         self.component.transport.answered(self.component.address, pending.target, start)
 
     def _ended(self, message: CommandEvent, sender: JausAddress) -> None:
-        for pending in self._pending.values():
-            if (pending.target, pending.event_id) == (sender, message.event_id):
-                pending.report_end(
-                    succeeded=message.command_result == CommandEvent.CommandResult.SUCCESSFUL
-                )
-                return
-        if self._has_unconfirmed(sender):
+        pending = self._awaiting(sender, message.event_id)
+        if pending is not None:
+            pending.report_end(
+                succeeded=message.command_result == CommandEvent.CommandResult.SUCCESSFUL
+            )
+        elif self._has_unconfirmed(sender):
             self._early_results.setdefault(sender, {})[message.event_id] = message.command_result
         else:
             self.component.counters.add("command_client.unknown_event")
+
+    def _awaiting(self, target: JausAddress, event_id: int) -> PendingCommand | None:
+        """Return the confirmed command of an event; None where there is none."""
+        return next(
+            (
+                pending
+                for pending in self._pending.values()
+                if (pending.target, pending.event_id) == (target, event_id)
+            ),
+            None,
+        )
 
     def _has_unconfirmed(self, target: JausAddress) -> bool:
         return any(

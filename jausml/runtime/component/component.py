@@ -213,7 +213,8 @@ class JausComponent(ComponentBase):
 
         Args:
             target: The component to command; it must be controlled if the command needs that.
-            on_done: Told whether the command was done; False also when it took too long.
+            on_done: Told whether the command was done; False also when it took too long, or when
+                the same command of this component took its place at the target.
             on_refused: Told the code of RejectEventRequest and its text; the code is None when
                 the target did not answer.
             max_duration: Seconds that the command may take.

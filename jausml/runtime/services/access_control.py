@@ -40,13 +40,13 @@ MAX_REQUESTERS = 256
 
 
 class _Count:
-    __slots__ = ("code", "number", "since", "waits")
+    __slots__ = ("code", "number", "since", "waiting")
 
-    def __init__(self, code: int, since: float) -> None:
-        self.code = code
-        self.since = since
+    def __init__(self, loop: Loop) -> None:
+        self.code = -1
+        self.since = 0.0
         self.number = 0
-        self.waits = False
+        self.waiting = Alarm(loop)
 
 
 class Refusals:
@@ -64,38 +64,34 @@ class Refusals:
 
         Args:
             code: Why it is refused; another reason is told at once.
-            again: Judges the request again; of several that wait the first one is.
+            again: Judges the request again; of several of a requester the last one is.
         """
         now = self._loop.now()
-        count = self._counts.get(requester)
-        if count is None or count.code != code or now >= count.since + PERIOD:
-            waits = count is not None and count.waits
-            count = self._begin(requester, code, now)
-            if count is None:
-                return False
-            count.waits = waits
+        count = self._counts.get(requester) or self._begin(requester, now)
+        if count is None:
+            return False
+        if count.code != code or now >= count.since + PERIOD:
+            count.code, count.since, count.number = code, now, 0
         count.number += 1
         if count.number <= LIMIT:
             return False
-        if not count.waits:
-            count.waits = True
-            self._loop.call_at(count.since + PERIOD, lambda: self._judge(requester, again))
+        count.waiting.set_at(count.since + PERIOD, again)
         return True
 
-    def _begin(self, requester: JausAddress, code: int, now: float) -> _Count | None:
-        if requester not in self._counts and len(self._counts) >= MAX_REQUESTERS:
-            lately = self._counts.items()
-            self._counts = {a: c for a, c in lately if c.waits or now < c.since + PERIOD}
-            if len(self._counts) >= MAX_REQUESTERS:
-                return None
-        self._counts[requester] = _Count(code, now)
-        return self._counts[requester]
-
-    def _judge(self, requester: JausAddress, again: Callable[[], None]) -> None:
+    def forget(self, requester: JausAddress) -> None:
+        """Judge nothing again that waits: newer words of the requester count, or it has control."""
         count = self._counts.get(requester)
         if count is not None:
-            count.waits = False
-        again()
+            count.waiting.cancel()
+
+    def _begin(self, requester: JausAddress, now: float) -> _Count | None:
+        if len(self._counts) >= MAX_REQUESTERS:
+            lately = self._counts.items()
+            self._counts = {a: c for a, c in lately if c.waiting.is_set or now < c.since + PERIOD}
+            if len(self._counts) >= MAX_REQUESTERS:
+                return None
+        count = self._counts[requester] = _Count(self._loop)
+        return count
 
 
 Confirm = ConfirmControl.ResponseCode
@@ -175,6 +171,7 @@ class AccessControlService:
         self._controller_changed()
 
     def _request(self, message: RequestControl, sender: JausAddress) -> None:
+        self._refusals.forget(sender)
         code = message.authority_code
         if not self.available and not (self.kept and sender == self.controller):
             self._refuse(message, sender, Confirm.NOT_AVAILABLE)
@@ -197,6 +194,7 @@ class AccessControlService:
         Args:
             confirm: Tells the client, after the former controller and before those who watch.
         """
+        self._refusals.forget(client)
         former, self.controller = self.controller, client
         self.has_lapsed = False
         raised, self.authority = self.authority != code, code
@@ -212,6 +210,7 @@ class AccessControlService:
             self._authority_changed()
 
     def _release(self, _message: ReleaseControl, sender: JausAddress) -> None:
+        self._refusals.forget(sender)
         if self.controller is None:
             refused = not (self.available or self._is_1_0 or sender in self.emergency_clients)
             reason = Reject.NOT_AVAILABLE if refused else Reject.CONTROL_RELEASED

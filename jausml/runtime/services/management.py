@@ -286,7 +286,8 @@ class ManagementService:
         elif status is Status.READY:
             self._component.call(self._component.on_ready)
         self._component.core_state_changed()
-        self._component.permit_control(status not in PASSIVE)
+        # A hook may have reported a failure meanwhile.
+        self._component.permit_control(self.status not in PASSIVE)
         self._component.report_changed(ReportStatus)
 
     def _report_status(self, _query: Message, _sender: JausAddress) -> ReportStatus:

@@ -123,6 +123,14 @@ class TestServedCalls:
         assert reason.startswith(f"{PEER} answered RejectControl")
         assert setting.drops(served) == {"rejected": 1}
 
+    def test_rejection_that_cannot_be_read(self, world, setting, client):
+        served = setting.open(command(rejections=[RejectControl]))
+        client.call()
+        world.send(PEER, OWN, RejectControl().encode()[:2])
+        world.settle()
+        assert client.told == [(False, f"{PEER} answered RejectControl")]
+        assert setting.drops(served) == {"rejected": 1}
+
     def test_timeout(self, world, setting, client):
         served = setting.open(connection())
         client.call()
@@ -260,3 +268,26 @@ def test_a_service_that_is_absent_is_told_and_found_when_it_comes(world, setting
     assert isinstance(told, RejectControl)
     assert setting.drops(asked) == {"no_service": 1, "rejected": 1}
     assert asked.statistics.passed == 1
+
+
+def test_a_call_that_cannot_be_sent_is_rejected_once(world, setting):
+    asked = JausToRosService(
+        "ask",
+        service=RosService("ask", "test_srvs/srv/Trigger", Request, Response, success="success"),
+        request=SetTime,
+        response=ReportTimeout,
+        rejections=[RejectControl],
+        timeout=1.5,
+    )
+    setting.open(asked)
+
+    def fail(_request):
+        raise RuntimeError("the middleware refuses")
+
+    setting.ros.answers["ask"] = fail
+    caller = world.probe(str(PEER))
+    (told,) = caller.ask(minutes(5), OWN)
+    assert isinstance(told, RejectControl)
+    world.run(2.0)
+    assert caller.take() == []
+    assert setting.drops(asked) == {"answer_not_delivered": 1}

@@ -137,6 +137,31 @@ class TestCommand:
         world.settle()
         assert first.done == [True]
 
+    def test_a_command_that_the_same_one_replaces_has_failed(self, world, robot, client):
+        first, second = Outcome(), Outcome()
+        client.command(TARGET, Drive(authority_code=1), **first.callbacks())
+        world.settle()
+        client.command(TARGET, Drive(authority_code=2), **second.callbacks())
+        world.settle()
+        assert (first.done, second.done) == ([False], [])
+        robot.drives[-1].succeed()
+        world.settle()
+        assert (first.done, second.done) == ([False], [True])
+
+    def test_a_command_that_is_cancelled_when_it_replaces_one_is_told_of_no_more(
+        self, world, robot, client, outcome
+    ):
+        """The end of the former command has its user give up both."""
+        following = []
+        client.command(TARGET, Drive(), on_done=lambda _: following[0].cancel(), on_refused=None)
+        world.settle()
+        following.append(client.command(TARGET, Drive(), **outcome.callbacks()))
+        world.settle()
+        assert not robot.drives[-1].active
+        world.run(100.0, step=1.0)
+        assert (outcome.done, outcome.refused) == ([], [])
+        assert "command_client.lost" not in world.counters.snapshot()
+
     def test_next_to_events_of_the_same_provider(self, world, client, outcome):
         reports = []
         client.subscribe(

@@ -354,6 +354,24 @@ def test_a_component_that_must_not_work_controls_nobody(world, end):
         assert session.state is READY
 
 
+@pytest.mark.parametrize("hook", ["on_ready", "on_not_ready"])
+def test_a_component_that_fails_in_a_hook_controls_nobody(world, hook):
+    commander = world.component("2.1.1", kind=JausComponent, control_timeout=0)
+    commander.start()
+    setattr(commander, hook, lambda: commander.fail("a brake is stuck"))
+    tested = target(world)
+    session = commander.control(TARGET, authority=127)
+    world.run(1.0)
+    assert session.state is READY
+    operator = world.probe("3.1.1", strict=False)
+    for message in (RequestControl(authority_code=127), Resume(), Standby()):
+        operator.ask(message, commander)
+    world.run(3.0)
+    assert commander.status is Status.FAILURE
+    assert tested.controller is None
+    assert session.state is SEEKING
+
+
 def test_a_session_of_a_component_in_emergency_waits(world):
     commander = world.component("2.1.1")
     commander.start()

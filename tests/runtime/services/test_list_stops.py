@@ -11,11 +11,18 @@ from jausml.runtime import JausComponent, ServiceIdentity, Status
 from jausml.runtime.bridge.ends.list_driver import ListMessages
 from jausml.runtime.bridge.ends.ros_side import ListAction, Outcome
 from jausml.runtime.bridge.lists.action_to_list import ActionToList
-from jausml.runtime.messages import ConfirmElementRequest, DeleteElement, SetElement
+from jausml.runtime.messages import (
+    ConfirmElementRequest,
+    DeleteElement,
+    RequestControl,
+    Resume,
+    SetElement,
+    Standby,
+)
 from jausml.runtime.services.definitions import Guard
 from jausml.runtime.wire.message import Message
 
-from .bridge_support import CORE, PEER, Number, Ros, Setting, number_to_time
+from .bridge_support import CORE, OWN, PEER, Number, Ros, Setting, number_to_time
 
 SERVICES = (*CORE, ServiceIdentity("urn:jaus:jss:core:ListManager", 1, 1))
 DRIVER_CODES = (0x041E, 0x241E, 0x441E)
@@ -114,11 +121,17 @@ class ActionRos(Ros):
         assert action == ACTION
         self.taker = taker
 
-    def send(self, *numbers):
+    def accepts(self, *numbers):
+        return self.taker.accepts([Number(number).to_cdr() for number in numbers], None)
+
+    def begin(self):
         goal = Goal()
-        assert self.taker.accepts([Number(number).to_cdr() for number in numbers], None)
         self.taker.begin(goal)
         return goal
+
+    def send(self, *numbers):
+        assert self.accepts(*numbers)
+        return self.begin()
 
 
 @pytest.fixture
@@ -128,7 +141,7 @@ def setting(world):
     made.bridge.close()
 
 
-def opened(world, setting, *, control_timeout=0, **options):
+def opened(world, setting, *, control_timeout=0, services=(), **options):
     """A bridge that has a vehicle drive along a list; the vehicle."""
     vehicle = world.component(
         str(PEER), kind=Vehicle, services=SERVICES, control_timeout=control_timeout
@@ -137,7 +150,7 @@ def opened(world, setting, *, control_timeout=0, **options):
     connection = ActionToList(
         "follow", number_to_time, action=ACTION, driver=DRIVER, peers=[PEER], speed=1.0, **options
     )
-    setting.open(connection)
+    setting.open(connection, services=services)
     world.run(0.5)
     return vehicle
 
@@ -299,3 +312,49 @@ def test_a_question_about_a_list_that_is_done_stops_no_other(world, setting):
     world.run(3.0)
     assert following.ends == []
     assert vehicle.drives
+
+
+class TestBetweenAcceptanceAndBeginning:
+    """The lock of the loop is free then, and anything may happen."""
+
+    @pytest.fixture
+    def operator(self, world):
+        return world.probe("7.1.1", strict=False)
+
+    @pytest.fixture
+    def vehicle(self, world, setting, operator):
+        vehicle = opened(world, setting, services=CORE)
+        operator.send(RequestControl(authority_code=100), OWN)
+        operator.send(Resume(), OWN)
+        world.run(2.0)
+        assert setting.ros.accepts(1.0)
+        return vehicle
+
+    @pytest.mark.parametrize("is_resumed", [False, True])
+    def test_a_goal_is_not_begun_once_the_bridge_was_stopped(
+        self, world, setting, operator, vehicle, is_resumed
+    ):
+        operator.send(Standby(), OWN)
+        if is_resumed:
+            operator.send(Resume(), OWN)
+        world.settle()
+        goal = setting.ros.begin()
+        world.run(1.0)
+        assert not vehicle.drives
+        assert [outcome for outcome, _ in goal.ends] == [Outcome.ABORTED]
+        assert world.counters.snapshot()["bridge.follow.not_ready"] == 1
+
+    def test_a_goal_is_not_begun_when_the_vehicle_obeys_no_more(self, world, setting, vehicle):
+        rival = world.probe("8.1.1", strict=False)
+        rival.send(RequestControl(authority_code=255), PEER)
+        world.settle()
+        goal = setting.ros.begin()
+        assert [outcome for outcome, _ in goal.ends] == [Outcome.ABORTED]
+        world.run(1.0)
+        assert not vehicle.drives
+
+    def test_a_goal_is_begun_else(self, world, setting, vehicle):
+        goal = setting.ros.begin()
+        world.run(1.0)
+        assert vehicle.drives
+        assert goal.ends == []

@@ -12,10 +12,12 @@ from jausml.runtime.base.api import JausError
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
+    QueryAuthority,
     QueryHeartbeatPulse,
     QueryStatus,
     RejectControl,
     ReleaseControl,
+    ReportAuthority,
     ReportHeartbeatPulse,
     ReportStatus,
     RequestControl,
@@ -456,6 +458,45 @@ class TestFloodOfRequests:
         world.run(1.1)
         assert other.take() == [ACCEPTED]
         assert robot.controller == other.address
+
+    def test_a_request_that_was_put_off_does_not_lower_a_later_one(self, world, ready, other):
+        for _ in range(15):
+            other.send(RequestControl(authority_code=50), ready)
+        other.take()
+        assert other.ask(RequestControl(authority_code=200), ready) == [ACCEPTED]
+        world.run(1.1)
+        assert ready.controller == other.address
+        assert other.ask(QueryAuthority(), ready) == [ReportAuthority(authority_code=200)]
+
+    def test_a_request_that_was_put_off_takes_no_control_away(self, world, other):
+        robot = world.component("1.1.1", default_authority=10, control_timeout=0)
+        robot.start()
+        for _ in range(15):
+            other.send(RequestControl(authority_code=5), robot)
+        other.take()
+        other.ask(RequestControl(authority_code=50), robot)
+        other.ask(Resume(), robot)
+        world.run(1.1)
+        assert other.take() == []
+        assert (robot.controller, robot.status) == (other.address, Status.READY)
+
+    def test_a_client_that_has_given_up_is_not_granted_control(self, world, ready, client, other):
+        for _ in range(15):
+            other.send(RequestControl(authority_code=50), ready)
+        other.send(ReleaseControl(), ready)
+        client.ask(ReleaseControl(), ready)
+        other.take()
+        world.run(1.1)
+        assert ready.controller is None
+        assert other.take() == []
+
+    def test_the_last_of_the_requests_that_were_put_off_counts(self, world, ready, client, other):
+        for authority in (*range(20, 35), 40):
+            other.send(RequestControl(authority_code=authority), ready)
+        client.ask(ReleaseControl(), ready)
+        world.run(1.1)
+        assert ready.controller == other.address
+        assert other.ask(QueryAuthority(), ready) == [ReportAuthority(authority_code=40)]
 
     def test_another_reason_is_told_at_once(self, world, ready, other):
         def flood():

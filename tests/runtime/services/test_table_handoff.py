@@ -276,6 +276,15 @@ TABLE = (
         controller="rival",
     ),
     row(
+        "a client that is granted control has asked in vain before: that is judged no more",
+        *waits,
+        *[("rival", RequestControl(authority_code=9))] * 15,
+        ("client", decide((0, GRANT))),
+        when=after(1.1),
+        controller="rival",
+        authority=20,
+    ),
+    row(
         "QueryHandoffTimeout",
         when=("rival", QueryHandoffTimeout()),
         then={"rival": [ReportHandoffTimeout(timeout=6)]},

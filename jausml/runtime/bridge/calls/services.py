@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ...clients.exchanges import Unanswered
 from ...clients.peer_search import PeerBinding
 from ...services.definitions import Guard
+from ...wire.message import DecodeError
 from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers
 from ..connections.to_ros import UNEXPECTED
@@ -205,8 +206,11 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
 
 
 def _described(rejection: type[Message], payload: bytes) -> str:
-    """Returns a rejection in words, with its code where it has one."""
-    message = rejection.decode(payload)
+    """Returns a rejection in words, with its code where one can be read."""
+    try:
+        message = rejection.decode(payload)
+    except DecodeError:
+        return rejection.NAME
     codes = (getattr(message, response_code, None) for response_code in _RESPONSE_CODES)
     code = next((value for value in codes if value is not None), None)
     return rejection.NAME if code is None else f"{rejection.NAME} with the code {code}"
@@ -286,6 +290,7 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
             return
         request = self._translated(self._request, payload, lambda: self.service.request().to_cdr())
         timer = self._ends.loop.call_later(self.timeout, partial(self._time_out, call))
+        call.forget = timer.cancel  # what sends the request may raise
         forget = self._client.call(request, partial(self._answered, call))
 
         def end() -> None:

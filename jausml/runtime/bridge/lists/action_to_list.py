@@ -128,6 +128,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
 
     def stop(self, reason: StopReason) -> bool:
         """Ends the goal that is executed; whether there was one."""
+        self._next = None  # nor is one begun that was accepted before
         if self._run is None:
             return False
         self.note_stop(reason)
@@ -224,10 +225,14 @@ class ActionToList(ListConnection[SourceT, TargetT]):
 
     def begin(self, goal: ServedGoal) -> None:
         """Has the goal that was accepted last executed, in the place of another one."""
-        if self._next is None:
-            goal.end(Outcome.ABORTED, "the goal was not accepted")
+        accepted, self._next = self._next, None
+        # The lock was free since it was accepted.
+        if accepted is None or not self._peers.obeys(accepted[0]):
+            reason = "the bridge was stopped meanwhile, or its peer obeys no more"
+            self.drop(NOT_READY, reason)
+            goal.end(Outcome.ABORTED, reason)
             return
-        (peer, payloads, speed), self._next = self._next, None
+        peer, payloads, speed = accepted
         self._make_way(peer)
         self.note_usable()
         self._goal, self._count = goal, len(payloads)
