@@ -17,6 +17,7 @@ from jausml.cli.shared.files import (
     EnvironmentFault,
     counted,
     find_files,
+    made_folder,
     say,
     write_document,
     writing,
@@ -82,10 +83,11 @@ def command(
         ) from error
     data = written.encode("utf-8")
     _check_written(source, target, {Path(target): data, **copies}, reading, quiet=quiet)
+    for path in copies:
+        made_folder(path.parent)
     state = write_document(target, data, (), force=force)
     for path, data in copies.items():
         shown = click.format_filename(os.path.relpath(path))
-        path.parent.mkdir(exist_ok=True)
         say(f"{shown}: {write_document(str(path), data, (), force=False)}", quiet=quiet)
     for warning in _left_behind(result, target, written):
         say(f"{click.format_filename(source)}: warning: {warning}", quiet=quiet)
@@ -124,7 +126,9 @@ def _report(result: ReadResult, source: str, *, quiet: bool) -> None:
 def _check_written(
     source: str, target: str, contents: Mapping[Path, bytes], reading: Reading, *, quiet: bool
 ) -> None:
-    """Ends where the new file would have errors that the old one has not."""
+    """Ends where the new file would have more errors of a rule than the old one has."""
+    from collections import Counter
+
     from jausml.language.model.diagnostics import Severity
     from jausml.language.model.reading.reader import read_models
     from jausml.language.text.notation import NOTATIONS
@@ -143,15 +147,13 @@ def _check_written(
     after = check(result)
     if not after.has_errors:
         return
-    before = checked([source], reading)
-    known = {diagnostic.rule for diagnostic in before.diagnostics}
-    new = tuple(
-        diagnostic
-        for diagnostic in after.diagnostics
-        if diagnostic.severity is Severity.ERROR and diagnostic.rule not in known
+    errors, known = (
+        [diagnostic for diagnostic in report.diagnostics if diagnostic.severity is Severity.ERROR]
+        for report in (after, checked([source], reading))
     )
-    if new:
-        report = Report(after.model, (target,), new)
+    rules, known_rules = (Counter(error.rule for error in found) for found in (errors, known))
+    if more := rules - known_rules:
+        report = Report(after.model, (target,), tuple(e for e in errors if e.rule in more))
         show_findings(report)
         fail(report, "nothing written", quiet=quiet)
 

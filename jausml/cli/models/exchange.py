@@ -19,7 +19,6 @@ from jausml.cli.shared.files import (
     made_folder,
     say,
     write_document,
-    writing,
 )
 from jausml.cli.shared.models import model_argument, reading_options, valid_model
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
@@ -59,7 +58,8 @@ def imports() -> None:
 @click.option(
     "--compare-library",
     is_flag=True,
-    help="Show where the services differ from those of the library.",
+    help="Show where the services differ from those of the library; on stderr if --format is not "
+    "text.",
 )
 @click.option("--without-behaviour", is_flag=True, help="Leave out state machines.")
 @click.option("--force", is_flag=True, help="Overwrite OUT.xmi if it differs.")
@@ -100,14 +100,14 @@ def jsidl(
         raise click.UsageError(f"--name and --set-version name one set, here are several: {names}")
     if output is not None:
         if _is_folder(output):
-            output = str(Path(output, f"{result.sets[0].name}.xmi"))
+            output = str(made_folder(Path(output)) / f"{result.sets[0].name}.xmi")
         data = document(result.sets, result.model, output)
         state = write_document(output, data, files, force=force)
         say(f"{click.format_filename(output)}: {_summary(result)}, {state}", quiet=quiet)
     if compare_library:
         differences = list(_differences(result))
         for line in differences:
-            click.echo(one_line(line))
+            click.echo(one_line(line), err=output_format != "text")
         noun = "difference" if len(differences) == 1 else "differences"
         say(f"{len(differences)} {noun} from the library", quiet=quiet)
         if differences:
@@ -292,9 +292,8 @@ def _documents(
     documents = [
         (str(path), roots, document(roots, model, str(path))) for path, roots in places.items()
     ]
-    with writing(output):
-        for path in places:
-            path.parent.mkdir(parents=True, exist_ok=True)
+    for path in places:
+        made_folder(path.parent)
     return documents
 
 

@@ -256,6 +256,20 @@ def test_cancel_after_the_end_does_no_harm_to_the_next_command(world, robot, cli
 
 
 @pytest.mark.usefixtures("session")
+def test_a_command_that_is_cancelled_before_its_confirmation_is_cancelled_at_the_target(
+    world, robot, client, outcome
+):
+    cancelled = []
+    robot.on_message(CancelEvent, lambda message, _: cancelled.append(message.event_id))
+    pending = client.command(TARGET, Drive(1), **outcome.callbacks())
+    pending.cancel()
+    world.run(1.0, step=0.1)
+
+    assert len(cancelled) == 1
+    assert (outcome.done, outcome.refused) == ([], [])
+
+
+@pytest.mark.usefixtures("session")
 def test_command_that_follows_a_cancelled_one_is_told_its_own_end(world, robot, client, outcome):
     first = client.command(robot.address, Drive())
     world.settle()
