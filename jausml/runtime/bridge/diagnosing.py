@@ -203,6 +203,8 @@ class Diagnosing:
         self._go_on()
 
     def _go_on(self) -> None:
+        if not self._timer.is_set:
+            return  # it has ended since
         present, self._waiting = self._waiting[:SLICE], self._waiting[SLICE:]
         for connection in present:
             self._array.add(connection.status())

@@ -471,3 +471,13 @@ def test_much_that_surely_was_lost_is_a_warning(world, setting, came, lost, leve
     share = 100 * lost / (came + lost)
     assert (status.level, status.message) == (level, f"{share:.1f} % were lost on the way lately")
     assert values(status)["numbered"] == "by destination: what was lost is exact"
+
+
+def test_a_report_that_is_half_done_ends_with_the_bridge(world, setting):
+    setting.open(*(event(f"event {number}") for number in range(2 * SLICE + 1)))
+    world.time += 1.0
+    world.loop.run_once(0)
+    setting.bridge.close()
+    reported = len(setting.ros.statuses)
+    world.settle()
+    assert len(setting.ros.statuses) == reported
