@@ -9,12 +9,13 @@ import time
 
 import needs
 import pytest
+from guardians import guardian_of
 from sweeps import sweep
 
 needs.ask("rclpy")
 
 from jausml.runtime.guardian.ward import TOO_SOON
-from tests.live.bridge_support import guardian_of, wait_for
+from tests.live.bridge_support import wait_for
 
 from .conftest import running
 

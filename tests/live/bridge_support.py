@@ -10,7 +10,6 @@ import subprocess
 import sys
 import threading
 import time
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -62,25 +61,6 @@ def generate_text(folder: Path, name: str, text: str) -> list[str]:
     document = folder / f"{name}.ros2jaus"
     document.write_text(text, encoding="utf-8")
     return generate(document)
-
-
-def guardian_of(bridge: int) -> int:
-    """Returns the process id of the guardian of a bridge, which has a name once it has begun.
-
-    Raises:
-        AssertionError: It has none.
-    """
-
-    def found() -> int | None:
-        for path in Path("/proc").glob("[0-9]*/cmdline"):
-            with suppress(OSError):
-                words = path.read_bytes().split(b"\0")
-                if b"guardian.process" in b" ".join(words) and words[-2] == str(bridge).encode():
-                    return int(path.parent.name)
-        return None
-
-    pid: int = wait_for(found, f"the guardian of {bridge}")
-    return pid
 
 
 def wait_for(condition, what: str, seconds: float = PATIENCE):

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from guardians import guardian_of
 from ports import free_domain, free_port
 
 needs.ask("rclpy")
@@ -27,7 +28,7 @@ from jausml.runtime.component.component import JausComponent
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import ClearEmergency, SetEmergency, Shutdown, Standby
 
-from .bridge_support import Process, RosPeer, generate, guardian_of, wait_for
+from .bridge_support import Process, RosPeer, generate, wait_for
 from .stop_publisher import moving
 
 pytestmark = [

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from guardians import guardian_of
 from ports import free_domain, free_port
 from suspended_clocks import SuspendedClocks
 from sweeps import sweep
@@ -23,7 +24,7 @@ needs.ask("rclpy")
 from jausml.generation import native
 from jausml.runtime.messages import QueryStatus, ReportStatus, RequestControl, Resume
 
-from .bridge_support import Process, RosPeer, generate, guardian_of, wait_for
+from .bridge_support import Process, RosPeer, generate, wait_for
 from .test_fast_path import RawPeer, speed
 
 pytestmark = [

@@ -20,7 +20,7 @@ MOST_OF_A_FRAME = 1 << 17
 """Bytes of the longest frame; a longer one is no stop of a robot."""
 
 # Offsets in one page: 64 octets of words, a flag for each connection, a number for each slot.
-_BEAT, _TAKEN, _SIMULATED, _ARMED, _NUMBERS = 0, 8, 16, 64, 64 + MOST_STOPS
+_BEAT, _TAKEN, _SIMULATED, _REFUSED, _ARMED, _NUMBERS = 0, 8, 16, 24, 64, 64 + MOST_STOPS
 _SIZE = 4096
 _U64, _I64, _U16 = struct.Struct("<Q"), struct.Struct("<q"), struct.Struct("<H")
 
@@ -78,6 +78,15 @@ class Page:
     @simulated.setter
     def simulated(self, value: int) -> None:
         _I64.pack_into(self._memory, _SIMULATED, value)
+
+    @property
+    def refused(self) -> int:
+        """Topics and goals that the guardian cannot stop, as ROS refuses them."""
+        return int(_U64.unpack_from(self._memory, _REFUSED)[0])
+
+    @refused.setter
+    def refused(self, value: int) -> None:
+        _U64.pack_into(self._memory, _REFUSED, value)
 
     def is_armed(self, number: int) -> bool:
         """Whether something stands that the stops of a number must end."""

@@ -13,11 +13,14 @@ import socket
 import struct
 import sys
 import time
-from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from .page import Page, read_frame, steady_ns
-from .rcl import Publisher, Rcl, RclError
+from .rcl import Rcl, RclError
+from .sayings import Cancel, Datagram, Stops, Told, Topic
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 POLL = 0.1
 """Seconds between two looks at the beat."""
@@ -47,75 +50,7 @@ _STAMP = struct.Struct("<iI")
 EXIT_OF_ROS = 3
 """Exit code of a guardian that cannot speak ROS."""
 
-
-@dataclass
-class Topic:
-    """A stop for a topic.
-
-    Attributes:
-        stamps: Where the present time stands in it.
-    """
-
-    name: str
-    support: Any
-    qos: dict[str, Any]
-    data: bytearray
-    stamps: list[int]
-
-
-@dataclass
-class Datagram:
-    """A stop for a JAUS component.
-
-    Attributes:
-        slot: Where the page has the sequence number.
-    """
-
-    data: bytearray
-    endpoint: tuple[str, int]
-    slot: int
-
-
-@dataclass
-class Stops:
-    """What ends what a connection has set in motion.
-
-    Attributes:
-        patience: Seconds without a beat after which it is said.
-    """
-
-    patience: float
-    topics: list[Topic]
-    datagrams: list[Datagram]
-
-
-@dataclass
-class _Told:
-    """How often whoever listens to a stop was told, by the number of those who do.
-
-    Attributes:
-        rivals: Publishers on the topic when the stop was due.
-    """
-
-    publisher: Publisher
-    topic: Topic
-    rivals: int
-    times: dict[int, int] = field(default_factory=dict)
-    last: float = 0.0
-
-
-@dataclass
-class _Cancel:
-    """What was asked of the server of an action.
-
-    Attributes:
-        first: When it was asked first, 0 before its server was found.
-    """
-
-    canceller: Any
-    goal: bytes
-    first: float = 0.0
-    last: float = 0.0
+_ResultT = TypeVar("_ResultT")
 
 
 class Guardian:
@@ -137,6 +72,7 @@ class Guardian:
         self._are_goals_said = False
         self._ros: Rcl | None = None
         self._cancel: Any = None
+        self._complaints: set[str] = set()
         self._is_over = False
         self._death = death
 
@@ -191,14 +127,19 @@ class Guardian:
                     content["arguments"],
                 )
             case "stops":
+                asked = [
+                    self._tried(topic["topic"], self._topic, topic) for topic in content["topics"]
+                ]
+                topics = [topic for topic in asked if topic is not None]
+                datagrams = [_datagram(datagram) for datagram in content["datagrams"]]
+                refused = len(asked) - len(topics)
                 self._stops[content["number"]] = Stops(
-                    content["patience"],
-                    [self._topic(topic) for topic in content["topics"]],
-                    [_datagram(datagram) for datagram in content["datagrams"]],
+                    content["patience"], topics, datagrams, refused
                 )
             case "goal":
                 if self._cancel is None:
-                    self._cancel = self._support(content["library"], _CANCEL)
+                    library = content["library"]
+                    self._cancel = self._tried(_CANCEL, self._support, library, _CANCEL)
                 self._goals[bytes.fromhex(content["id"])] = content["service"]
             case "done":
                 self._goals.pop(bytes.fromhex(content["id"]), None)
@@ -207,6 +148,22 @@ class Guardian:
                 self._goals.clear()
             case "bye":
                 self._is_over = True
+        refused = sum(stop.refused for stop in self._stops.values())
+        self._page.refused = refused + (len(self._goals) if self._cancel is None else 0)
+
+    def _tried(
+        self, subject: str, function: Callable[..., _ResultT], *arguments: Any
+    ) -> _ResultT | None:
+        """Returns what a function does; None where ROS refuses: all else is to be stopped."""
+        try:
+            return function(*arguments)
+        except RclError as error:
+            # It may be tried again soon, and again.
+            complaint = f"{subject} cannot be stopped: {error}"
+            if complaint not in self._complaints:
+                self._complaints.add(complaint)
+                _log(complaint)
+            return None
 
     def _topic(self, content: dict[str, Any]) -> Topic:
         support = self._support(content["library"], content["type"])
@@ -282,8 +239,13 @@ class Guardian:
             # Datagrams first: for topics, subscribers have to be found, which takes time.
             self._send(outlet, datagrams)
             sent = 1
-            announcements = [self._topic_state(topic) for topic in topics]
-            cancels = [_Cancel(self._canceller(service), goal) for goal, service in goals.items()]
+            asked = [self._tried(topic.name, self._topic_state, topic) for topic in topics]
+            announcements = [announcement for announcement in asked if announcement is not None]
+            cancels = [
+                Cancel(canceller, goal, service)
+                for goal, service in goals.items()
+                if (canceller := self._tried(service, self._canceller, service)) is not None
+            ]
             while (past := time.monotonic() - begun) < SOUGHT_FOR:
                 if sent < TIMES and past >= sent * AGAIN:
                     self._send(outlet, datagrams)
@@ -292,18 +254,23 @@ class Guardian:
                 wanting = [
                     announcement
                     for announcement in announcements
-                    if past < SAID_FOR or self._is_sought(announcement)
+                    if past < SAID_FOR
+                    or self._tried(announcement.topic.name, self._is_sought, announcement)
                 ]
                 for announcement in wanting:
-                    self._publish(announcement)
+                    self._tried(announcement.topic.name, self._publish, announcement)
                 if not (wanting or cancels or sent < TIMES):
                     break
-                cancels = [cancel for cancel in cancels if not self._is_cancelled(cancel)]
+                cancels = [
+                    cancel
+                    for cancel in cancels
+                    if not self._tried(cancel.service, self._is_cancelled, cancel)
+                ]
                 if is_halted and self._age() <= POLL * 2:
                     break  # the bridge lives, and from here on its word counts
                 time.sleep(_PAUSE)
         for announcement in announcements:
-            self._known_ros.destroy(announcement.publisher)
+            self._tried(announcement.topic.name, self._known_ros.destroy, announcement.publisher)
 
     def _send(self, outlet: socket.socket, datagrams: list[Datagram]) -> None:
         for datagram in datagrams:
@@ -320,12 +287,12 @@ class Guardian:
             raise RclError("nothing is known of ROS")
         return self._ros
 
-    def _topic_state(self, topic: Topic) -> _Told:
+    def _topic_state(self, topic: Topic) -> Told:
         ros = self._known_ros
         publisher = ros.publisher(topic.name, topic.support, topic.qos)
-        return _Told(publisher, topic, ros.publishers(topic.name))
+        return Told(publisher, topic, ros.publishers(topic.name))
 
-    def _is_sought(self, announcement: _Told) -> bool:
+    def _is_sought(self, announcement: Told) -> bool:
         """Whether somebody may still be found who listens, and nobody else has begun to speak."""
         # With more publishers than at first, somebody else has begun to speak.
         return (
@@ -334,16 +301,18 @@ class Guardian:
         )
 
     def _canceller(self, service: str) -> Any:
+        if self._cancel is None:
+            raise RclError("nothing is known of its cancelling")
         return self._known_ros.canceller(service, self._cancel)
 
-    def _is_cancelled(self, wanted: _Cancel) -> bool:
+    def _is_cancelled(self, wanted: Cancel) -> bool:
         """Asks once more; for a while, as the server may not have found the asker yet."""
         now = time.monotonic()
         if now - wanted.last >= AGAIN and self._known_ros.cancel(wanted.canceller, wanted.goal):
             wanted.first, wanted.last = wanted.first or now, now
         return wanted.first > 0 and now - wanted.first >= SAID_FOR
 
-    def _publish(self, announcement: _Told) -> None:
+    def _publish(self, announcement: Told) -> None:
         """Publishes a stop once more if a subscriber may not have it."""
         subscriber_count = self._known_ros.subscribers(announcement.publisher)
         # Nothing tells which subscribers have it: when their number changes, one may not.

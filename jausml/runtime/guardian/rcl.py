@@ -238,6 +238,8 @@ class Rcl:
     def _call(self, name: str, *arguments: Any) -> None:
         result = getattr(self._rcl, name)(*arguments)
         if result:
+            # Else the next error would be said to overwrite this one.
+            self._rcl.rcutils_reset_error()
             raise RclError(f"{name} returned {result}")
 
 

@@ -13,6 +13,7 @@ from ..base.clocks import Alarm
 from ..base.counters import LOGGER
 from . import process
 from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame, steady_ns
+from .slots import Slots
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -58,12 +59,19 @@ class Guarded:
         self.is_armed = armed
         self._ward.arm(self, armed)
 
+    @property
+    def is_handed(self) -> bool:
+        """Whether the guardian has the stops."""
+        return self._handed is not None
+
     def hand(self, *, again: bool = False) -> None:
-        """Hands the stops over, if they are others than before."""
+        """Hands the stops over, if they are others than those that the guardian has."""
         stops = self._stops()
         if again or stops != self._handed:
-            self._handed = stops
-            self._ward.send("stops", {"number": self.number, **stops})
+            # Of a place that is new, the number first.
+            self._ward.number()
+            was_sent = self._ward.send("stops", {"number": self.number, **stops})
+            self._handed = stops if was_sent else None
 
 
 class Ward:
@@ -92,8 +100,10 @@ class Ward:
         self._now = now
         self._on_taken = taken
         self._guarded: list[Guarded] = []
+        self._left_out = 0
         self._goals: dict[str, Content] = {}
-        self._sequences: list[Callable[[], int]] = []
+        self._handed_goals: set[str] = set()
+        self.slots = Slots()
         self._page: Page | None = None
         self._page_descriptor = -1
         self._channel: socket.socket | None = None
@@ -101,8 +111,7 @@ class Ward:
         self._timer = Alarm(loop)
         self._beats = self._taken = 0
         self._begun = 0.0
-        self.failure = ""
-        """Why there is no guardian any more; empty while all is well."""
+        self._end_reason = self._send_fault = self._logged = ""
 
     # ------------------------------------------------------------------ for connections
 
@@ -116,16 +125,13 @@ class Ward:
             What arms the stops; None where there are too many.
         """
         if len(self._guarded) >= MOST_STOPS:
+            self._left_out += 1
             return None
         guarded_connection = Guarded(self, len(self._guarded), stops)
         self._guarded.append(guarded_connection)
         self._begin()
+        guarded_connection.hand()
         return guarded_connection
-
-    def slot(self, sequence: Callable[[], int]) -> int:
-        """Returns where the page keeps the next sequence number to a component."""
-        self._sequences.append(sequence)
-        return len(self._sequences) - 1
 
     def arm(self, guarded: Guarded, armed: bool) -> None:  # noqa: FBT001
         """Says whether something stands on the other side of a connection."""
@@ -133,7 +139,7 @@ class Ward:
             if armed:
                 # All else before the flag: the guardian may look at any time.
                 guarded.hand()
-                self._number(self._page)
+                self.number()
                 self._mark(self._page)
             self._page.arm(guarded.number, armed)
 
@@ -146,13 +152,22 @@ class Ward:
             # Before `_begin`, which may start a guardian and hand over all that is known.
             self._goals[goal.hex()] = content
             self._mark(self._begin())
-            self.send("goal", content)
+            self._hand_goals()
 
     def close_goal(self, goal: bytes) -> None:
         """Takes a goal back that has ended."""
         with self._loop.lock:
-            if self._goals.pop(goal.hex(), None) is not None:
-                self.send("done", {"id": goal.hex()})
+            self._goals.pop(goal.hex(), None)
+            self._hand_goals()
+
+    def _hand_goals(self) -> None:
+        """Tells the guardian which goals are others than those that it has."""
+        for number, content in self._goals.items():
+            if number not in self._handed_goals and self.send("goal", content):
+                self._handed_goals.add(number)
+        for number in self._handed_goals - self._goals.keys():
+            if self.send("done", {"id": number}):
+                self._handed_goals.discard(number)
 
     # ------------------------------------------------------------------ life
 
@@ -167,6 +182,21 @@ class Ward:
         count, goals = len(self._guarded), len(self._goals)
         return f"watches {count} connection{'s' * (count != 1)}, {goals} goal{'s' * (goals != 1)}"
 
+    @property
+    def failure(self) -> str:
+        """What the guardian cannot do, to be said of it; empty while all is well."""
+        if self._end_reason:
+            return f"{self._end_reason}: nothing stops the robot if this bridge dies"
+        waiting = [connection for connection in self._guarded if not connection.is_handed]
+        counts = {
+            f"not handed over ({self._send_fault})": len(waiting)
+            + len(self._goals.keys() - self._handed_goals),
+            "without room": self._left_out + self.slots.refused,
+            "refused by ROS": self._page.refused if self._page is not None else 0,
+        }
+        lacking = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
+        return f"cannot stop all if this bridge dies: {lacking}" if lacking else ""
+
     def release(self) -> None:
         """Guards nothing any more: all stops were said."""
         with self._loop.lock:
@@ -175,9 +205,11 @@ class Ward:
                 for connection in self._guarded:
                     self._page.arm(connection.number, False)  # noqa: FBT003
             self._guarded.clear()
+            self._left_out = 0
             self._goals.clear()
-            self._sequences.clear()
-            self.send("nothing", {})
+            self.slots.clear()
+            if self.send("nothing", {}):
+                self._handed_goals.clear()
 
     def close(self) -> None:
         """Ends the guardian; nothing is left to say."""
@@ -189,10 +221,10 @@ class Ward:
             os.close(self._page_descriptor)
             self._page = None
 
-    def send(self, kind: str, content: Content) -> None:
-        """Hands something over, if there is a guardian."""
+    def send(self, kind: str, content: Content) -> bool:
+        """Hands something over; whether there is a guardian that gets it."""
         if self._channel is None:
-            return
+            return False
         data = frame(kind, content)
         try:
             if len(data) > MOST_OF_A_FRAME:
@@ -200,14 +232,16 @@ class Ward:
             # Never waits: a guardian that stands still must not hold up its bridge.
             self._channel.send(data, socket.MSG_DONTWAIT)
         except OSError as error:  # it is gone, which the next beat finds, or reads nothing
-            LOGGER.warning("the guardian was not told of %s: %s", kind, error)
+            self._send_fault = str(error)
+            return False
+        return True
 
     def _begin(self) -> Page:
         if self._page is None:
             self._page_descriptor = Page.descriptor()
             self._page = Page(self._page_descriptor)
         # After a failure none is started again: the error was told, and stands.
-        if self._process is None and not self.failure:
+        if self._process is None and not self._end_reason:
             self._start()
         if not self._timer.is_set:
             self._timer.set(0.0, self._beat)
@@ -234,8 +268,7 @@ class Ward:
             self.send("ros", ros)
         for connection in self._guarded:
             connection.hand(again=True)
-        for goal in self._goals.values():
-            self.send("goal", goal)
+        self._hand_goals()
 
     def _spawn(self, channel: socket.socket) -> subprocess.Popen[bytes]:
         # It is told of our death by a descriptor of ours: we may be gone before it runs.
@@ -266,11 +299,13 @@ class Ward:
         if taken != self._taken:
             self._taken = taken
             self._on_taken()
-        self._number(page)
+        self.number()
         self._beats += 1
         if self._beats % _REFRESH == 0:
             for connection in self._guarded:
                 connection.hand()
+            self._hand_goals()
+            self._log_failure()
         if self._process is not None and self._process.poll() is not None:
             self._replace(self._process.returncode)
 
@@ -282,10 +317,10 @@ class Ward:
         page.simulated = self._now()
         page.beat = steady_ns()
 
-    def _number(self, page: Page) -> None:
+    def number(self) -> None:
         """Notes the sequence numbers that datagrams should have now."""
-        for slot, sequence in enumerate(self._sequences):
-            page.set_sequence(slot, sequence())
+        if self._page is not None:
+            self.slots.write(self._page)
 
     def _replace(self, code: int) -> None:
         """Starts another guardian in place of one that has ended."""
@@ -295,18 +330,26 @@ class Ward:
             self._give_up(f"has ended with code {code} soon after its start")
         else:
             self._start()
-            if not self.failure:
+            if not self._end_reason:
                 LOGGER.warning("the guardian has ended with code %d; another one runs", code)
 
     def _give_up(self, reason: str) -> None:
-        self.failure = reason
-        LOGGER.error("the guardian %s: nothing stops the robot if this bridge dies", reason)
+        self._end_reason = reason
+        self._log_failure()
+
+    def _log_failure(self) -> None:
+        """Says what the guardian cannot do, when that is something else than before."""
+        failure = self.failure
+        if failure and failure != self._logged:
+            LOGGER.error("the guardian %s", failure)
+        self._logged = failure
 
     def _end(self) -> None:
         """Waits for the end of the guardian, which knows that it is to end."""
         if self._channel is not None:
             self._channel.close()
             self._channel = None
+        self._handed_goals.clear()
         process, self._process = self._process, None
         if process is None:
             return

@@ -7,6 +7,7 @@ import signal
 
 import needs
 import pytest
+from guardians import guardian_of
 
 needs.ask("rclpy")
 
@@ -14,7 +15,7 @@ from jausml.runtime.clients.control_state import ControlState
 from jausml.runtime.services.definitions import ListElement
 from jausml.runtime.services.list_manager import chain
 
-from ..bridge_support import guardian_of, wait_for
+from ..bridge_support import wait_for
 from .list_system import PATIENCE, ROBOT, facts, order, pass_by, wait_goal
 
 pytestmark = [

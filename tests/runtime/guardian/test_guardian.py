@@ -8,10 +8,10 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
+from guardians import guardian_of
 from suspended_clocks import SuspendedClocks
 from sweeps import sweep
 
@@ -31,7 +31,7 @@ with Loop() as loop:
     ward = Ward(loop, dict, lambda: 0, lambda: taken.append(1) or print("taken", flush=True))
     loop.start()
     with loop.lock:
-        slot = ward.slot(lambda: 4660)
+        slot = ward.slots.take("drive", ("own", "vehicle"), lambda: 4660)
         content = {"data": b"stop..".hex(), "endpoint": ("127.0.0.1", port), "slot": slot}
         guarded = ward.guard(lambda: stops(patience, [], [content]))
         if life != "at rest":
@@ -67,23 +67,9 @@ class Bridge:
         if life == "killed":  # before its guardian has done anything
             self.process.kill()
             self.process.wait()
-        self.guardian = self._guardian()
+        self.guardian = guardian_of(self.process.pid)
         # It tells the end of a process at once: who inherits one may take seconds to wait for it.
         self._end_of_guardian = os.pidfd_open(self.guardian)
-
-    def _guardian(self):
-        """The process that has this one as its last argument."""
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            for path in Path("/proc").glob("[0-9]*/cmdline"):
-                try:
-                    words = path.read_bytes().split(b"\0")
-                except OSError:
-                    continue
-                own = str(self.process.pid).encode()
-                if any(b"guardian.process" in word for word in words) and words[-2] == own:
-                    return int(path.parent.name)
-        raise AssertionError("no guardian")
 
     def said(self):
         return self.process.stdout.readline().strip()

@@ -257,7 +257,7 @@ class Setting:
     ros: Ros = field(default_factory=Ros)
     bridge: Bridge | None = None
 
-    def open(self, *connections, services=(), **settings):
+    def open(self, *connections, services=(), ward=None, **settings):
         self.bridge = Bridge(
             BridgeSettings(
                 "bridge",
@@ -266,6 +266,7 @@ class Setting:
                 component=ComponentSettings(register_services=False, **settings),
             )
         )
+        self.bridge.ward = ward
         self.bridge.connections = list(connections)
         self.bridge.open(self.ros, self.world)
         self.world.settle()

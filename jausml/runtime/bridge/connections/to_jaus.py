@@ -71,7 +71,6 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         self._refusing: tuple[JausAddress, ...] = ()
         self._before = self._sink.latest
         self._doubted: dict[JausAddress, float] = {}
-        self._slots: dict[JausAddress, int] = {}
         self._stops = RepeatedStops(self._peers, lambda _: self.is_silent, self._stop_again)
 
     @property
@@ -82,7 +81,6 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Makes the subscriptions and starts to acquire control."""
         super().open(ends)
-        self._slots.clear()
         self._stops.open(ends)
         self._peers.open(
             ends, self.name, join=self._join, leave=self._leave, changed=self._control_changed
@@ -111,6 +109,10 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def _leave(self, peer: JausAddress) -> None:
         del self._prepared[peer]
         self._find_route()
+        if self._guarded is not None and self._ends.ward is not None:
+            # First the stop of the peer goes: the place may become that of another.
+            self._guarded.hand()
+            self._ends.ward.slots.give_back(self, (self._ends.component.address, peer))
 
     def _sender(self, peer: JausAddress) -> Send:
         """Returns what sends a message to a peer, whether it obeys or not."""
@@ -125,7 +127,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         prepared = self._prepared
         obeying = [peer for peer in prepared if self._peers.obeys(peer)]
         self._senders = tuple(prepared[peer] for peer in obeying)
-        self._refusing = tuple(peer for peer in prepared if peer not in obeying)
+        self._refusing = tuple(peer for peer in prepared if not self._peers.obeys(peer))
         is_simple = len(obeying) == 1 and not self._refusing and self._halt is None
         # One peer, and it obeys: its sender is called without another function between.
         self._sink.deliver = self._senders[0] if is_simple else self.deliver
@@ -185,26 +187,26 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
     def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
         """Returns the datagram of the stop for each peer that obeys and has a known place.
 
-        Behind a node manager or TCP there is none: there, control lapses.
+        Behind a node manager or TCP there is none: there, control lapses. So it does where the
+        page of the guardian is full, which the ward tells.
         """
         component = self._ends.component
         transport, own, datagrams = component.transport, component.address, []
         for peer in filter(self._peers.obeys, self.peers):
             pair = transport.datagram(own, peer, payload, self._priority)
-            if pair is not None:
+            slot = self._slot(peer) if pair is not None else None
+            if pair is not None and slot is not None:
                 datagram, endpoint = pair
-                content = {"data": datagram.hex(), "endpoint": endpoint}
-                datagrams.append({**content, "slot": self._slot(peer)})
+                datagrams.append({"data": datagram.hex(), "endpoint": endpoint, "slot": slot})
         return [], datagrams
 
-    def _slot(self, peer: JausAddress) -> int:
-        """Where the guardian finds the next sequence number to a peer."""
-        # Kept while a peer comes and goes, as the page has room for so many.
-        if peer not in self._slots and self._ends.ward is not None:
-            component = self._ends.component
-            number = partial(component.transport.next_number, component.address, peer)
-            self._slots[peer] = self._ends.ward.slot(number)
-        return self._slots[peer]
+    def _slot(self, peer: JausAddress) -> int | None:
+        """Where the guardian finds the next sequence number to a peer, if it has room for it."""
+        component, ward = self._ends.component, self._ends.ward
+        if ward is None:
+            return None
+        route = (component.address, peer)
+        return ward.slots.take(self, route, partial(component.transport.next_number, *route))
 
     def _send_stop(self, peers: Sequence[JausAddress], payload: bytes) -> bool:
         component = self._ends.component

@@ -135,10 +135,7 @@ def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> 
 
 def guardian_status(description: str, failure: str, hardware_id: str) -> ConnectionStatus:
     """Returns the status of the guardian of a bridge."""
-    level = "error" if failure else "ok"
-    message = (
-        f"it {failure}: nothing stops the robot if this bridge dies" if failure else description
-    )
+    level, message = ("error", f"it {failure}") if failure else ("ok", description)
     return ConnectionStatus("guardian", level, message, hardware_id, ())
 
 
