@@ -122,6 +122,21 @@ def test_comparison_with_the_library(jausml, folder):
     assert "0 differences" in same.stderr
 
 
+@pytest.mark.usefixtures("folder")
+def test_differences_from_the_library_leave_the_json_of_the_findings_whole(jausml):
+    done = jausml("import", "jsidl", "winch", "--compare-library", "--format", "json")
+    assert done.exit_code == 1
+    assert json.loads(done.stdout)["diagnostics"]
+    assert "the library has no service urn:example:winch:Winch" in done.stderr
+
+
+def test_a_folder_of_the_model_is_made(jausml, folder):
+    done = jausml("import", "jsidl", "winch", "-o", "new/deep/")
+    assert done.exit_code == 0, done.output
+    [written] = (folder / "new" / "deep").iterdir()
+    assert written.suffix == ".xmi"
+
+
 def test_findings_as_json(jausml, folder):
     done = jausml("import", "jsidl", folder / "winch", "-o", "out.xmi", "--format", "json")
     rules = {diagnostic["rule"] for diagnostic in json.loads(done.stdout)["diagnostics"]}

@@ -65,13 +65,12 @@ def test_a_file_that_cannot_be_read_where_it_goes_is_told(text_of_xmi, jausml, t
 
 
 TOPICS = ["fix:sensor_msgs/NavSatFix", "imu:sensor_msgs/Imu", "cmd_vel:geometry_msgs/Twist"]
-HELD = ("--hold", "cmd_vel=a watchdog of the motor stops it")
 
 
 @pytest.fixture(params=sweep(["xmi", "text"], every=2))
 def joined(request, tmp_path, jausml, monkeypatch):
     """The model of a project with a map that joins two topics."""
-    made = ("init", "p", "--notation", request.param, "--from", "topics", *TOPICS, "--yes", *HELD)
+    made = ("init", "p", "--notation", request.param, "--from", "topics", *TOPICS, "--yes")
     monkeypatch.chdir(tmp_path)
     done = jausml(*made)
     assert done.exit_code == 0, done.output
@@ -100,7 +99,7 @@ def test_joins_go_where_their_maps_go(joined, jausml):
 def test_what_would_be_broken_is_not_written(jausml, tmp_path, monkeypatch):
     """A copy of ready maps that somebody changed lacks what the model refers to."""
     monkeypatch.chdir(tmp_path)
-    made = ("init", "p", "--notation", "text", "--from", "topics", *TOPICS, "--yes", *HELD)
+    made = ("init", "p", "--notation", "text", "--from", "topics", *TOPICS, "--yes")
     assert jausml(*made).exit_code == 0
     model, target = Path("p/models/p.ros2jaus"), Path("p/models/p.xmi")
     assert jausml("convert", model, target).exit_code == 0
@@ -113,6 +112,32 @@ def test_what_would_be_broken_is_not_written(jausml, tmp_path, monkeypatch):
     assert "nothing written" in done.stderr
     assert f"{target}:" in done.stderr
     assert target.read_bytes() == before
+
+
+ODOM = ("new", "bridge", "ears", "odom:nav_msgs/Odometry:local_pose")
+POINT = "pose.pose.position"
+MISSPELT = f"mine {{ JAUS ReportLocalPose ROS nav_msgs/Odometry ROS->JAUS ( {POINT}.q -> X ) }}"
+
+
+def test_copies_without_a_folder_to_write_into_leave_the_file_unwritten(rover, jausml):
+    model = rover("text", ODOM)
+    model.with_name("mappings").touch()
+    done = jausml("convert", model, "models/a.xmi")
+    assert (done.exit_code, "cannot write" in done.stderr) == (2, True), done.output
+    assert not Path("models/a.xmi").exists()
+
+
+def test_an_error_of_the_model_hides_no_other_one_of_its_rule(rover, jausml):
+    model = rover("text", ODOM)
+    text = model.read_text("utf-8").replace("connection odom", f"{MISSPELT} connection odom")
+    model.write_text(text, encoding="utf-8")
+    assert jausml("convert", model, "models/a.xmi").exit_code == 0
+    copy = Path("models/mappings/local_pose_sensor.xmi")
+    copy.write_text(copy.read_text("utf-8").replace(f"{POINT}.x", f"{POINT}.q"), encoding="utf-8")
+    done = jausml("convert", model, "models/b.xmi")
+    assert (done.exit_code, Path("models/b.xmi").exists()) == (1, False), done.output
+    assert f"{copy}:" in done.stderr
+    assert "JML411" in done.stderr
 
 
 def test_what_cannot_be_read_is_not_converted(rover, jausml):

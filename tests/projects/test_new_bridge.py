@@ -237,6 +237,16 @@ def test_a_person_says_why_a_command_may_stand(rover, jausml):
     assert jausml("validate", "models", "--strict").exit_code == 0
 
 
+def test_a_reason_for_what_needs_none_is_refused(rover, jausml):
+    model = rover("text")
+    before = model.read_bytes()
+    topics = ("odom:nav_msgs/Odometry", "goal_pose:geometry_msgs/PoseStamped")
+    hold = "odom=the motor brakes by itself"
+    done = jausml("new", "bridge", "rover", *topics, "--yes", "--hold", hold)
+    assert (done.exit_code, "--hold odom: no map of it needs a reason" in done.output) == (2, True)
+    assert model.read_bytes() == before
+
+
 @pytest.mark.parametrize(
     ("hold", "says"),
     [

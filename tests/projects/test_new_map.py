@@ -291,7 +291,7 @@ def test_the_page_has_the_rules_of_what_is_listed():
     ("words", "told"),
     [
         (("--open", "map", "own", *COMMAND), "--open adds no map"),
-        (("--format", "json"), "--format is for --open"),
+        (("--format", "json"), "--format: only with --open"),
         (("--open",), "no project is here"),
     ],
 )
@@ -306,7 +306,9 @@ def test_a_list_of_what_is_open_adds_nothing(jausml, monkeypatch, tmp_path, word
     ("words", "told"),
     [
         ((*STATE, "--copy", "local_pose"), "there are: velocity_state"),
-        ((*STATE, "--copy", "velocity_state", "--fill"), "takes a map as it is"),
+        ((*STATE, "--copy", "velocity_state", "--fill"), "--fill: not with --copy"),
+        ((*COMMAND, "--direction", "to-ros", "--yes"), "has assignments to JAUS"),
+        ((*COMMAND, "--direction", "to-jaus", "--yes"), "has assignments to ROS"),
         ((*COMMAND, "--to-ros", "linear.x"), "should be like"),
         ((*COMMAND, "--to-ros", "linear.q=Velocity_X"), "has no"),
         ((*COMMAND, "--to-ros", "linear.x=YawRate"), "linear.x"),

@@ -44,8 +44,9 @@ if TYPE_CHECKING:
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 _LIBRARY = "library"
+_ECLIPSE = ".project"
 TEMPLATES = {
-    ".project": "project.j2",
+    _ECLIPSE: "project.j2",
     ".gitattributes": "gitattributes.j2",
     ".gitignore": "gitignore.j2",
     ".github/workflows/models.yml": "workflow.j2",
@@ -104,6 +105,11 @@ def create(folder: Path, wish: Wish) -> list[str]:
         (folder / file).parent.mkdir(parents=True, exist_ok=True)
         replace_file(folder / file, contents[file])
     return written
+
+
+def is_project(folder: Path) -> bool:
+    """Tells whether a folder has what only projects have: the file of Eclipse, or the library."""
+    return (folder / _ECLIPSE).is_file() or (folder / _LIBRARY).is_dir()
 
 
 def renew_copies(folder: Path) -> tuple[list[str], list[str]]:

@@ -17,7 +17,7 @@ from jausml.cli.authoring.topics import (
 from jausml.cli.authoring.topics_shown import show_chosen, show_unanswered, show_undecided
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.models import show_findings
-from jausml.cli.shared.options import quiet_option
+from jausml.cli.shared.options import quiet_option, refuse_options
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -80,13 +80,11 @@ def command(
     from jausml.authoring.projects.places import ProjectError
 
     if copies:
+        refuse_options("not with --copies", "name", "notation", "origin")
+    _check_origin(origin, sources)
+    if copies:
         _renew(folder, quiet=quiet)
         return
-    if bool(sources) is not (origin in _EXAMPLES):
-        what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
-        if sources and all(":" in source for source in sources):
-            what += "; did you mean --from topics?"
-        raise click.UsageError(f"--from {origin} {what}")
     point = starting_point(origin)
     is_text_only = point is not None and point.is_text_only
     if is_text_only and notation == "xmi":
@@ -110,6 +108,17 @@ def command(
     show_undecided(chosen)
 
 
+def _check_origin(origin: str, sources: Sequence[str]) -> None:
+    """Refuses sources and options that a way to begin has not, and one without its sources."""
+    if origin != _TOPICS:
+        refuse_options(f"only with --from {_TOPICS}", "side", "yes", "holds", "joints")
+    if bool(sources) is not (origin in _EXAMPLES):
+        what = f"needs SOURCEs, such as {_EXAMPLES[origin]}" if not sources else "takes no SOURCE"
+        if sources and all(":" in source for source in sources):
+            what += "; did you mean --from topics?"
+        raise click.UsageError(f"--from {origin} {what}")
+
+
 def _show_next(folder: Path, count: int, wish: Wish) -> None:
     click.echo(f"{count} files in {folder}; next:")
     if folder.resolve() != Path.cwd().resolve():
@@ -121,8 +130,11 @@ def _show_next(folder: Path, count: int, wish: Wish) -> None:
 
 
 def _renew(folder: Path, *, quiet: bool) -> None:
-    from jausml.authoring.projects.creating import renew_copies
+    from jausml.authoring.projects.creating import is_project, renew_copies
 
+    if not is_project(folder):
+        shown = click.format_filename(folder)
+        raise click.UsageError(f"{shown} is no project whose copies could be renewed")
     try:
         written, kept = renew_copies(folder)
     except OSError as error:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.options import LazyGroup, format_option
+from jausml.cli.shared.options import LazyGroup, format_option, refuse_options
 from jausml.cli.shared.terminal import remark
 
 if TYPE_CHECKING:
@@ -46,12 +46,12 @@ def command(context: click.Context, is_open: bool, output_format: str) -> None:
     What no tool can decide stays open until a person decides it: `jausml new --open` lists it, as
     far as `jausml validate` reports it, with its place and what comes next.
     """
-    if is_open and context.invoked_subcommand is not None:
+    if not is_open:
+        refuse_options("only with --open", "output_format")
+    elif context.invoked_subcommand is not None:
         raise click.UsageError(f"--open adds no {context.invoked_subcommand}")
-    if is_open:
+    else:
         _list_open(output_format)
-    elif context.invoked_subcommand is None:
-        raise click.UsageError("--format is for --open")
 
 
 def _list_open(output_format: str) -> None:

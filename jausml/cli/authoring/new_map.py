@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.authoring.new import add_to, model_option, pairs, show_open
+from jausml.cli.shared.options import refuse_options
 from jausml.cli.shared.terminal import can_ask, choose, remark
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 
 _EXAMPLE = "twist.linear.x=Velocity_X"
 _WAYS = {"both": (True, False), "to-ros": (True,), "to-jaus": (False,)}
+_OPTIONS = {True: "to_ros", False: "to_jaus"}
+"""What says the assignments of a direction."""
 
 
 @click.command("map")
@@ -97,11 +100,13 @@ def map_(
     from jausml.authoring.proposals.elements import message_of, type_of
     from jausml.authoring.proposals.mapping.beginning import Wish
 
-    if joints is not None and (fills or to_ros or to_jaus):
-        raise click.UsageError("--joints are of a copy: no --fill, --to-ros or --to-jaus")
-    if ready is not None and (fills or to_ros or to_jaus or zeros_stop):
-        taken = "--fill, --to-ros, --to-jaus or --zeros-stop"
-        raise click.UsageError(f"--copy takes a map as it is: no {taken}")
+    of_new = ("fills", "to_ros", "to_jaus", "zeros_stop")
+    if joints is not None:
+        refuse_options("not with --joints, which are of a copy", *of_new)
+    if ready is not None:
+        refuse_options("not with --copy, which takes a map as it is", *of_new)
+    unwanted = [_OPTIONS[way] for way in (True, False) if way not in _WAYS[direction]]
+    refuse_options(f"not with --direction {direction}", *unwanted)
     ros, jaus = (tuple(pairs(option, "=", _EXAMPLE)) for option in (to_ros, to_jaus))
 
     def commands(at: Opened) -> Sequence[Command]:
@@ -153,6 +158,7 @@ def _copy(
     if not at:
         return ()
     used = ready_maps[at[0]]
+    _check_ways(used, wish)
     place = scope.ref(owner)
     if joints is not None:
         own = joints_of(joints)
@@ -174,6 +180,21 @@ def _copy(
         f"a connection can use it as it is, too: jausml new bridge NAME TOPIC:TYPE:{names[at[0]]}"
     )
     return copied(scope, place, used, wish.name)
+
+
+def _check_ways(used: bridge.AttributeMap, wish: Wish) -> None:
+    """Refuses a copy that would have a direction that is not wanted."""
+    from jausml.language.model.names import name_of
+
+    for way, (end, assignments) in {
+        True: ("ROS", used.toRos),
+        False: ("JAUS", used.toJaus),
+    }.items():
+        if assignments and way not in wish.ways:
+            raise click.UsageError(
+                f"--direction: {name_of(used)} has assignments to {end}, and a copy is whole; "
+                "--fill fills a map without them"
+            )
 
 
 def _chosen_ready(names: Sequence[str]) -> list[int]:

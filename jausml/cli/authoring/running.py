@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.cli.shared.files import EnvironmentFault
-from jausml.cli.shared.options import FiniteRange
+from jausml.cli.shared.options import FiniteRange, refuse_options
 
 if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope
@@ -41,7 +42,14 @@ def graph_options(command: Callable[..., None]) -> Callable[..., None]:
         metavar="SECONDS",
         help="Longest time to look at the running system.",
     )
-    return from_graph(seconds(command))
+
+    @functools.wraps(command)
+    def with_graph(*arguments: object, from_graph: bool, **others: object) -> None:
+        if not from_graph:
+            refuse_options("only with --from-graph", "seconds")
+        command(*arguments, from_graph=from_graph, **others)
+
+    return from_graph(seconds(with_graph))
 
 
 def what_runs_here(seconds: float) -> Running:

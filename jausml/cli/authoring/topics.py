@@ -180,7 +180,10 @@ def chosen_crossings(
             taken_crossings += _taken(topic, candidates, maps, choosing)
         elif topic.name not in waiting:
             _without(topic, maps, side, left_out)
-    _check_joints(choosing.joints, taken_crossings)
+    named = [crossing for crossing in taken_crossings if crossing.names]
+    _check_stated("--joints", choosing.joints, named, "no map of it knows joints by names")
+    without_stop = [crossing for crossing in taken_crossings if crossing.has_no_stop]
+    _check_stated("--hold", choosing.holds, without_stop, "no map of it needs a reason")
     taken_crossings = [
         crossing for crossing in taken_crossings if not _lacks_names(crossing, left_out)
     ]
@@ -209,11 +212,14 @@ def _clash(crossing: Crossing, first: Crossing) -> None:
     )
 
 
-def _check_joints(joints: Sequence[str], chosen: Sequence[Crossing]) -> None:
-    named = {crossing.topic.name for crossing in chosen if crossing.names}
-    for name in (word.partition("=")[0] for word in joints):
-        if name not in named:
-            raise click.UsageError(f"--joints {name}: no map of it knows joints by names")
+def _check_stated(
+    option: str, words: Sequence[str], concerned: Sequence[Crossing], reason: str
+) -> None:
+    """Refuses what somebody states of topics that it says nothing of, `TOPIC=...`."""
+    names = {crossing.topic.name for crossing in concerned}
+    for name in (word.partition("=")[0] for word in words):
+        if name not in names:
+            raise click.UsageError(f"{option} {name}: {reason}")
 
 
 def _lacks_names(crossing: Crossing, left_out: LeftOut | None) -> bool:

@@ -32,6 +32,7 @@ from jausml.cli.shared.options import (
     interface_option,
     multicast_group_option,
     port_option,
+    refuse_options,
 )
 
 if TYPE_CHECKING:
@@ -120,6 +121,12 @@ def decode(
     """
     if sum((bool(inputs), pcap is not None, listen)) > 1:
         raise click.UsageError("give one of HEX or FILE, --pcap, and --listen")
+    if listen or pcap is not None:
+        refuse_options("only with hex", "datagram")
+    else:
+        refuse_options("only with --pcap or --listen", "port")
+    if not listen:
+        refuse_options("only with --listen", "interface", "multicast_group", "duration")
     by_default = "text" if sys.stdout.isatty() else "json"
     output = _Output(output_format or by_default, are_numbers=numbers)
     catalogue = open_catalogue(models)

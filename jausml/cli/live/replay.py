@@ -31,6 +31,7 @@ from jausml.cli.shared.options import (
     interface_option,
     multicast_group_option,
     port_option,
+    refuse_options,
 )
 from jausml.cli.shared.terminal import Progress, pressed, step, warn
 
@@ -44,6 +45,11 @@ if TYPE_CHECKING:
     from jausml.live.traffic.captures import CapturedFrame
 
 _NANO = 10**9
+_TO_JAUS = (
+    *("interface", "multicast_group", "loop", "speed", "max_rate"),
+    *("count", "wait", "hold", "allow_commands"),
+)
+"""Options that only what goes to JAUS has."""
 _UNREAD = "not_decodable"
 """How bridges count messages that are none of their type."""
 
@@ -90,7 +96,7 @@ _UNREAD = "not_decodable"
     metavar="HZ",
     help="Highest number of messages per second; messages beyond it are late.",
 )
-@click.option("--count", type=click.IntRange(1), help="End after this many messages.")
+@click.option("--count", type=click.IntRange(1), help="End after this many messages to JAUS.")
 @click.option(
     "--wait",
     type=FiniteRange(0, 3600),
@@ -153,12 +159,18 @@ def command(
     if output is not None:
         not_itself(recording, output)
     if model is None and output is not None and recording.endswith(MCAP):
+        others = ("with_jaus", "port", "bridge_address", *_TO_JAUS)
+        refuse_options("not where an MCAP file is copied", *others)
         _again(recording, output, span, force=force, ros_only=ros_only)
         return
     to_wire = is_bag(recording)
     if recording != STDIN and not Path(recording).exists():
         raise EnvironmentFault(f"{shown_path(recording)}: {os.strerror(errno.ENOENT)}")
     _check_ends(recording, model, output, is_bag=to_wire, with_jaus=with_jaus, ros_only=ros_only)
+    if to_wire:
+        refuse_options("only with --output", "force")
+    else:
+        refuse_options("only where a ROS recording goes to JAUS", *_TO_JAUS)
     model = model or only_system("MODEL")
     try:
         read = valid_model(model, Reading(bridge_address=bridge_address))

@@ -151,9 +151,10 @@ def _check_written(
         [diagnostic for diagnostic in report.diagnostics if diagnostic.severity is Severity.ERROR]
         for report in (after, checked([source], reading))
     )
-    rules, known_rules = (Counter(error.rule for error in found) for found in (errors, known))
-    if more := rules - known_rules:
-        report = Report(after.model, (target,), tuple(e for e in errors if e.rule in more))
+    more = Counter(error.rule for error in errors) - Counter(error.rule for error in known)
+    if more:
+        new = tuple(error for error in errors if error.rule in more)
+        report = Report(after.model, (target,), new)
         show_findings(report)
         fail(report, "nothing written", quiet=quiet)
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
-from jausml.cli.shared.options import FiniteRange
+from jausml.cli.shared.options import FiniteRange, refuse_options
 from jausml.cli.shared.terminal import painted_findings, step, warn
 
 if TYPE_CHECKING:
@@ -161,6 +161,8 @@ def reading_options(command: Callable[..., None]) -> Callable[..., None]:
     ) -> None:
         from jausml.language.model.project import Reading
 
+        if bridge_address is None:
+            refuse_options("only with --bridge-address", "bridge_frequency")
         reading = Reading(project_root, allow_outside, projects, bridge_address, bridge_frequency)
         command(*arguments, reading=reading, **others)
 

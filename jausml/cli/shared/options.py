@@ -8,6 +8,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from jausml.cli.shared.terminal import verbosity
 
@@ -65,6 +66,23 @@ class FiniteRange(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"{value!a} is no finite number.", param, ctx)
         return number
+
+
+def refuse_options(reason: str, *names: str) -> None:
+    """Ends the verb where its command line states an option that has no effect there.
+
+    `reason`: beside what, such as `only with --listen`. `names`: those of the options, as the verb
+    takes them.
+    """
+    context = click.get_current_context()
+    stated = [
+        option.opts[0]
+        for option in context.command.params
+        if option.name in names
+        and context.get_parameter_source(option.name) is ParameterSource.COMMANDLINE
+    ]
+    if stated:
+        raise click.UsageError(f"{', '.join(stated)}: {reason}")
 
 
 def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorator:
