@@ -57,9 +57,15 @@ class PendingCommand:
         with self._client.component.loop.lock:
             if not self._client.forget(self):
                 return
-            if self.event_id is not None:
-                cancel = CancelEvent(request_id=self.request_id, event_id=self.event_id)
-                self._client.component.send(cancel, self.target)
+            if self.event_id is None:
+                self._client.cancel_when_confirmed(self)
+            else:
+                self.cancel_event(self.event_id)
+
+    def cancel_event(self, event_id: int) -> None:
+        """Tell the target that nobody awaits an event."""
+        cancel = CancelEvent(request_id=self.request_id, event_id=event_id)
+        self._client.component.send(cancel, self.target)
 
     def send(self, payload: bytes, timeout: float) -> None:
         """Send the command; the transport repeats it until the target has it."""
@@ -105,6 +111,8 @@ class CommandClient:
     def __init__(self, component: Host) -> None:
         self.component = component
         self._pending: dict[tuple[JausAddress, int], PendingCommand] = {}
+        # The target has these, or will have: they are cancelled once it says by which event.
+        self._cancelled: dict[tuple[JausAddress, int], PendingCommand] = {}
         self._next_request = 0
         # Messages may be reordered: results, by event id, that came before the confirmation. Only
         # targets with an unconfirmed command have any, and one has no more than 256 event ids.
@@ -144,8 +152,13 @@ class CommandClient:
         self._drop_early_results(pending.target)
         return True
 
+    def cancel_when_confirmed(self, pending: PendingCommand) -> None:
+        """Cancel a command by the event that its target will name."""
+        self._cancelled[pending.target, pending.request_id] = pending
+
     def stop(self) -> None:
         """Await no end any more."""
+        self._cancelled.clear()
         for pending in list(self._pending.values()):
             self.forget(pending)  # with the last one of a target go its early results
 
@@ -156,6 +169,7 @@ class CommandClient:
             request_id = COMMAND_REQUESTS[(self._next_request + step) % count]
             if (target, request_id) not in self._pending:
                 self._next_request += step + 1
+                self._cancelled.pop((target, request_id), None)
                 return request_id
         raise ValueError(f"more than {count} commands under way at {target}")
 
@@ -164,6 +178,11 @@ class CommandClient:
             pending.send(payload, timeout)
 
     def _confirmed(self, message: ConfirmEventRequest, sender: JausAddress) -> None:
+        cancelled = self._cancelled.pop((sender, message.request_id), None)
+        if cancelled is not None:
+            self._take_answer(cancelled)
+            cancelled.cancel_event(message.event_id)
+            return
         pending = self._pending.get((sender, message.request_id))
         if pending is not None and pending.event_id is None:
             self._take_answer(pending)
@@ -180,6 +199,7 @@ class CommandClient:
                 pending.report_end(succeeded=result == CommandEvent.CommandResult.SUCCESSFUL)
 
     def _rejected(self, message: RejectEventRequest, sender: JausAddress) -> None:
+        self._cancelled.pop((sender, message.request_id), None)
         pending = self._pending.get((sender, message.request_id))
         if pending is not None and pending.event_id is None:
             self._take_answer(pending)
