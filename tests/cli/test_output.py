@@ -110,3 +110,21 @@ def test_severities_have_colours_on_terminals(folder, value):
     assert ("\x1b[31m\x1b[1merror\x1b[0m: JML425" in shown) == (not value), shown
     # Progress, which a busy computer shows, moves the cursor and has no colours.
     assert bool(re.search(r"\x1b\[[\d;]*m", shown)) == (not value)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "validate . --output",
+        "model-check good.xmi --output",
+        "report good.xmi -o",
+        "diff doubtful.xmi good.xmi -o",
+        "generate good.xmi --check --output",
+    ],
+)
+def test_no_report_takes_the_place_of_a_model(jausml, folder, words):
+    model = folder / "good.xmi"
+    before = model.read_bytes()
+    result = jausml(*words.split(), "good.xmi")
+    assert (result.exit_code, model.read_bytes()) == (2, before)
+    assert "good.xmi is read; name another file" in result.stderr

@@ -162,3 +162,17 @@ def test_a_baseline_that_is_nested_too_deep(jausml, folder):
     result = jausml("validate", "good.xmi", "--baseline", "deep.json")
     assert result.exit_code == 2
     assert "nested too deep" in result.output
+
+
+def test_what_is_no_baseline_is_not_overwritten(jausml, folder):
+    notes = folder / "notes.txt"
+    notes.write_text("precious")
+    result = jausml("validate", "good.xmi", "--baseline", notes, "--write-baseline")
+    assert (result.exit_code, notes.read_text()) == (2, "precious")
+    assert "notes.txt is no baseline: it is no JSON" in result.stderr
+
+
+def test_a_report_does_not_take_its_place(jausml, baseline):
+    before = baseline.read_text()
+    result = jausml("validate", "good.xmi", "--baseline", baseline, "--output", baseline)
+    assert (result.exit_code, baseline.read_text()) == (2, before)

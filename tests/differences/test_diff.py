@@ -288,6 +288,31 @@ def test_of_a_file_that_is_no_xml_nothing_is_said(tmp_path, is_new):
     assert "JML004 not well-formed XML" in done.stderr
 
 
+@pytest.mark.parametrize("fail_on", ["breaking", "any"])
+def test_a_state_that_cannot_be_read_is_no_state_without_changes(tmp_path, fail_on):
+    good, bad = tmp_path / "good.xmi", tmp_path / "bad.xmi"
+    good.write_text(CATVEHICLE, encoding="utf-8")
+    bad.write_text(CATVEHICLE[:500], encoding="utf-8")
+    words = ["diff", str(good), str(bad), "--format", "json"]
+    done = CliRunner().invoke(main, [*words, "--fail-on", fail_on])
+    assert done.exit_code == 2
+    assert f"{bad} cannot be read" in done.stderr
+    assert json.loads(done.stdout) == {"changes": [], "unread": [str(bad)]}
+    assert CliRunner().invoke(main, words).exit_code == 0
+
+
+@pytest.mark.parametrize(("kind", "is_new"), [("added", True), ("removed", False)])
+def test_a_file_that_does_not_exist_needs_no_name(tmp_path, kind, is_new):
+    model = tmp_path / "model.xmi"
+    model.write_text(CATVEHICLE, encoding="utf-8")
+    states = (os.devnull, str(model)) if is_new else (str(model), os.devnull)
+    words = ["diff", *states, "--format", "json", "--fail-on", "any"]
+    done = CliRunner().invoke(main, words)
+    assert (done.exit_code, done.stderr) == (1, "")
+    (change,) = json.loads(done.stdout)["changes"]
+    assert (change["kind"], change["element"]) == (kind, "system")
+
+
 @pytest.fixture
 def repository(tmp_path, monkeypatch):
     """A repository with a model in two files and one commit, and the folder of the models."""

@@ -87,7 +87,8 @@ def validate(
         report, gone = _against(report, Path(baseline), is_written=write_baseline)
     shown = RENDERERS[output_format](report) if help_uri is None else sarif.render(report, help_uri)
     is_painted = output is None and output_format == "text"
-    write_report(painted_findings(shown) if is_painted else shown, output)
+    inputs = filter(None, (*report.files, baseline))
+    write_report(painted_findings(shown) if is_painted else shown, output, inputs)
     if not quiet:
         click.echo(text.summary(report), err=True)
     if gone and not quiet:
@@ -104,13 +105,10 @@ def _against(report: Report, path: Path, *, is_written: bool) -> tuple[Report, i
     from jausml.language.validation import baseline
 
     name = click.format_filename(path)
-    if is_written:
-        try:
-            former = baseline.read(path)
-        except (OSError, baseline.BaselineError):
-            former = Counter()  # what cannot be read is written anew
-        write_report(baseline.written(report, former, path), str(path))
     try:
+        if is_written:
+            former = baseline.read(path) if path.exists() else Counter()
+            write_report(baseline.written(report, former, path), str(path))
         return baseline.without_known(report, baseline.read(path), path)
     except OSError as error:
         hint = "; --write-baseline makes it" if isinstance(error, FileNotFoundError) else ""
@@ -191,7 +189,8 @@ def model_check(
     outcomes = without_allowed(all_outcomes, read)
     if examples is not None:
         _write_examples(outcomes, read, Path(examples), force=force)
-    write_report(RENDERERS[output_format](outcomes, read), output)
+    inputs = (document.path for document in read.documents)
+    write_report(RENDERERS[output_format](outcomes, read), output, inputs)
     if not quiet:
         click.echo(summary(outcomes), err=True)
     if any(outcome.found for outcome in outcomes):

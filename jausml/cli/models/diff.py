@@ -90,8 +90,8 @@ def command(
     OLD: added parts are blue with +, removed ones orange and dashed with a minus sign, changed ones
     yellow with ~.
 
-    Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment, 3 internal
-    error.
+    Exit status: 0 done, 1 changes of the kind of --fail-on, 2 usage or environment (with --fail-on:
+    or a file cannot be read), 3 internal error.
     """
     _check_options(old, new, output_format, file, renamed, code)
     with ExitStack() as stack:
@@ -104,7 +104,13 @@ def command(
             text = json.dumps(_as_json(comparison), indent=2, ensure_ascii=False) + "\n"
         else:
             text = _report_text(comparison, file, renamed)
-        write_report(click.unstyle(text) if output is not None else text, output)
+        states = (comparison.before, comparison.after)
+        inputs = (document.path for state in states for document in state.model.documents)
+        shown = click.unstyle(text) if output is not None else text
+        write_report(shown, output, (old, new, *inputs))
+    if comparison.unread and fail_on != "nothing":
+        names = ", ".join(map(click.format_filename, comparison.unread))
+        raise EnvironmentFault(f"{names} cannot be read; what changed is not known")
     failures = {"any": bool(comparison.changes), "breaking": comparison.is_breaking}
     if failures.get(fail_on):
         raise click.exceptions.Exit(PROBLEMS)
@@ -149,6 +155,15 @@ class _Comparison:
     pairs: Sequence[tuple[EObject | None, EObject | None]]
     changes: Sequence[Change]
     broken_lines: Sequence[Diagnostic] | None
+
+    @property
+    def unread(self) -> list[str]:
+        """The states with a file that cannot be read."""
+        return [
+            state.name
+            for state in (self.before, self.after)
+            if not all(document.readable for document in state.model.documents)
+        ]
 
     @property
     def is_breaking(self) -> bool:
@@ -208,7 +223,7 @@ def _report_text(comparison: _Comparison, file: str | None, renamed: str | None)
     title = f"{file} -> {renamed}" if renamed else file
     header_lines = [click.style(title, bold=True)] if title is not None else []
     summary = _summary(changes)
-    if not changes and any(map(_is_unread, (comparison.before, comparison.after))):
+    if not changes and comparison.unread:
         summary = "nothing was compared"
     elif not changes and file is not None:
         summary = _SAME_MEANING
@@ -219,10 +234,6 @@ def _report_text(comparison: _Comparison, file: str | None, renamed: str | None)
     broken_lines = [line for finding in findings for line in lines_of(finding)]
     lines = (*header_lines, *map(_line, changes), *broken_lines, summary)
     return "".join(f"{line}\n" for line in lines)
-
-
-def _is_unread(state: _State) -> bool:
-    return any(not document.readable for document in state.model.documents)
 
 
 def _warn(name: str, result: ReadResult) -> None:
@@ -245,10 +256,9 @@ def _state(state_argument: str, file: str | None, reading: Reading, stack: ExitS
 
     `file`: the name that its content is read under; None for that of the state itself.
     """
-    if file is not None:
-        result = _read_as(Path(file), state_argument, reading)
-        return _State(state_argument, Path(file), reading, result)
-    path = Path(state_argument)
+    path = Path(file or state_argument)
+    if file is not None or state_argument == os.devnull:
+        return _State(state_argument, path, reading, _read_as(path, state_argument, reading))
     if is_revision(state_argument):
         folder = stack.enter_context(TemporaryDirectory(prefix="jausml-diff-"))
         root = Path(folder).resolve()
@@ -351,7 +361,8 @@ def _as_json(comparison: _Comparison) -> dict[str, Any]:
                 "newPlace": _place(change.new_place),
             }
             for change in comparison.changes
-        ]
+        ],
+        "unread": comparison.unread,
     }
     if comparison.broken_lines is not None:
         report["code"] = [as_json(finding) for finding in comparison.broken_lines]

@@ -154,13 +154,14 @@ def command(
         click.echo(painted_findings(text.render(report)), nl=False, err=True)
     if report.has_errors or (strict and report.has_warnings):
         if is_report:
-            write_report(RENDERERS[output_format](report), output)
+            write_report(RENDERERS[output_format](report), output, report.files)
         fail(report, "nothing generated")
     result = _generated(
         report.model, selection, folder, adopt=adopt, force=force, write=mode == "write", fix=fix
     )
     if is_report:
-        write_report(RENDERERS[output_format](with_code(report, result, folder)), output)
+        judged = with_code(report, result, folder)
+        write_report(RENDERERS[output_format](judged), output, report.files)
     else:
         _tell(_fixes(result))
         _tell(_changes(result, folder, mode, quiet=quiet))

@@ -226,7 +226,7 @@ def report(
 
     from jausml.views.analysis.report import report_of
 
-    _, system = valid_system(model, reading)
+    read, system = valid_system(model, reading)
     _check_names(assumptions, system)
     report = report_of(system, assumptions)
     if bridge_name is not None:
@@ -236,4 +236,4 @@ def report(
             raise click.UsageError(f"no bridge {bridge_name!a}; there are: {known}")
         report = replace(report, components=chosen, hosts=())
     render = import_module(f"jausml.views.analysis.formats.{output_format}").render
-    write_report(render(report), output)
+    write_report(render(report), output, (document.path for document in read.documents))

@@ -66,11 +66,17 @@ def git(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess
         raise EnvironmentFault(f"git cannot be run: {error.strerror}") from error
 
 
-def write_report(rendered: str | bytes, output: str | None) -> None:
-    """Writes a report or picture to a file, or a report to stdout where none is named."""
+def write_report(
+    rendered: str | bytes, output: str | None, inputs: Iterable[str | Path] = ()
+) -> None:
+    """Writes a report or picture to a file, or a report to stdout where none is named.
+
+    `inputs`: files that it does not take the place of.
+    """
     if output is None:
         click.echo(rendered, nl=False)
         return
+    _check_inputs(output, inputs)
     if isinstance(rendered, str):
         rendered = rendered.encode("utf-8", errors="backslashreplace")
     with writing(output):
@@ -120,14 +126,20 @@ def write_document(output: str, data: bytes, inputs: Iterable[str], *, force: bo
     return "written"
 
 
-def check_output(output: str, inputs: Iterable[str]) -> None:
-    """Refuses to write over a file that was imported, or over what is no file."""
-    shown = click.format_filename(output)
-    if os.path.realpath(output) in {os.path.realpath(input_path) for input_path in inputs}:
-        raise EnvironmentFault(f"{shown} is a file to import; name another one by -o")
+def check_output(output: str, inputs: Iterable[str | Path]) -> None:
+    """Refuses to write over a file that is read, or over what is no file."""
+    _check_inputs(output, inputs)
     path = Path(output)
     if path.exists() and not path.is_file():
+        shown = click.format_filename(output)
         raise EnvironmentFault(f"cannot write {shown}: it is no file; name one by -o")
+
+
+def _check_inputs(output: str, inputs: Iterable[str | Path]) -> None:
+    """Refuses to write over a file that is read."""
+    if os.path.realpath(output) in {os.path.realpath(input_path) for input_path in inputs}:
+        shown = click.format_filename(output)
+        raise EnvironmentFault(f"{shown} is read; name another file to write")
 
 
 def counted(*counts: tuple[int, str]) -> str:
