@@ -43,6 +43,24 @@ def test_a_row_by_size_goes_on_where_the_former_one_ended(tmp_path):
     assert [file.name for file in again.paths] == ["run_3.mcap", "run_4.mcap"]
 
 
+def test_files_with_dates_are_none_of_a_row(tmp_path):
+    theirs = [
+        f"run_{date}.{end}" for date in ("20240105", "240105", "0105") for end in ("mcap", "pcap")
+    ]
+    for name in theirs:
+        (tmp_path / name).write_bytes(b"precious")
+    fill(RecordingFiles(tmp_path / "run.mcap", SplitLimits(size=1, files=1)), 1)
+    assert names(tmp_path) == sorted([*theirs, "run_1.mcap", "run_1.pcap"])
+
+
+def test_a_row_forgets_its_own_files_whatever_their_numbers(tmp_path):
+    (tmp_path / "run_9999.mcap").write_bytes(b"")
+    fill(RecordingFiles(tmp_path / "run.mcap", SplitLimits(size=1, files=2)), 3)
+    assert names(tmp_path) == [
+        f"run_{number}.{end}" for number in (10002, 10003) for end in ("mcap", "pcap")
+    ]
+
+
 def test_two_recorders_of_a_row_take_numbers_in_turn(tmp_path):
     path = tmp_path / "run.mcap"
     rows = [RecordingFiles(path, SplitLimits(size=1)) for _ in range(2)]

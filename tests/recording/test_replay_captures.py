@@ -211,3 +211,13 @@ def test_model_without_maps_to_ros_and_what_is_no_capture(tmp_path):
     )
     assert "neither pcap nor pcapng" in result.stderr
     assert result.exit_code == 1
+    assert not (tmp_path / "none.mcap").exists()
+
+
+def test_what_cannot_be_read_takes_the_place_of_no_recording(tmp_path):
+    path, text = tmp_path / "former.mcap", tmp_path / "text.pcap"
+    path.write_bytes(b"precious")
+    text.write_text("no capture", encoding="utf-8")
+    words = ["replay", str(text), VELOCITIES, "-o", str(path), "--force"]
+    result = CliRunner().invoke(main, words)
+    assert (result.exit_code, path.read_bytes()) == (1, b"precious")

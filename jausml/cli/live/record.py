@@ -103,7 +103,8 @@ _NAMED = 5
     "--max-files",
     type=click.IntRange(1),
     metavar="N",
-    help="Keep only the newest N numbered files, including those of earlier recordings.",
+    help="Keep only the newest N numbered files, including those of earlier recordings: FILE_0 to "
+    "FILE_9999.",
 )
 @click.option(
     "--compression",

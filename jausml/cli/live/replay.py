@@ -326,45 +326,42 @@ def _to_file(
     from jausml.live.recording.captured import JausWriter
     from jausml.live.recording.mcap_files import McapFile
     from jausml.live.recording.translating import CaptureReplay, Translator
+    from jausml.live.traffic.frames import UdpReader
 
     recording, model, output = paths
     catalogue = open_catalogue([model]) if jaus else None
-    with (
-        Translator(read) as translator,
-        written(output, force=force) as stream,
-        McapFile(stream, has_jaus=jaus) as file,
-    ):
-        writer = JausWriter(catalogue) if catalogue is not None else None
-        replay = CaptureReplay(translator, file, writer)
-        is_whole = _replayed(replay, recording, port, span)
-        is_complete = _show_results(replay, translator, writer, model)
-    return is_whole and is_complete
-
-
-def _replayed(replay: CaptureReplay, path: str, port: int, span: TimeSpan) -> bool:
-    """Reads a capture; returns whether it could be read to its end."""
-    from jausml.live.traffic.captures import TrafficError, read_frames
-    from jausml.live.traffic.frames import UdpReader
-
+    writer = JausWriter(catalogue) if catalogue is not None else None
     reader = UdpReader(port)
     faults: list[str] = []
+    with Translator(read) as translator:
+        with opened(recording) as source:
+            frames = _readable(source, faults)
+            first = list(islice(frames, 1))
+            if faults:  # what cannot be read makes no file
+                raise click.ClickException(f"{shown_path(recording)}: {faults[0]}")
+            with written(output, force=force) as stream, McapFile(stream, has_jaus=jaus) as file:
+                replay = CaptureReplay(translator, file, writer)
+                datagrams = filter(None, map(reader.read, chain(first, frames)))
+                replay.run(span.of(datagrams, lambda datagram: datagram.nanoseconds))
+        skipped = _counted(replay.captured.skipped)
+        for line in (*skipped_lines(reader, port), *skipped, *faults):
+            click.echo(f"{shown_path(recording)}: {line}", err=True)
+        is_complete = _show_results(replay, translator, writer, model)
+    return is_complete and not faults
 
-    def readable(stream: BinaryIO) -> Iterator[CapturedFrame]:
-        reached = None
-        try:
-            for frame in read_frames(stream):
-                reached = frame.nanoseconds or reached
-                yield frame
-        except TrafficError as error:  # what was read before it counts
-            until = "" if reached is None else f"; it was read until {shown_time(reached / _NANO)}"
-            faults.append(f"{error}{until}")
 
-    with opened(path) as stream:
-        datagrams = filter(None, map(reader.read, readable(stream)))
-        replay.run(span.of(datagrams, lambda datagram: datagram.nanoseconds))
-    for line in (*skipped_lines(reader, port), *_counted(replay.captured.skipped), *faults):
-        click.echo(f"{shown_path(path)}: {line}", err=True)
-    return not faults
+def _readable(stream: BinaryIO, faults: list[str]) -> Iterator[CapturedFrame]:
+    """Yields the frames of a capture as far as it can be read; adds why it ends early."""
+    from jausml.live.traffic.captures import TrafficError, read_frames
+
+    reached = None
+    try:
+        for frame in read_frames(stream):
+            reached = frame.nanoseconds or reached
+            yield frame
+    except TrafficError as error:  # what was read before it counts
+        until = "" if reached is None else f"; it was read until {shown_time(reached / _NANO)}"
+        faults.append(f"{error}{until}")
 
 
 def _counted(counts: dict[str, int]) -> Iterator[str]:

@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 CAPTURE = ".pcap"
 """Ending of the capture that stands beside an MCAP file."""
 
+_MOST_DIGITS = 4
+"""Of the number of a file in a row; a date has more."""
+
 
 @dataclass(frozen=True)
 class SplitLimits:
@@ -126,8 +129,8 @@ class RecordingFiles:
         """
         need_library()
         self._path, self._limits, self._compression = path, limits, compression
-        self._next = 1 + max((number for number, _ in _row(path)), default=-1)
         self.paths: list[Path] = []
+        self._next = 1 + max((number for number, _ in self._row()), default=-1)
         self.current = self._further() if limits.splits else self._part(path, overwrites=overwrites)
         self._forget()
 
@@ -163,17 +166,24 @@ class RecordingFiles:
         """Removes the oldest files of the row that are more than are kept."""
         if self._limits.files is None:
             return
-        for _, path in sorted(_row(self._path))[: -self._limits.files]:
+        for _, path in sorted(self._row())[: -self._limits.files]:
             for file in (path, path.with_suffix(CAPTURE)):
                 file.unlink(missing_ok=True)
             self.paths = [file for file in self.paths if file != path]
 
+    def _row(self) -> list[tuple[int, Path]]:
+        """Returns the files of the row that are there, with their numbers.
 
-def _row(path: Path) -> list[tuple[int, Path]]:
-    """Returns the files of a row that are there, with their numbers."""
-    form = re.compile(rf"{re.escape(path.stem)}_(\d{{1,9}}){re.escape(path.suffix)}")
-    matches = ((form.fullmatch(file.name), file) for file in path.parent.iterdir())
-    return [(int(match[1]), file) for match, file in matches if match]
+        Files of others, such as those with a date, are none of it, so that they stay.
+        """
+        stem, suffix = re.escape(self._path.stem), re.escape(self._path.suffix)
+        form = re.compile(rf"{stem}_(0|[1-9][0-9]*){suffix}")
+        matches = ((form.fullmatch(file.name), file) for file in self._path.parent.iterdir())
+        return [
+            (int(match[1]), file)
+            for match, file in matches
+            if match and (len(match[1]) <= _MOST_DIGITS or file in self.paths)
+        ]
 
 
 CALLS = "/_service_event"
