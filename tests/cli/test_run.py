@@ -219,6 +219,24 @@ def test_no_process_is_left_when_the_reader_goes_away(workspace):
     wait_until_gone(pid)
 
 
+def test_lines_that_nobody_reads_are_no_second_signal(workspace, tmp_path):
+    ended = tmp_path / "ended"
+    program = (
+        "import signal, sys, time\nfrom pathlib import Path\n"
+        "def end(*_):\n"
+        "    for _ in range(20):\n        print('ending', flush=True)\n        time.sleep(0.02)\n"
+        f"    Path({str(ended)!r}).touch()\n    sys.exit()\n"
+        "signal.signal(signal.SIGINT, end)\n"
+        "while True:\n    print('on', flush=True)\n    time.sleep(0.01)"
+    )
+    process = start(workspace(alpha=program))
+    read_until(process, "on")
+    process.stdout.close()
+    process.wait(30)
+    process.stderr.close()
+    assert ended.exists()
+
+
 def test_environment_is_passed_on_and_packages_are_found(jausml, workspace, monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", "42")
     monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE", raising=False)

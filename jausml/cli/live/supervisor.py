@@ -199,7 +199,11 @@ class Supervisor:
             return None
 
     def _stop(self) -> None:
-        """Stops what still runs, ever more firmly; a second signal takes the next step at once."""
+        """Stops what still runs, ever more firmly.
+
+        A second SIGINT or SIGTERM takes the next step at once. SIGHUP says that a terminal or a
+        reader has gone, again and again, and asks for no hurry.
+        """
         asked = {name for name, process in self._processes.items() if process.poll() is None}
         for number, grace in GRACE:
             self._send(asked, number)
@@ -220,7 +224,8 @@ class Supervisor:
     def _all_ended(self, names: set[str], deadline: float) -> bool:
         while any(self._processes[name].poll() is None for name in names):
             event = self._next_event(deadline)
-            if event is None or isinstance(event, _Signalled):
+            is_hurried = isinstance(event, _Signalled) and event.number != signal.SIGHUP
+            if event is None or is_hurried:
                 return False
         return True
 
