@@ -100,7 +100,7 @@ def test_a_campaign_is_the_same_again_with_more_processes():
 @pytest.mark.slow
 def test_a_budget_ends_a_campaign(model):
     done = run(model, "--budget", "0.001")
-    assert done.exit_code == 0
+    assert done.exit_code == 1
     assert "the time was over before" in done.output
 
 

@@ -203,8 +203,9 @@ def mutate(
     broken one, if a proof of its map finds a fault, if a product check finds a violation, or if a
     command of yours fails. What nothing notices is listed.
 
-    Exit status: 0 all is noticed, 1 something survives or the model has errors, 2 no such
-    operator, nothing to break or an unreadable model, 3 internal error.
+    Exit status: 0 all is noticed, 1 something survives, the time was over before all were tried, or
+    the model has errors, 2 no such operator, nothing to break or an unreadable model, 3 internal
+    error.
     """
     import json
 
@@ -231,7 +232,7 @@ def mutate(
         write_report(f"{render(campaign)}\n", None)
     if output is not None:
         _write_page(page(campaign), Path(output))
-    if campaign.survivors():
+    if campaign.survivors() or len(campaign.outcomes) < campaign.chosen:
         raise click.exceptions.Exit(PROBLEMS)
 
 
