@@ -285,3 +285,23 @@ def test_maps_are_listed_beside_a_broken_model_of_the_project(
     assert "the maps of models/bad.ros2jaus are left out: " in result.stderr
     assert "models/bad.ros2jaus:1:12: " in result.stderr
     assert shown in result.stdout
+
+
+@pytest.mark.parametrize("words", [("map", "velocity"), ("type", "geometry_msgs/TwistStamped")])
+def test_models_refer_to_what_lies_beside_them(jausml, tmp_path, monkeypatch, words):
+    assert jausml("init", "lot", "-q").output == ""
+    monkeypatch.chdir(tmp_path / "lot")
+    Path(".project").unlink()  # such as in a copy
+    result = jausml("show", *words, "--model", "models")
+    assert (result.exit_code, result.stderr) == (0, "")
+
+
+def test_types_are_shown_beside_a_broken_model_of_the_project(jausml, tmp_path, monkeypatch):
+    made = jausml("init", "lot", "--from", "empty", "--notation", "text", "-q")
+    assert made.output == ""
+    monkeypatch.chdir(tmp_path / "lot")
+    Path("models/bad.ros2jaus").write_text("bridge b { adress: 1.1.1 }")
+    result = jausml("show", "type", "std_msgs/String")
+    assert result.exit_code == 0, result.stderr
+    assert "the types of models/bad.ros2jaus are left out: " in result.stderr
+    assert result.stdout.startswith("std_msgs/String\n")

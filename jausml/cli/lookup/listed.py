@@ -8,12 +8,10 @@ from typing import Any
 
 import click
 
-from jausml.cli.shared.models import ModelFault, open_catalogue, project_files, readable_model
-from jausml.cli.shared.terminal import warn
+from jausml.cli.shared.models import beside_library, open_catalogue
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
 from jausml.live.messages import Catalogue, MessageEntry, ServiceEntry, UnknownServiceError
-from jausml.live.messages.of_project import sound_files
 
 TO_ROS, TO_JAUS = "JAUS->ROS", "ROS->JAUS"
 
@@ -116,16 +114,7 @@ def maps(models: Sequence[str], word: str = "") -> list[dict[str, Any]]:
     `word`: text that stands in the files of the library that are meant; all when empty.
     """
     ready = [path for path in library_paths("mappings") if word in path.read_text(encoding="utf-8")]
-    own = list(models or project_files())
-    if not (ready or own):
-        return []
-    try:
-        model = readable_model([*map(str, ready), *own])
-    except ModelFault:
-        if models:
-            raise
-        own = list(map(str, sound_files(map(Path, own), "maps", warn)))
-        model = readable_model([*map(str, ready), *own])
+    model = beside_library(ready, models, "maps")
     entries = []
     for attribute_map in model.instances(bridge.AttributeMap):
         place = model.location(attribute_map)

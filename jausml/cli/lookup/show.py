@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import line_format_option, to_json, write
-from jausml.cli.shared.models import (
-    explained,
-    model_option,
-    open_catalogue,
-    project_files,
-    readable_model,
-)
+from jausml.cli.shared.models import beside_library, explained, model_option, open_catalogue
 from jausml.cli.shared.names import completing, message_names, service_names
 
 if TYPE_CHECKING:
@@ -217,13 +211,9 @@ def type_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     from jausml.live.messages.text import ros_rows
 
     plain = plain_type(name)
-    shipped = [
-        str(library_path)
-        for library_path in library_paths("ros")
-        if library_path.stem == plain.partition("/")[0]
-    ]
-    paths = [*shipped, *(models or project_files())]
-    kinds = readable_model(paths).instances(ros.MessageType) if paths else ()
+    package = plain.partition("/")[0]
+    ready = [path for path in library_paths("ros") if path.stem == package]
+    kinds = beside_library(ready, models, "types").instances(ros.MessageType)
     types_by_name = {ros_name(message_type): message_type for message_type in kinds}
     if plain not in types_by_name:
         raise click.UsageError(f"no ROS type {name!a}{did_you_mean(similar(plain, types_by_name))}")

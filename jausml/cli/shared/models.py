@@ -264,18 +264,43 @@ def valid_system(path: str, reading: Reading) -> tuple[Model, System]:
         raise EnvironmentFault(str(error)) from error
 
 
-def readable_model(paths: Iterable[str], *, is_one: bool = False) -> Model:
+def readable_model(
+    paths: Iterable[str], reading: Reading | None = None, *, is_one: bool = False
+) -> Model:
     """Returns models that could be read without an error, whatever the rules say of them."""
     from jausml.language.model import Severity
     from jausml.language.validation.formats.text import one_line
 
-    result = read(paths, is_one=is_one)
+    result = read(paths, reading, is_one=is_one)
     errors = [
         diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
     ]
     if errors:
         raise ModelFault("\n".join(one_line(f"{e.location}: {e.rule} {e.message}") for e in errors))
     return result.model
+
+
+def beside_library(ready: Iterable[Path], models: Sequence[str], what: str) -> Model:
+    """Returns files of the library and models, by default those of the current project.
+
+    Of the project those that cannot be read are left out, and that is told. `what`: what of them
+    is wanted.
+    """
+    from jausml.language.model.project import Reading, find_project_root
+    from jausml.language.project import find_models
+    from jausml.live.messages.of_project import sound_files
+
+    with _usable_input():
+        own = find_models(models or project_files())
+    shipped = list(map(str, ready))
+    reading = Reading(project_root=find_project_root(map(Path, own)))
+    try:
+        return readable_model([*shipped, *own], reading)
+    except ModelFault:
+        if models:
+            raise
+    sound = sound_files(map(Path, own), what, warn)
+    return readable_model([*shipped, *map(str, sound)], reading)
 
 
 def show_findings(report: Report, *, err: bool = True) -> None:
