@@ -7,11 +7,13 @@ from pathlib import Path
 from random import Random
 
 import pytest
+from click.testing import CliRunner
 from merging_support import MESSAGE, NODE, PACKAGE, PLANT
 
 from jausml.authoring.differences.finding import changes
 from jausml.authoring.merging.merging import States, UnmergeableError, merged
 from jausml.authoring.merging.planning import MERGE_RULES
+from jausml.cli import main
 from jausml.language.model import LIBRARY_URI, read_models
 from jausml.language.model.library import LIBRARY_URI as NAME
 from jausml.language.text.reading.parsing import parse
@@ -563,3 +565,19 @@ def test_a_conflict_in_a_text_has_its_place_and_comments_of_theirs_are_kept(merg
     assert (found.rule, found.location.line) == ("JML811", 9)
     assert "// A rover.\n" in outcome.data.decode()
     assert "// Fast.\n" in outcome.data.decode()
+
+
+def test_a_link_into_another_checkout_is_merged(tmp_path, monkeypatch):
+    for name in ("here", "there"):
+        (tmp_path / name / ".git").mkdir(parents=True)
+    for name, text in (
+        ("base.xmi", MINIMAL),
+        ("there/model.xmi", MINIMAL),
+        ("theirs.xmi", replaced(MINIMAL, RATE)),
+    ):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (tmp_path / "here" / "model.xmi").symlink_to(tmp_path / "there" / "model.xmi")
+    monkeypatch.chdir(tmp_path / "here")
+    done = CliRunner().invoke(main, ["merge", "../base.xmi", "model.xmi", "../theirs.xmi"])
+    assert (done.exit_code, done.stderr) == (0, "")
+    assert done.stdout == replaced(MINIMAL, RATE)

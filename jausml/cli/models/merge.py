@@ -47,7 +47,7 @@ def command(base: str, ours: str, theirs: str, file: str | None, output: str | N
     named = Path(file or ours)
     states = _read(base), _read(ours), _read(theirs)
     root = find_project_root([named]).resolve()
-    path = named.parent.resolve() / named.name
+    path = Path(os.path.realpath(named))  # of a link, that which is read
     try:
         around = _around(path, root, *states)
         outcome = merged(path.relative_to(root).as_posix(), root, *states, around)
