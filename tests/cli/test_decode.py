@@ -595,3 +595,16 @@ def test_a_terminal_gets_text_and_a_program_json():
     assert json.loads(piped.stdout)["message"] == "QueryStatus"
     chosen = [*command, "--format", "json"]
     assert subprocess.run(chosen, capture_output=True, check=True).stdout == piped.stdout
+
+
+def test_an_argument_may_be_longer_than_the_name_of_a_file(jausml):
+    result = jausml("encode", f'SetTravelSpeed {{{" " * 300}"Speed": 1}}')
+    assert result.exit_code == 0, result.output
+    assert result.stdout == jausml("encode", 'SetTravelSpeed {"Speed": 1}').stdout
+
+
+@pytest.mark.parametrize("form", ['SetTravelSpeed {{"Speed": {}}}', "SetTravelSpeed Speed={}"])
+def test_fields_that_are_nested_too_deep_are_told(jausml, form):
+    result = jausml("encode", text=form.format("[" * 100_000))
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == "<stdin>:1: the fields are nested too deep\n"

@@ -129,3 +129,12 @@ def test_the_address_of_another_is_not_taken_for_the_target(jausml, vehicle):
     vehicle()
     result = jausml("ping", JausAddress(100, 1, 2), "-c", "1", "--timeout", "0.2")
     assert result.exit_code == 1
+
+
+def test_an_interrupt_before_a_question_is_chosen_ends_it(jausml, monkeypatch):
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("jausml.live.peers.measuring.answered_question", interrupted)
+    result = jausml("ping", "100.1.1")
+    assert (result.exit_code, result.stdout) == (1, "0 asked, 0 answered, 0.0% lost\n")

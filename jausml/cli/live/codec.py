@@ -386,7 +386,7 @@ def encode(words: tuple[str, ...], models: tuple[str, ...]) -> None:
 
 def _is_named(text: str) -> bool:
     """Tells whether one argument is the name of a message with fields, and no file."""
-    return _NAMED.match(text) is not None and not Path(text).exists()
+    return _NAMED.match(text) is not None and not _is_file(text)
 
 
 class _LineError(ValueError):

@@ -244,7 +244,7 @@ def ping(
     """
     from jausml.live.peers.measuring import Pings, answered_question
 
-    pings = Pings()
+    pings, chosen = Pings(), None
     with settings.operator() as operator:
         with until_interrupted():
             chosen = answered_question(operator, target) if question == AUTOMATIC else question

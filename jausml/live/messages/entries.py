@@ -382,12 +382,14 @@ def parse_fields(text: str) -> dict[str, Any]:
         ValueError: It is neither.
     """
     matches = list(_ASSIGNMENT.finditer(text))
-    if matches and not text[: matches[0].start()].strip():
-        return _assigned(text, matches)
     try:
+        if matches and not text[: matches[0].start()].strip():
+            return _assigned(text, matches)
         fields = json.loads(text)
     except json.JSONDecodeError as error:
         raise ValueError(f"the fields are no JSON: {error}") from error
+    except RecursionError:
+        raise ValueError("the fields are nested too deep") from None
     if not isinstance(fields, dict):
         raise ValueError('the fields must be a JSON object, e.g. {"AuthorityCode": 5}')
     return fields
