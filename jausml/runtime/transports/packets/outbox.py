@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...base.address import address_of
 from ...base.quirks import Quirk
+from ..delivery import MESSAGE_CODE_SIZE
 from .outgoing import Lane, Message
 
 if TYPE_CHECKING:
@@ -127,7 +128,12 @@ class Outbox:
         return lane is not None and lane.has_large
 
     def send(
-        self, packets: list[Packet], on_result: OnResult | None, *, best_effort: bool = False
+        self,
+        packets: list[Packet],
+        on_result: OnResult | None,
+        *,
+        best_effort: bool = False,
+        supersedes: bool = False,
     ) -> None:
         """Send the packets of one message, which ask for acknowledgement, when it is their turn.
 
@@ -135,8 +141,13 @@ class Outbox:
             on_result: Told once whether all packets were acknowledged.
             best_effort: Whether it must be quick or not at all: eight packets are under way at
                 once instead of one, and it waits a second for its turn at most.
+            supersedes: Whether those before it with its code are withdrawn, and it goes in front.
         """
-        message = Message(packets, on_result, window=1)
+        if supersedes:
+            first = packets[0]
+            code = first.payload[:MESSAGE_CODE_SIZE]
+            self.withdraw(first.source, first.destination, code)
+        message = Message(packets, on_result, window=1, is_urgent=supersedes)
         if best_effort:
             message.window = _BEST_EFFORT_WINDOW
             message.latest = self._loop.now() + _BEST_EFFORT_PATIENCE_S
@@ -191,6 +202,31 @@ class Outbox:
                     and packet.payload.startswith(start)
                 ):
                     flight.is_answered = True
+
+    def withdraw(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
+        """Give up messages now: they are not repeated, and those that wait are not sent.
+
+        Args:
+            start: What their payloads begin with.
+        """
+        now = self._loop.now()
+        withdrawn: list[tuple[Message, _Flight | None]] = []
+        ready: list[Packet] = []
+        with self._lock:
+            lane = self._lanes.get(peer)
+            if lane is None:
+                return
+            for message in tuple(self._messages):
+                first = message.packets[0]
+                ends = first.source, first.destination
+                if ends == (source, peer) and first.payload.startswith(start):
+                    withdrawn.append((message, self._flights.get(_key(first))))
+                    self._abandon(message, lane)
+            if withdrawn:
+                ready = self._take_off(lane, peer)
+        for message, flight in withdrawn:
+            self._end_unacknowledged(message, flight, now)
+        self._transmit(ready)
 
     def close(self) -> None:
         """Give up everything; the results are reported."""
@@ -314,9 +350,7 @@ class Outbox:
         elif flight.repetitions == self._retries and not is_patient:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
-            if not self._watch(message, flight, now):
-                self._count_unacknowledged(message)
-            self._report(message, acknowledged=False)
+            self._end_unacknowledged(message, flight, now)
         self._transmit(ready)
 
     def _end_answered(self, flight: _Flight) -> None:
@@ -332,6 +366,12 @@ class Outbox:
     def _count_unacknowledged(self, message: Message) -> None:
         self._loop.counters.count("transport.unacknowledged", f"{message.packets[0].destination}")
         self._outcome_of(message).unacknowledged += 1
+
+    def _end_unacknowledged(self, message: Message, flight: _Flight | None, now: float) -> None:
+        """Report a message that was given up; one that was under way is watched."""
+        if flight is None or not self._watch(message, flight, now):
+            self._count_unacknowledged(message)
+        self._report(message, acknowledged=False)
 
     def _watch(self, message: Message, flight: _Flight, now: float) -> bool:
         """Wait on for the acknowledgement of a message that was given up, if it may come."""
@@ -369,24 +409,30 @@ class Outbox:
     def _is_alive(self, flight: _Flight, now: float) -> bool:
         """Return whether the destination was heard in the time that a packet may take."""
         destination = flight.packet.destination
-        heard = max(self._lanes[destination].heard, self._carrier.heard(destination))
+        heard, lane = self._carrier.heard(destination), self._lanes.get(destination)
+        if lane is not None:  # where nothing waits it may have made room for others since
+            heard = max(heard, lane.heard)
         return heard >= now - self._patience
 
     def _give_up(self, flight: _Flight) -> list[Message]:
         """Forget a message, and what waits behind it if its destination is silent."""
         message = flight.message
         lane = self._lanes[flight.packet.destination]
-        for packet in message.packets[: message.sent]:
-            other = self._flights.get(_key(packet))
-            # Numbers come again: the key may be that of a newer message.
-            if other is not None and other.message is message:
-                self._land(other)
-        self._forget(message, lane)
+        self._abandon(message, lane)
         is_alive = self._is_alive(flight, self._loop.now())
         waiting = [] if is_alive else lane.give_up_waiting()
         for queued_message in waiting:
             self._drop(queued_message)
         return [message, *waiting]
+
+    def _abandon(self, message: Message, lane: Lane) -> None:
+        """Forget a message with what is under way of it."""
+        for packet in message.packets[: message.sent]:
+            flight = self._flights.get(_key(packet))
+            # Numbers come again: the key may be that of a newer message.
+            if flight is not None and flight.message is message:
+                self._land(flight)
+        self._forget(message, lane)
 
     def _outcome_of(self, message: Message) -> Outcome:
         packet = message.packets[0]
