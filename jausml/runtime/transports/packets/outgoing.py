@@ -225,6 +225,31 @@ class Message:
         return self.under_way == 0 and self.sent == len(self.packets)
 
 
+Key = tuple[int, int, int]
+"""Who sends a packet, to whom (0 is any wildcard: they are numbered together), and its number."""
+
+
+def key_of(packet: Packet) -> Key:
+    """Return what a packet is known by."""
+    destination = packet.destination
+    return packet.source, 0 if destination.is_wildcard else destination, packet.sequence
+
+
+class Flight:
+    """A packet under way."""
+
+    __slots__ = ("due", "is_answered", "key", "message", "packet", "repetitions", "since")
+
+    def __init__(self, message: Message, packet: Packet, since: float, due: float) -> None:
+        self.message = message
+        self.packet = packet
+        self.key = key_of(packet)
+        self.since = since
+        self.due = due
+        self.repetitions = 0
+        self.is_answered = False
+
+
 class Lane:
     """Acknowledged messages to one destination, in an order that any receiver can take.
 
@@ -297,12 +322,10 @@ class Lane:
         else:
             self._singles.remove(message)
 
-    def give_up_waiting(self) -> list[Message]:
-        """Forget the messages of which nothing was sent yet, and return them."""
-        waiting = [*self._singles, *[message for message in self._large if not message.sent]]
-        self._singles.clear()
-        self._large = deque(message for message in self._large if message.sent)
-        return waiting
+    @property
+    def waiting(self) -> list[Message]:
+        """The messages of which nothing was sent yet."""
+        return [*self._singles, *[message for message in self._large if not message.sent]]
 
 
 def _next_of(message: Message) -> tuple[Message, Packet]:
