@@ -19,7 +19,13 @@ needs.ask("rclpy")
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
-from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, Event
+from jausml.runtime.messages import (
+    ConfirmEventRequest,
+    CreateEvent,
+    Event,
+    RequestControl,
+    Resume,
+)
 from jausml.runtime.transports.packets.packet import (
     AckNak,
     DataFlags,
@@ -281,6 +287,40 @@ def test_both_forms_do_the_same_with_whatever_comes(path, tmp_path, monkeypatch,
             else:
                 assert system.alone("point_up") == 0
     assert found[0] == found[1]
+
+
+@pytest.mark.slow
+def test_nothing_that_was_sent_before_a_stop_is_obeyed_after_it(system):
+    """The stop is acknowledged; what it must not be undone by is acknowledged, or is not."""
+    from std_msgs.msg import Float64
+
+    def send(share, **options):
+        peer.send(struct.pack("<Hd", 0xD105, share), **options)
+
+    def is_reached():
+        send(0.5)
+        return brakes
+
+    peer, brakes = system.peer, system.ros.listen_to_publisher(Float64, "brake_up", 1000)
+    peer.send(RequestControl(authority_code=255).encode())
+    peer.send(Resume().encode())
+    wait_for(is_reached, "first command")
+    for step in range(10):
+        send(float(step))
+        late, late_too = peer.number + 1, peer.number + 2
+        peer.number += 2
+        send(0.0, acknowledge=AckNak.REQUESTED)
+        send(19.0, number=late, acknowledge=AckNak.REQUESTED)
+        send(-19.0, number=late_too)
+        send(99.0)
+        wait_for(lambda: brakes[-1].data == 99.0, "command")
+        brakes_since = [brake.data for brake in list(brakes) if brake.data != 0.5]
+        assert brakes_since == [float(step), 0.0, 99.0]
+        brakes.clear()
+        send(0.5)
+        wait_for(lambda: brakes, "command")
+    if system.is_compiled:
+        wait_for(lambda: system.alone("brake_up") >= 5, "messages of the core")
 
 
 def packets_of_scan(peer, size):

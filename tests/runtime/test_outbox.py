@@ -62,11 +62,26 @@ class Line:
         self.results: dict[str, bool] = {}
 
     def send(
-        self, name, packets=1, *, own=OWN, to=PEER, acknowledge=True, priority=Priority.STANDARD
+        self,
+        name,
+        packets=1,
+        *,
+        code=STATUS,
+        own=OWN,
+        to=PEER,
+        acknowledge=True,
+        priority=Priority.STANDARD,
+        supersedes=False,
     ):
-        payload = (STATUS + name.encode()).ljust(PACKET * (packets - 1) + 50, b".")
+        payload = (code + name.encode()).ljust(PACKET * (packets - 1) + 50, b".")
         self.messenger.send(
-            own, to, payload, priority, acknowledge, lambda ok: self.results.update({name: ok})
+            own,
+            to,
+            payload,
+            priority,
+            acknowledge,
+            lambda ok: self.results.update({name: ok}),
+            supersedes,
         )
 
     def out(self) -> str:
@@ -347,6 +362,69 @@ def test_what_waits_for_a_silent_destination_is_given_up_with_the_first(line):
         line.pass_time(0.05)
     assert line.results == {"a": False, "b": False, "c": False}
     assert len(line.carrier.packets) < 20
+
+
+COMMAND = b"\x0a\x00"
+
+
+def test_a_stop_withdraws_what_was_commanded_before_and_goes_in_front(line):
+    for name in "ab" * 20:
+        line.send(name, code=COMMAND)
+    for name in "cd" * 20:
+        line.send(name)
+    assert line.out() == "ab" * 16
+    line.send("s", code=COMMAND, supersedes=True)
+    line.pass_time(0)
+    assert line.results == {"a": False, "b": False}
+    assert sorted(line.out()) == sorted("cd" * 16 + "s")
+    (stop,) = (
+        flight
+        for flight in line.messenger._outbox._flights.values()
+        if flight.packet.payload.startswith(COMMAND)
+    )
+    line.acknowledge(stop.packet)
+    assert line.results.pop("s")
+    for _ in range(100):
+        line.pass_time(0.05)
+    assert set(line.out()) == {"c", "d"}
+    assert len(line.messenger._outbox) == 0
+
+
+def test_a_stop_waits_for_no_place_that_others_have(line):
+    for _ in range(40):
+        line.send("a")
+    line.out()
+    line.send("s", code=COMMAND, supersedes=True)
+    assert line.out() == "s"
+
+
+@pytest.mark.parametrize("packets", [1, 3])
+def test_what_is_withdrawn_is_neither_sent_nor_repeated(line, packets):
+    for name in ("a", "b"):
+        line.send(name, packets=packets)
+    line.send("n", own=NEIGHBOUR)
+    line.send("o", to=OTHER)
+    line.out()
+    line.messenger.withdraw(OWN, PEER, STATUS + b"a")
+    line.messenger.withdraw(OWN, PEER, STATUS + b"x")
+    line.messenger.withdraw(OWN, JausAddress(9, 9, 9), STATUS)
+    line.pass_time(0)
+    assert line.results == {"a": False}
+    line.pass_time(0.11)
+    assert set(line.out()) == {"b", "n", "o"}
+    line.messenger.withdraw(OWN, PEER, STATUS)
+    line.pass_time(0.11)
+    assert line.results == {"a": False, "b": False}
+    assert set(line.out()) == {"n", "o"}
+
+
+def test_what_is_withdrawn_has_no_part_in_what_is_known_of_a_peer(line):
+    for name in "abcd":
+        line.send(name)
+        answer(line, name)
+        line.messenger.withdraw(OWN, PEER, STATUS)
+        line.pass_time(1.0)
+    assert line.quirks.of(PEER) == ()
 
 
 def answer(line, name=""):

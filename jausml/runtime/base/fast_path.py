@@ -58,8 +58,9 @@ class FastPath:
         translation: What the core is given to translate, a structure of its own.
         publisher: Address of the publisher of the client library.
         passed: Told of each message afterwards.
-        latest: Number, time and origin of the latest command, of which older ones are late; None
-            where nobody minds.
+        latest: Number and time of the latest command, of which older ones are late; None where
+            nobody minds. Commands that ask for acknowledgement are left to Python then, which
+            compares them with each other.
         expected: The number of the next report of an event.
     """
 
@@ -67,7 +68,7 @@ class FastPath:
     translation: Any
     publisher: int
     passed: Passed
-    latest: Callable[[], tuple[int, float, object] | None] | None = None
+    latest: Callable[[], tuple[int, float] | None] | None = None
     expected: Callable[[], int | None] | None = None
 
 

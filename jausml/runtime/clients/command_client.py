@@ -27,6 +27,11 @@ MAX_DURATION = 0xFFFFFFFF
 _CREATE = CreateCommandEvent.CODE.to_bytes(2, "little")
 
 
+def _start_of(request_id: int) -> bytes:
+    """What the payload of the command begins with."""
+    return _CREATE + bytes([request_id])
+
+
 class PendingCommand:
     """A command whose end is awaited; made by ``JausComponent.command``."""
 
@@ -58,6 +63,7 @@ class PendingCommand:
             if not self._client.forget(self):
                 return
             if self.event_id is None:
+                self._withdraw()
                 self._client.cancel_when_confirmed(self)
             else:
                 self.cancel_event(self.event_id)
@@ -76,7 +82,7 @@ class PendingCommand:
             command_message=payload,
         )
         component.send(message, self.target, acknowledge=True)
-        self._timer.set(timeout, lambda: self.report_refusal(None, "no answer"))
+        self._timer.set(timeout, self._on_silence)
 
     def await_end(self, event_id: int, margin: float) -> None:
         """Await the end of a confirmed command, a little longer than the target has for it."""
@@ -98,6 +104,15 @@ class PendingCommand:
     def stop_waiting(self) -> None:
         """Wait for nothing any more."""
         self._timer.cancel()
+
+    def _on_silence(self) -> None:
+        self._withdraw()
+        self.report_refusal(None, "no answer")
+
+    def _withdraw(self) -> None:
+        """Have the command repeated no more: who is told of its end must not see it begin."""
+        component, start = self._client.component, _start_of(self.request_id)
+        component.transport.withdraw(component.address, self.target, start)
 
     def _on_timeout(self) -> None:
         # The target may have done it. Nobody knows, and only what is known to be done succeeded.
@@ -207,7 +222,7 @@ class CommandClient:
 
     def _take_answer(self, pending: PendingCommand) -> None:
         """Let the answer to CreateCommandEvent end its repetition."""
-        start = _CREATE + bytes([pending.request_id])
+        start = _start_of(pending.request_id)
         self.component.transport.answered(self.component.address, pending.target, start)
 
     def _ended(self, message: CommandEvent, sender: JausAddress) -> None:

@@ -232,8 +232,11 @@ class Exchanges:
         """Ends an exchange, and lets those that wait for it go on; False when it has ended."""
         if asked.is_over:
             return False
-        loop = self._component.loop
+        loop, transport = self._component.loop, self._component.transport
         asked.stop_timers()
+        if asked.owed and not asked.is_query and not isinstance(ending, bytes):
+            # Whoever asked is told that it failed: it must not be executed later.
+            transport.withdraw(self._component.address, target, asked.payload)
         asked.close(loop.now(), ending)
         go_on = partial(self._go_on, target)
         if asked.owed:

@@ -131,6 +131,30 @@ FARTHEST = 1024
 _MOST_SOURCES = 256
 
 
+def _is_before(number: int, other: int) -> bool:
+    """Whether a number is that of an earlier message; numbers begin again after 65535."""
+    return 0 < other - number & 0xFFFF <= FARTHEST
+
+
+class _Latest(NamedTuple):
+    """The latest message of a source.
+
+    Attributes:
+        sure: Number of the latest one that asks for acknowledgement, while it is not too far back
+            to be compared.
+    """
+
+    number: int
+    at: float
+    origin: object
+    sure: int | None
+
+    def followed_by(self, number: int, at: float, origin: object) -> _Latest:
+        """Return what is known when a message without acknowledgement came."""
+        is_near = self.sure is not None and _is_before(self.sure, number)
+        return _Latest(number, at, origin, self.sure if is_near else None)
+
+
 class Ordering:
     """Tells which messages of one kind are older than one of the same source that came before.
 
@@ -142,45 +166,55 @@ class Ordering:
     def __init__(self, arrival: Arrival, clock: Callable[[], float]) -> None:
         self._arrival = arrival
         self._clock = clock
-        self._latest: dict[JausAddress, tuple[int, float, object]] = {}
+        self._latest: dict[JausAddress, _Latest] = {}
 
     def is_late(self, sender: JausAddress) -> bool:
         """Return whether the present message of a sender is late; remember it if it is not.
 
-        One that asks for acknowledgement is to be taken in any case. What was sent before it and
-        comes after it is late all the same: it must not undo a stop.
+        One that asks for acknowledgement may be a stop that is repeated, so others do not make it
+        late. A newer one of its own kind does. What was sent before a stop, with acknowledgement or
+        without, and comes after it is late: it must not undo the stop.
         """
-        number = self._arrival.number
+        number, origin, is_sure = self._arrival.number, self._arrival.origin, self._arrival.is_sure
         if number is None:
             return False
         now = self._clock()
         latest = self._latest.get(sender)
-        if latest is not None:
-            behind = (latest[0] - number) & 0xFFFF
-            if (
-                0 < behind <= FARTHEST
-                and now - latest[1] < LATEST
-                and latest[2] == self._arrival.origin
-            ):
-                return not self._arrival.is_sure
-        elif len(self._latest) >= _MOST_SOURCES:
-            self._latest.clear()
-        self._latest[sender] = number, now, self._arrival.origin
+        if latest is None:
+            if len(self._latest) >= _MOST_SOURCES:
+                self._latest.clear()
+            latest = _Latest(number, now, origin, None)
+        elif (
+            _is_before(number, latest.number)
+            and now - latest.at < LATEST
+            and latest.origin == origin
+        ):
+            if not is_sure or (latest.sure is not None and _is_before(number, latest.sure)):
+                return True
+            self._latest[sender] = latest._replace(sure=number)
+            return False
+        latest = latest.followed_by(number, now, origin)
+        self._latest[sender] = latest._replace(sure=number) if is_sure else latest
         return False
 
     def minded(self, path: FastPath, sender: JausAddress) -> FastPath:
         """Return a fast path on which the messages of a sender keep their order.
 
-        What takes it comes from where the latest message came from.
+        What takes it comes from where the latest message came from, and asks for no
+        acknowledgement.
         """
-        passed, latest = path.passed, self._latest
-        _, _, origin = latest.get(sender, (0, 0.0, None))
+        passed, known = path.passed, self._latest
+        before = known.get(sender, _Latest(0, 0.0, None, None))
 
         def note(payload: bytes, number: int, at: float, unknown: int) -> None:
-            latest[sender] = number, at, origin
+            latest = known.get(sender, before)
+            known[sender] = latest.followed_by(number, at, before.origin)
             passed(payload, number, at, unknown)
 
-        return replace(path, passed=note, latest=lambda: latest.get(sender))
+        def latest() -> tuple[int, float] | None:
+            return known[sender][:2] if sender in known else None
+
+        return replace(path, passed=note, latest=latest)
 
 
 Origin = TypeVar("Origin")

@@ -101,12 +101,25 @@ class Transport(ABC):
             if messenger is not None:
                 messenger.answered(address, peer, start)
 
+    def withdraw(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
+        """Repeat messages to a component no more, and do not send those that wait.
+
+        They count as not acknowledged, which is told at once; they may have arrived all the same.
+
+        Args:
+            start: What the payloads of the messages begin with: their code at least.
+        """
+        with self.loop.lock:
+            messenger = self._messenger_of(address)
+            if messenger is not None:
+                messenger.withdraw(address, peer, start)
+
     def datagram(
         self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
     ) -> tuple[bytes, Endpoint] | None:
         """Return what another process may send in the place of a component, and where.
 
-        It asks for acknowledgement, so that it is obeyed however late it seems. Its number is 0.
+        It asks for acknowledgement, so that only newer ones that do make it late. Its number is 0.
 
         Returns:
             The datagram and its endpoint; None where one datagram does not do.
@@ -171,6 +184,7 @@ class Transport(ABC):
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
         on_result: OnResult | None = None,
+        supersedes: bool = False,
     ) -> None:
         """Send one message; callable from any thread, sends on it, never blocks.
 
@@ -185,6 +199,8 @@ class Transport(ABC):
                 of more than ten packets is repeated in any case.
             on_result: Told once whether the message was acknowledged or received in this
                 process; where no acknowledgement is asked for, whether it was put on the network.
+            supersedes: Withdraw what was sent before with the same code to the destination, and go
+                before all that waits; for a stop, which is acknowledged.
 
         Raises:
             ValueError: The source is not one component or the payload has no message code.
@@ -194,7 +210,9 @@ class Transport(ABC):
             self.counters.count("transport.not_attached", f"a message of {source} is lost")
             report(self.loop, on_result, success=False)
         else:
-            messenger.send(source, destination, payload, priority, acknowledge, on_result)
+            messenger.send(
+                source, destination, payload, priority, acknowledge, on_result, supersedes
+            )
 
     def sender(
         self,

@@ -129,6 +129,9 @@ class Network:
     def answered(self, _address: JausAddress, _peer: JausAddress, _start: bytes) -> None:
         """Nothing is repeated anyway."""
 
+    def withdraw(self, _address: JausAddress, _peer: JausAddress, _start: bytes) -> None:
+        """Nothing waits."""
+
     def silence_of(self, _address: JausAddress) -> float:
         """Whoever is asked about has just spoken."""
         return 0.0
@@ -151,9 +154,10 @@ class Network:
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
         on_result: OnResult | None = None,
+        supersedes: bool = False,
     ) -> None:
         """Checks that a message is one."""
-        del priority, acknowledge, on_result
+        del priority, acknowledge, on_result, supersedes
         assert source == OWN
         assert destination in PEERS or destination.is_wildcard, destination
         CODECS[int.from_bytes(payload[:2], "little")].decode(payload)

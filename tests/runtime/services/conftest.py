@@ -55,6 +55,7 @@ class World:
         log: Every message sent: (source, destination, message code).
         lost: Tells whether a message is lost on its way.
         answers: What was said to be answered: who had asked, who answers, start of the payload.
+        withdrawn: What was not to be sent any more: by whom, to whom, start of the payload.
     """
 
     def __init__(self) -> None:
@@ -71,6 +72,7 @@ class World:
         self.exchanged: list[PeerTraffic] = []
         self.quirks = Quirks()
         self.answers: list[tuple[JausAddress, JausAddress, bytes]] = []
+        self.withdrawn: list[tuple[JausAddress, JausAddress, bytes]] = []
 
     @property
     def counters(self) -> Counters:
@@ -89,6 +91,9 @@ class World:
 
     def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
         self.answers.append((address, peer, start))
+
+    def withdraw(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
+        self.withdrawn.append((address, peer, start))
 
     def is_unheard(self, address: JausAddress) -> bool:
         """Messages are lost on their way to nobody."""
@@ -125,6 +130,7 @@ class World:
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
         on_result: Callable[[bool], None] | None = None,
+        supersedes: bool = False,  # noqa: ARG002 - nothing waits or is repeated
     ) -> None:
         code = int.from_bytes(payload[:2], "little")
         self.log.append((source, destination, code))

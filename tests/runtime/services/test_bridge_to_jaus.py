@@ -202,6 +202,19 @@ def test_such_a_report_is_as_old_as_its_oldest_value(world, setting):
     assert ask() == [(7, 6)]
 
 
+def test_the_age_of_what_was_not_reported_is_not_that_of_the_next_report(world, setting):
+    joints_served(setting, freshness=1.0)
+    ask = asking(world)
+    say = setting.ros.deliver["numbers"]
+    say(Number(105))
+    say(Number(280))  # more than there is room for in the report
+    assert ask() == []
+    world.run(0.9)
+    say(Number(308))
+    world.run(0.5)
+    assert ask() == [(8, 8)]
+
+
 def test_a_translation_that_is_tried_knows_nothing_of_messages_before():
     joints = TopicsToReport(
         "joints", lambda _: None, message=ReportTime, type=Number, query=QueryTime, topics=[]

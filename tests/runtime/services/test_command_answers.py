@@ -74,6 +74,28 @@ def test_after_the_stop_nothing_is_commanded(answer, nothing, world, setting, op
     assert asked(operator) == nothing
 
 
+def test_a_command_that_was_stopped_is_not_told_again(world, setting, operator):
+    """Whoever commands next ends the stop by what its map leaves out, and commands nothing."""
+
+    def few(message):
+        small = message.time_stamp.minutes < 10
+        return Number(float(message.time_stamp.minutes)) if small else None
+
+    setting.open(
+        message_connection(few, when=Guard.READY, safe_value=lambda: Number(-1.0), answer=TOLD),
+        services=CORE,
+    )
+    following = world.probe("1.1.7", strict=False)
+    for commanding, value in ((operator, 5), (following, 20)):
+        commanding.send(RequestControl(authority_code=200), OWN)
+        commanding.send(Resume(), OWN)
+        commanding.send(minutes(value), OWN)
+        world.settle()
+        assert asked(commanding) == ([value] if value < 10 else [])
+        commanding.send(ReleaseControl(), OWN)
+        world.settle()
+
+
 def test_what_holds_is_told_on(world, setting, operator):
     connection = message_connection(when=Guard.READY, hold_reason="it is a goal", answer=TOLD)
     setting.open(connection, services=CORE)

@@ -238,6 +238,26 @@ def test_no_answer(world, client, outcome):
     assert world.count(CreateCommandEvent.CODE) == 1
 
 
+@pytest.mark.parametrize("ends_by", ["cancel", "no answer", "confirmation", "rejection"])
+def test_a_command_without_an_answer_is_not_executed_later(world, client, outcome, ends_by):
+    world.detach(TARGET)
+    pending = client.command(TARGET, Drive(authority_code=1), **outcome.callbacks())
+    world.settle()
+    request_id = pending.request_id
+    if ends_by == "cancel":
+        pending.cancel()
+    elif ends_by == "confirmation":
+        world.send(TARGET, client.address, ConfirmEventRequest(request_id, 5, 0.0).encode())
+        world.settle()
+        pending.cancel()
+    elif ends_by == "rejection":
+        world.send(TARGET, client.address, RejectEventRequest(request_id, 1).encode())
+    world.run(60.0, step=0.5)
+    start = CreateCommandEvent.CODE.to_bytes(2, "little") + bytes([request_id])
+    is_withdrawn = ends_by in {"cancel", "no answer"}
+    assert world.withdrawn == [(client.address, TARGET, start)] * is_withdrawn
+
+
 @pytest.mark.usefixtures("session")
 def test_cancel_after_the_end_does_no_harm_to_the_next_command(world, robot, client, outcome):
     first = client.command(robot.address, Drive())

@@ -91,6 +91,27 @@ class TestExchanges:
         assert asker.ends == [("status", Unanswered.SILENT)]
         assert world.count(QueryStatus.CODE) == sent
 
+    @pytest.mark.parametrize("is_query", [True, False])
+    @pytest.mark.parametrize("ends_by", ["silence", "being forgotten", "its answer"])
+    def test_a_command_without_an_answer_is_not_executed_later(
+        self, world, asker, is_query, ends_by
+    ):
+        forget = asker.ask("time", SetTime(), ReportStatus, is_query=is_query)
+        if ends_by == "silence":
+            world.run(TIMEOUT + 0.1, step=0.05)
+        elif ends_by == "being forgotten":
+            forget()
+        else:
+            answer(world, asker, ReportStatus())
+        is_withdrawn = not is_query and ends_by != "its answer"
+        command = asker.component.address, PEER, SetTime().encode()
+        assert world.withdrawn == [command] * is_withdrawn
+
+    def test_a_command_that_was_not_sent_is_not_withdrawn(self, world, asker):
+        asker.ask("first", QueryStatus(), ReportStatus)
+        asker.ask("second", SetTime(), ReportStatus, is_query=False)()
+        assert world.withdrawn == []
+
     def test_those_with_the_same_answer_take_turns(self, world, asker):
         asker.ask("first", QueryStatus(), ReportStatus)
         asker.ask("second", QueryStatus(), ReportStatus)

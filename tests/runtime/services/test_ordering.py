@@ -43,10 +43,45 @@ def test_sources_count_by_themselves(line):
     assert line.is_late(99)
 
 
-def test_what_asks_for_acknowledgement_is_never_late(line):
+def test_what_asks_for_acknowledgement_is_not_late_by_others(line):
+    """A stop that got lost is repeated, while its source commands again."""
     assert not line.is_late(100)
     assert not line.is_late(98, is_sure=True)
     assert line.is_late(99)
+
+
+@pytest.mark.parametrize("stop", [102, 0, 1, 0xFFFF])
+def test_what_is_repeated_does_not_undo_a_stop_after_it(line, stop):
+    assert not line.is_late(stop, is_sure=True)
+    assert line.is_late(stop - 2 & 0xFFFF, is_sure=True)
+    assert not line.is_late(stop + 1 & 0xFFFF)
+    assert line.is_late(stop - 1 & 0xFFFF, is_sure=True)
+    assert not line.is_late(stop + 4 & 0xFFFF)
+    assert not line.is_late(stop + 3 & 0xFFFF, is_sure=True)
+    assert line.is_late(stop + 2 & 0xFFFF, is_sure=True)
+
+
+def test_what_is_repeated_is_compared_with_a_repetition_that_was_taken(line):
+    assert not line.is_late(105)
+    assert not line.is_late(103, is_sure=True)
+    assert line.is_late(102, is_sure=True)
+    assert not line.is_late(104, is_sure=True)
+
+
+def test_an_acknowledgement_that_was_wanted_long_ago_is_not_compared(line):
+    """After 65,536 messages the numbers are the same again."""
+    assert not line.is_late(200, is_sure=True)
+    for number in range(201, 0x10000 + 300):
+        assert not line.is_late(number & 0xFFFF)
+    assert not line.is_late(190, is_sure=True)
+
+
+def test_a_new_process_is_not_compared_with_what_was_acknowledged_before(line):
+    assert not line.is_late(500, is_sure=True)
+    assert not line.is_late(100, origin=("127.0.0.1", 40_000))
+    assert not line.is_late(99, is_sure=True, origin=("127.0.0.1", 40_000))
+    line.time += LATEST
+    assert not line.is_late(3, is_sure=True, origin=("127.0.0.1", 40_000))
 
 
 def test_what_was_sent_before_a_stop_does_not_undo_it(line):

@@ -180,11 +180,10 @@ class CommandAnswer:
 
 
 class CommandMemory:
-    """Remembers the last command that was passed on, and tells it while it stands."""
+    """Remembers the last command that was passed on, and tells it until a stop is sent."""
 
-    def __init__(self, answer: CommandAnswer, stands: Callable[[], bool]) -> None:
+    def __init__(self, answer: CommandAnswer) -> None:
         self._answer = answer
-        self._stands = stands
         self._payload: bytes | None = None
 
     def provide(self, component: JausComponent) -> None:
@@ -192,6 +191,10 @@ class CommandMemory:
         self._payload = None
         answer = self._answer
         component.provide(answer.query, answer.report, self._report, every_change=False)
+
+    def forget(self) -> None:
+        """Tells nothing before the next command, since a stop stands."""
+        self._payload = None
 
     def remembering(self, transcode: Transcode) -> Transcode:
         """Returns a translation of commands, of which those that it passes on are remembered."""
@@ -206,7 +209,7 @@ class CommandMemory:
 
     def _report(self, query: Message, _sender: JausAddress) -> Message | bytes | None:
         answer = self._answer
-        if self._payload is None or not self._stands():
+        if self._payload is None:
             return answer.report() if answer.has_empty else None
         # A report has the fields of the command that it tells; only the code is another one.
         code = answer.report.CODE.to_bytes(MESSAGE_CODE_SIZE, "little")

@@ -219,6 +219,8 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
                 # Whatever the model says of the commands: a stop that gets lost is sent again.
                 acknowledge=True,
                 on_result=partial(self._stop_sent, peer),
+                # No command before it is repeated or sent from now on.
+                supersedes=True,
             )
         return bool(peers)
 
@@ -287,10 +289,15 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
     def open(self, ends: Ends) -> None:
         """Offers the report, then makes the subscriptions."""
         self._parts.clear()
-        self._oldest = math.inf
         self._report = ends.shared_messages.report(self._query, self._message)
         self._sink.deliver = self._put = self._putting(ends)
         super().open(ends)
+
+    def pass_on(self, data: bytes, origin: int) -> None:
+        """Translates a message and makes it the present report."""
+        super().pass_on(data, origin)
+        # Also of a message that was not put: its values must not age the next one.
+        self._oldest = math.inf
 
     def by_name(
         self, names: Collection[str], keys: Sequence[str], values: Sequence[ValueT], needed: str
@@ -339,7 +346,7 @@ class TopicsToReport(FromTopics[SourceT, TargetT]):
             holder.value, holder.feeder = report, self
             # A report that was put together is as old as the oldest of its values.
             if self._oldest < math.inf:
-                self.statistics.heard, self._oldest = self._oldest, math.inf
+                self.statistics.heard = self._oldest
             changed(message)
 
         return put

@@ -281,7 +281,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         self._when = when
         self._standing: Standing | None = None
         self._rate_cap = rate_cap
-        self._memory = None if answer is None else CommandMemory(answer, self._stands)
+        self._memory = None if answer is None else CommandMemory(answer)
 
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""
@@ -304,10 +304,14 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         """Whether no command is to be remembered for who asks."""
         return self._memory is None
 
-    def _stands(self) -> bool:
-        """Whether what was commanded last has not given way to a stop."""
-        # Without a safe value the last command stands on, whatever stopped its source.
-        return self.stopped is None or self._safe_value is None
+    def deliver_stop(self, payload: bytes) -> bool:
+        """Publishes the stop, after which no command stands that could be told.
+
+        Without one the last command stands on, whatever stopped its source.
+        """
+        if self._memory is not None:
+            self._memory.forget()
+        return super().deliver_stop(payload)
 
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:
         """Stops what whoever commanded has left behind, in Ready too."""

@@ -252,8 +252,14 @@ class FastReceiver:
         path = None
         if way.destination == self._component.address:
             path = self._component.fast_path(key.code, key.event, way.source)
-        # Of an event nobody has seen a report yet, so there is no number to expect.
-        if path is None or (path.expected is not None and path.expected() is None):
+        # Of an event nobody has seen a report yet, so there is no number to expect. A command that
+        # is acknowledged may be a stop: older ones without acknowledgement have a route apart, and
+        # must hear of it before the next message.
+        if (
+            path is None
+            or (path.expected is not None and path.expected() is None)
+            or (path.latest is not None and way.answer)
+        ):
             # Emptied as a whole: what is asked for again is simply judged again.
             if len(self._without) >= _MOST_WITHOUT:
                 self._without.clear()
@@ -331,6 +337,6 @@ def _tell(order: Any, path: FastPath) -> None:
     latest = None if path.latest is None else path.latest()
     order.has_latest = latest is not None
     if latest is not None:
-        order.latest, order.latest_at, _ = latest
+        order.latest, order.latest_at = latest
     if path.expected is not None:
         order.expected = path.expected() or 0

@@ -276,6 +276,7 @@ class ListRun(Run):
                 stop(speed=0.0).encode(),
                 acknowledge=True,
                 on_result=self._stood,
+                supersedes=True,
             )
         else:
             self._stands = True

@@ -120,6 +120,7 @@ class Messenger(Generic[Origin]):
         priority: Priority,
         acknowledge: bool,  # noqa: FBT001 - one caller
         on_result: OnResult | None,
+        supersedes: bool = False,  # noqa: FBT001, FBT002 - as above
     ) -> None:
         """Send one message; see ``Transport.send``."""
         if not source.is_concrete:
@@ -135,7 +136,7 @@ class Messenger(Generic[Origin]):
             and destination not in self.inbox.receivers
         ):
             asks = acknowledge and not self._is_reliable
-            self._send_one(source, destination, payload, priority, asks, on_result)
+            self._send_one(source, destination, payload, priority, asks, on_result, supersedes)
             return
         refusal = self.packetizer.refusal(destination, len(payload))
         if refusal:
@@ -158,7 +159,9 @@ class Messenger(Generic[Origin]):
             # Told once: those of this process have it for certain.
             on_result = None
         if asks:
-            self._outbox.send(packets, on_result, best_effort=not acknowledge)
+            self._outbox.send(
+                packets, on_result, best_effort=not acknowledge, supersedes=supersedes
+            )
         else:
             self._send_all(packets, on_result)
         if count > HELD_BY_PEERS:
@@ -167,6 +170,10 @@ class Messenger(Generic[Origin]):
     def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
         """Take an answer for an acknowledgement; see ``Transport.answered``."""
         self._outbox.answered(source, peer, start)
+
+    def withdraw(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
+        """Give messages up; see ``Transport.withdraw``."""
+        self._outbox.withdraw(source, peer, start)
 
     def traffic(self) -> list[PeerTraffic]:
         """Return what components of this process and others have exchanged, by pair.
@@ -213,6 +220,7 @@ class Messenger(Generic[Origin]):
         priority: Priority,
         asks: bool,  # noqa: FBT001 - one caller
         on_result: OnResult | None,
+        supersedes: bool,  # noqa: FBT001 - one caller
     ) -> None:
         """Send what most messages are: one packet to one component of another process."""
         number = next(self.packetizer.numbers(source, destination)) & 0xFFFF
@@ -221,7 +229,7 @@ class Messenger(Generic[Origin]):
             destination, source, payload, number, priority, Broadcast.NONE, wanted, DataFlags.SINGLE
         )
         if asks:
-            self._outbox.send([packet], on_result)
+            self._outbox.send([packet], on_result, supersedes=supersedes)
         else:
             self._send_all([packet], on_result)
 

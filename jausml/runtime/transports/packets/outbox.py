@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...base.address import address_of
 from ...base.quirks import Quirk
-from .outgoing import Lane, Message
+from ..delivery import MESSAGE_CODE_SIZE
+from .outgoing import Flight, Lane, Message, key_of
 
 if TYPE_CHECKING:
     from ...base.address import JausAddress
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from ...base.quirks import Quirks
     from ...base.settings import TransportSettings
     from ..delivery import Carrier, OnResult
+    from .outgoing import Key
     from .packet import Packet
 
 _MAX_MESSAGES = 4096
@@ -31,29 +33,6 @@ packet in three frames is lost often where one frame in five is."""
 
 OFTEN_ANSWERED = 3
 """Answers without any acknowledgement after which a peer is taken for one that sends none."""
-
-_Key = tuple[int, int, int]
-"""Who sends a packet, to whom (0 is any wildcard: they are numbered together), and its number."""
-
-
-def _key(packet: Packet) -> _Key:
-    destination = packet.destination
-    return packet.source, 0 if destination.is_wildcard else destination, packet.sequence
-
-
-class _Flight:
-    """A packet under way."""
-
-    __slots__ = ("due", "is_answered", "key", "message", "packet", "repetitions", "since")
-
-    def __init__(self, message: Message, packet: Packet, since: float, due: float) -> None:
-        self.message = message
-        self.packet = packet
-        self.key = _key(packet)
-        self.since = since
-        self.due = due
-        self.repetitions = 0
-        self.is_answered = False
 
 
 class Outcome:
@@ -110,9 +89,9 @@ class Outbox:
         self.outcomes: dict[tuple[int, int], Outcome] = {}
         self._lock = threading.Lock()
         self._lanes: dict[JausAddress, Lane] = {}
-        self._flights: dict[_Key, _Flight] = {}  # in the order in which they are due
+        self._flights: dict[Key, Flight] = {}  # in the order in which they are due
         self._timer: Timer | None = None
-        self._overdue: dict[_Key, tuple[float, Message]] = {}  # in the order of their ends
+        self._overdue: dict[Key, tuple[float, Message]] = {}  # in the order of their ends
         self._overdue_timer: Timer | None = None
         self._messages: dict[Message, None] = {}  # in the order of sending
         self._size = 0
@@ -127,7 +106,12 @@ class Outbox:
         return lane is not None and lane.has_large
 
     def send(
-        self, packets: list[Packet], on_result: OnResult | None, *, best_effort: bool = False
+        self,
+        packets: list[Packet],
+        on_result: OnResult | None,
+        *,
+        best_effort: bool = False,
+        supersedes: bool = False,
     ) -> None:
         """Send the packets of one message, which ask for acknowledgement, when it is their turn.
 
@@ -135,8 +119,13 @@ class Outbox:
             on_result: Told once whether all packets were acknowledged.
             best_effort: Whether it must be quick or not at all: eight packets are under way at
                 once instead of one, and it waits a second for its turn at most.
+            supersedes: Whether those before it with its code are withdrawn, and it goes in front.
         """
-        message = Message(packets, on_result, window=1)
+        if supersedes:
+            first = packets[0]
+            code = first.payload[:MESSAGE_CODE_SIZE]
+            self.withdraw(first.source, first.destination, code)
+        message = Message(packets, on_result, window=1, is_urgent=supersedes)
         if best_effort:
             message.window = _BEST_EFFORT_WINDOW
             message.latest = self._loop.now() + _BEST_EFFORT_PATIENCE_S
@@ -192,6 +181,31 @@ class Outbox:
                 ):
                     flight.is_answered = True
 
+    def withdraw(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
+        """Give up messages now: they are not repeated, and those that wait are not sent.
+
+        Args:
+            start: What their payloads begin with.
+        """
+        now = self._loop.now()
+        withdrawn: list[tuple[Message, Flight | None]] = []
+        ready: list[Packet] = []
+        with self._lock:
+            lane = self._lanes.get(peer)
+            if lane is None:
+                return
+            for message in tuple(self._messages):
+                first = message.packets[0]
+                ends = first.source, first.destination
+                if ends == (source, peer) and first.payload.startswith(start):
+                    withdrawn.append((message, self._flights.get(key_of(first))))
+                    self._abandon(message, lane)
+            if withdrawn:
+                ready = self._take_off(lane, peer)
+        for message, flight in withdrawn:
+            self._end_unacknowledged(message, flight, now)
+        self._transmit(ready)
+
     def close(self) -> None:
         """Give up everything; the results are reported."""
         with self._lock:
@@ -243,7 +257,7 @@ class Outbox:
         ready = lane.ready()
         due = now + self._timeout
         for message, packet in ready:
-            flight = _Flight(message, packet, now, due)
+            flight = Flight(message, packet, now, due)
             self._flights[flight.key] = flight
         if ready and self._timer is None:
             self._timer = self._loop.call_later(self._timeout, self._expire)
@@ -255,14 +269,13 @@ class Outbox:
             self._loop.counters.count("transport.too_late", f"a message to {destination}")
             self._report(message, acknowledged=False)
 
-    def _land(self, flight: _Flight) -> None:
+    def _land(self, flight: Flight) -> None:
         del self._flights[flight.key]
         flight.message.under_way -= 1
 
     def _forget(self, message: Message, lane: Lane) -> None:
         lane.remove(message)
-        self._messages.pop(message, None)
-        self._size -= message.size
+        self._drop(message)
 
     def _drop(self, message: Message) -> None:
         self._messages.pop(message, None)
@@ -286,7 +299,7 @@ class Outbox:
                     return
             self._expired(flight, now)
 
-    def _expired(self, flight: _Flight, now: float) -> None:
+    def _expired(self, flight: Flight, now: float) -> None:
         given_up: list[Message] = []
         ready: list[Packet] = []
         packet = flight.packet
@@ -314,12 +327,10 @@ class Outbox:
         elif flight.repetitions == self._retries and not is_patient:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
-            if not self._watch(message, flight, now):
-                self._count_unacknowledged(message)
-            self._report(message, acknowledged=False)
+            self._end_unacknowledged(message, flight, now)
         self._transmit(ready)
 
-    def _end_answered(self, flight: _Flight) -> None:
+    def _end_answered(self, flight: Flight) -> None:
         """Be done with a message whose answer came, and no acknowledgement in its time."""
         self._land(flight)
         self._forget(flight.message, self._lanes[flight.packet.destination])
@@ -333,7 +344,13 @@ class Outbox:
         self._loop.counters.count("transport.unacknowledged", f"{message.packets[0].destination}")
         self._outcome_of(message).unacknowledged += 1
 
-    def _watch(self, message: Message, flight: _Flight, now: float) -> bool:
+    def _end_unacknowledged(self, message: Message, flight: Flight | None, now: float) -> None:
+        """Report a message that was given up; one that was under way is watched."""
+        if flight is None or not self._watch(message, flight, now):
+            self._count_unacknowledged(message)
+        self._report(message, acknowledged=False)
+
+    def _watch(self, message: Message, flight: Flight, now: float) -> bool:
         """Wait on for the acknowledgement of a message that was given up, if it may come."""
         with self._lock:
             if message.is_large or message is not flight.message or not self._is_alive(flight, now):
@@ -345,7 +362,7 @@ class Outbox:
                 self._overdue_timer = self._loop.call_later(self._patience, self._end_overdue)
             return True
 
-    def _is_late(self, *keys: _Key) -> bool:
+    def _is_late(self, *keys: Key) -> bool:
         """Whether an acknowledgement is of a message that was given up and is watched."""
         for key in keys:
             if key in self._overdue:
@@ -366,27 +383,33 @@ class Outbox:
         for message in messages:
             self._count_unacknowledged(message)
 
-    def _is_alive(self, flight: _Flight, now: float) -> bool:
+    def _is_alive(self, flight: Flight, now: float) -> bool:
         """Return whether the destination was heard in the time that a packet may take."""
         destination = flight.packet.destination
-        heard = max(self._lanes[destination].heard, self._carrier.heard(destination))
+        heard, lane = self._carrier.heard(destination), self._lanes.get(destination)
+        if lane is not None:  # where nothing waits it may have made room for others since
+            heard = max(heard, lane.heard)
         return heard >= now - self._patience
 
-    def _give_up(self, flight: _Flight) -> list[Message]:
+    def _give_up(self, flight: Flight) -> list[Message]:
         """Forget a message, and what waits behind it if its destination is silent."""
         message = flight.message
         lane = self._lanes[flight.packet.destination]
-        for packet in message.packets[: message.sent]:
-            other = self._flights.get(_key(packet))
-            # Numbers come again: the key may be that of a newer message.
-            if other is not None and other.message is message:
-                self._land(other)
-        self._forget(message, lane)
+        self._abandon(message, lane)
         is_alive = self._is_alive(flight, self._loop.now())
-        waiting = [] if is_alive else lane.give_up_waiting()
+        waiting = [] if is_alive else lane.waiting
         for queued_message in waiting:
-            self._drop(queued_message)
+            self._abandon(queued_message, lane)
         return [message, *waiting]
+
+    def _abandon(self, message: Message, lane: Lane) -> None:
+        """Forget a message with what is under way of it."""
+        for packet in message.packets[: message.sent]:
+            flight = self._flights.get(key_of(packet))
+            # Numbers come again: the key may be that of a newer message.
+            if flight is not None and flight.message is message:
+                self._land(flight)
+        self._forget(message, lane)
 
     def _outcome_of(self, message: Message) -> Outcome:
         packet = message.packets[0]

@@ -201,14 +201,21 @@ class Message:
         "window",
     )
 
-    def __init__(self, packets: list[Packet], on_result: OnResult | None, window: int) -> None:
+    def __init__(
+        self,
+        packets: list[Packet],
+        on_result: OnResult | None,
+        window: int,
+        *,
+        is_urgent: bool = False,
+    ) -> None:
         self.packets = packets
         self.on_result = on_result
         self.window = window
         self.latest = math.inf
         self.size = sum([len(packet.payload) for packet in packets])
         self.is_large = len(packets) > 1
-        self.is_urgent = packets[0].priority > Priority.STANDARD
+        self.is_urgent = is_urgent or packets[0].priority > Priority.STANDARD
         self.sent = 0
         self.under_way = 0
 
@@ -218,6 +225,31 @@ class Message:
         return self.under_way == 0 and self.sent == len(self.packets)
 
 
+Key = tuple[int, int, int]
+"""Who sends a packet, to whom (0 is any wildcard: they are numbered together), and its number."""
+
+
+def key_of(packet: Packet) -> Key:
+    """Return what a packet is known by."""
+    destination = packet.destination
+    return packet.source, 0 if destination.is_wildcard else destination, packet.sequence
+
+
+class Flight:
+    """A packet under way."""
+
+    __slots__ = ("due", "is_answered", "key", "message", "packet", "repetitions", "since")
+
+    def __init__(self, message: Message, packet: Packet, since: float, due: float) -> None:
+        self.message = message
+        self.packet = packet
+        self.key = key_of(packet)
+        self.since = since
+        self.due = due
+        self.repetitions = 0
+        self.is_answered = False
+
+
 class Lane:
     """Acknowledged messages to one destination, in an order that any receiver can take.
 
@@ -225,7 +257,7 @@ class Lane:
     messages (Junior and the components of the JAUS Tool Set 50, of all messages together), and
     packets of several messages by turns would push each other out. Messages of one packet pass
     between them; of these only so many are under way as a small receive buffer holds, and those of
-    high priority besides.
+    high priority and stops besides.
     """
 
     __slots__ = ("_large", "_singles", "_singles_under_way", "heard")
@@ -282,18 +314,18 @@ class Lane:
         return late
 
     def remove(self, message: Message) -> None:
-        """Forget a message that is under way, since it is done or given up."""
+        """Forget a message, since it is done, given up or withdrawn."""
         if message.is_large:
-            self._large.popleft()
-        else:
+            self._large.remove(message)
+        elif message.sent:
             self._singles_under_way -= 1
+        else:
+            self._singles.remove(message)
 
-    def give_up_waiting(self) -> list[Message]:
-        """Forget the messages of which nothing was sent yet, and return them."""
-        waiting = [*self._singles, *[message for message in self._large if not message.sent]]
-        self._singles.clear()
-        self._large = deque(message for message in self._large if message.sent)
-        return waiting
+    @property
+    def waiting(self) -> list[Message]:
+        """The messages of which nothing was sent yet."""
+        return [*self._singles, *[message for message in self._large if not message.sent]]
 
 
 def _next_of(message: Message) -> tuple[Message, Packet]:

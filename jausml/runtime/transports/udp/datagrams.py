@@ -71,9 +71,12 @@ class DatagramTransport(Transport):
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
         on_result: OnResult | None = None,
+        supersedes: bool = False,
     ) -> None:
         """Send one message; see ``Transport.send``."""
-        self._messenger.send(source, destination, payload, priority, acknowledge, on_result)
+        self._messenger.send(
+            source, destination, payload, priority, acknowledge, on_result, supersedes
+        )
 
     def sender(
         self,
