@@ -55,12 +55,12 @@ FILTERS: Mapping[str, Callable[..., str]] = {
 
 
 def render(
-    model: ModelT, targets: Sequence[Target[ModelT]], beside: Mapping[str, str] | None = None
+    model: ModelT, targets: Sequence[Target[ModelT]], beside: Iterable[tuple[str, str]] = ()
 ) -> list[Artifact]:
     """Renders all files of some targets to memory; nothing is written.
 
     Args:
-        beside: Python by path that other runs made for the same workspace.
+        beside: Python that stands in the workspace besides, of users and of other runs: path, text.
 
     Raises:
         InternalError: A template, a view or a produced text is wrong; the text names the template
@@ -69,10 +69,8 @@ def render(
     size, modules = _Size(), Modules()
     with without_collector(), remembering():
         artifacts = _rendered(model, [(one, one.tasks(model)) for one in targets], size, modules)
-        code = {
-            artifact.path: artifact.text for artifact in artifacts if artifact.path.endswith(".py")
-        }
-        code = {**(beside or {}), **code}
+        rendered = [(artifact.path, artifact.text) for artifact in artifacts]
+        code = [*((path, text) for path, text in rendered if path.endswith(".py")), *beside]
         following = [(one, one.for_code(code)) for one in targets if one.for_code is not None]
         artifacts += _rendered(model, following, size, modules)
     return sorted(artifacts, key=lambda artifact: (artifact.path, artifact.target))

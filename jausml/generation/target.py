@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path, PurePath
@@ -123,7 +123,7 @@ class Target(Generic[ModelT]):
         is_on_request: Whether it runs only when it is named: what it makes is no part of the
             workspace.
         is_shared: Whether its files are the same for every model; those of a workspace share them.
-        for_code: Returns further tasks for Python in the workspace, by path, of other targets.
+        for_code: Returns further tasks for Python in the workspace: path and text of each file.
         processes: Returns what `jausml run` starts, as the manifest records it; None for a target
             that knows no processes.
     """
@@ -135,7 +135,7 @@ class Target(Generic[ModelT]):
     is_on_request: bool = False
     is_renewed: bool = False
     is_shared: bool = False
-    for_code: Callable[[Mapping[str, str]], Sequence[Task]] | None = None
+    for_code: Callable[[Iterable[tuple[str, str]]], Sequence[Task]] | None = None
     needs_system: bool = True
     whole_library: WholeLibrary[ModelT] | None = None
     processes: Callable[[ModelT], Sequence[Mapping[str, Any]]] | None = None

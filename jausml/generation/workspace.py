@@ -9,13 +9,13 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation.artifact import Artifact
+from jausml.generation.artifact import DIGEST_MARK, Artifact, Kind
 from jausml.generation.contract.finding import CODE_RULES, STALE, Finding, Fix, fix_files
 from jausml.generation.contract.interface import Interface
 from jausml.generation.contract.renames import former_names
 from jausml.generation.drift import drift
 from jausml.generation.errors import GenerationError, OwnershipError, SelectionError
-from jausml.generation.manifest import Manifest, inspect, read_manifest
+from jausml.generation.manifest import Manifest, find_python, inspect, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
 from jausml.generation.target import Target, name_of, source_of, system_of
@@ -203,18 +203,27 @@ def _covered(
 
 def _beside(
     out: Path, name: str, targets: Sequence[Target[Any]], kept: Collection[str] | None
-) -> dict[str, str]:
-    """Returns the generated Python that stays beside what a run makes of a model, by path."""
+) -> list[tuple[str, str]]:
+    """Returns path and text of the Python that stays beside what a run makes of a model.
+
+    That is what users wrote, and what was generated of other models or by other targets.
+    """
     manifest = read_manifest(out)
     covered = _covered(manifest, targets, kept)
     shared = {target.name for target in targets if target.is_shared}
-    code_by_path = {}
-    for path, entry in manifest.files.items():
-        is_kept = entry.target not in covered or {*entry.models} - {name}
-        if path.endswith(".py") and is_kept and entry.target not in shared:
-            state = inspect(out, path)
-            code_by_path[path] = state.text or ""
-    return code_by_path
+    kept_paths = {
+        path
+        for path, entry in manifest.files.items()
+        if entry.target not in shared and (entry.target not in covered or {*entry.models} - {name})
+    }
+    listed = {path for path, entry in manifest.files.items() if entry.kind is Kind.GENERATED}
+    texts = ((path, inspect(out, path).text or "") for path in find_python(out))
+    return [
+        (path, text)
+        for path, text in texts
+        # What has a header and is not listed was left by an older run.
+        if path in kept_paths or (path not in listed and DIGEST_MARK not in text)
+    ]
 
 
 def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:

@@ -88,16 +88,16 @@ def runtime_modules() -> Mapping[str, Module]:
     return modules
 
 
-def needed(code: Mapping[str, str]) -> dict[str, str]:
+def needed(code: Iterable[tuple[str, str]]) -> dict[str, str]:
     """Returns the modules that code needs, each with the first file of it that does.
 
     Args:
-        code: Python by path.
+        code: Path and text of each file.
     """
     known = runtime_modules()
     reasons: dict[str, str] = {}
     read: set[str] = set()
-    for path, text in sorted(code.items()):
+    for path, text in sorted(code):
         asked = _asked(text) if FACE in text else []
         while asked:
             name = _origin(*asked.pop())

@@ -16,12 +16,12 @@ from jausml_generators.python.package import (
 from jausml_generators.runtime.modules import copied, needed, runtime_modules
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable
 
     from jausml.language.model.model import Model
 
 
-def tasks_for(code: Mapping[str, str]) -> list[Task]:
+def tasks_for(code: Iterable[tuple[str, str]]) -> list[Task]:
     """Returns the package files, and a copy of each module that code needs; of all without any."""
     known = runtime_modules()
     reasons = needed(code) or dict.fromkeys(known, "any code")
@@ -53,7 +53,7 @@ def tasks_for(code: Mapping[str, str]) -> list[Task]:
 
 
 def _whole(_: Model) -> list[Task]:
-    return tasks_for({})
+    return tasks_for(())
 
 
 TARGET = Target(

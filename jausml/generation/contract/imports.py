@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-import jausml
 from jausml.generation.contract.finding import Edit, File, name_edit, removal
 from jausml.generation.contract.scopes import Scope, absolute, own_nodes
 from jausml.generation.contract.symbols import Module
@@ -60,7 +57,7 @@ class Imports:
             names = [".".join(parts[: count + 1]) for count in range(len(parts))]
             gone = next((name for name in names if self._modules.find(name) is None), "")
             if gone:
-                yield Lost(alias, f"there is no module {gone} any more{_left_out(gone, [])}")
+                yield Lost(alias, f"there is no module {gone} any more")
 
     def of_names(self, node: ast.ImportFrom, scope: Scope) -> Iterator[Lost]:
         """Yields what `from a import b` does not find."""
@@ -84,8 +81,7 @@ class Imports:
         message = f"there is no module {source} any more{elsewhere}"
         is_unused = not elsewhere and all(self._is_unused(alias) for alias in node.names)
         edits = self._without(node, node.names) if is_unused else ()
-        cure = _left_out(source, [alias.name for alias in node.names])
-        return Lost(node, message + (_unused(edits) or ("" if elsewhere else cure)), edits)
+        return Lost(node, message + _unused(edits), edits)
 
     def _without_name(
         self, module: Module, alias: ast.alias, scope: Scope, cut: tuple[Edit, ...]
@@ -99,8 +95,7 @@ class Imports:
         elsewhere = self._elsewhere([alias], module.name)
         if elsewhere:
             return Lost(alias, message + elsewhere)
-        cure_text = _unused(cut) or _left_out(module.name, [alias.name]) or alike(alias.name, names)
-        return Lost(alias, message + cure_text, cut)
+        return Lost(alias, message + (_unused(cut) or alike(alias.name, names)), cut)
 
     def _elsewhere(self, aliases: Sequence[ast.alias], source: str) -> str:
         """Says that the package itself has what an inner module of it has lost."""
@@ -142,18 +137,6 @@ class Imports:
             for node in own_nodes(namespace.node) if definition and definition[0] is scope else ():
                 if isinstance(node, ast.Name) and node.id == name:
                     yield name_edit(node.lineno, node.col_offset, name, successor)
-
-
-def _left_out(module: str, names: Sequence[str]) -> str:
-    """Says how names of the runtime come that the workspace was written without."""
-    package, *inner = module.split(".")
-    place = Path(jausml.__file__).parent.joinpath("runtime", *inner)
-    file = place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
-    if package != "jausml_runtime" or not file.is_file():
-        return ""
-    text = file.read_text("utf-8")
-    is_known = all(re.search(rf"\b{re.escape(name)}\b", text) or name == "*" for name in names)
-    return "; `jausml generate --all` brings all of the runtime" if is_known else ""
 
 
 def alike(name: str, names: Iterable[str]) -> str:
