@@ -72,3 +72,13 @@ def test_options_offer_what_there_is():
     assert options.INTERFACE == network.DEFAULT_INTERFACE
     assert options.PORT == network.DEFAULT_PORT
     assert options.GROUP == network.DEFAULT_GROUP
+
+
+def test_what_is_built_already_is_told_without_what_models_need(tmp_path):
+    manifest = tmp_path / ".jausml" / "manifest.json"
+    manifest.parent.mkdir()
+    manifest.write_text('{"schema": 2, "models": {}, "files": {}}', encoding="utf-8")
+    heavy = HEAVY - {"jausml.generation", "jausml.language.model"}
+    code = TOLD.format(verbs=[f"build {tmp_path}"], heavy=heavy).replace(', "--help"', "")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stdout == f"build {tmp_path}:0:[]\n", done.stderr
