@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from experiments import processes
 from experiments.right_turn import EXAMPLE
-from jausml.generation import read_manifest
+from jausml.generation.manifest import read_manifest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

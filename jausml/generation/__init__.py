@@ -5,73 +5,55 @@
 Nothing here prints; the command line does.
 """
 
-from __future__ import annotations
+from importlib import import_module
+from typing import Any
 
-from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
-from jausml.generation.contract.finding import FindingKind
-from jausml.generation.drift import drift
-from jausml.generation.errors import (
-    GenerationError,
-    InternalError,
-    NoSystemError,
-    OwnershipError,
-    RefusedError,
-    SelectionError,
-    TooLargeError,
-    WriteError,
-)
-from jausml.generation.manifest import MANIFEST_PATH, Manifest, read_manifest
-from jausml.generation.plan import ActionKind, Plan, make_plan, unified_diff
-from jausml.generation.rendering import render
-from jausml.generation.target import (
-    FileTask,
-    Target,
-    Task,
-    TextFile,
-    TextTask,
-    WholeLibrary,
-    load_targets,
-    templates_beside,
-)
-from jausml.generation.workspace import Result, Selection, broken_code, generate, select, with_code
-from jausml.generation.writer import apply
+_HOMES = {
+    "ActionKind": "jausml.generation.plan",
+    "Artifact": "jausml.generation.artifact",
+    "FileTask": "jausml.generation.target",
+    "FindingKind": "jausml.generation.contract.finding",
+    "GenerationError": "jausml.generation.errors",
+    "InternalError": "jausml.generation.errors",
+    "Kind": "jausml.generation.artifact",
+    "MANIFEST_PATH": "jausml.generation.manifest",
+    "Manifest": "jausml.generation.manifest",
+    "MethodContract": "jausml.generation.artifact",
+    "NoSystemError": "jausml.generation.errors",
+    "OwnershipError": "jausml.generation.errors",
+    "Plan": "jausml.generation.plan",
+    "RefusedError": "jausml.generation.errors",
+    "Result": "jausml.generation.workspace",
+    "Selection": "jausml.generation.workspace",
+    "SelectionError": "jausml.generation.errors",
+    "SkeletonContract": "jausml.generation.artifact",
+    "Target": "jausml.generation.target",
+    "Task": "jausml.generation.target",
+    "TextFile": "jausml.generation.target",
+    "TextTask": "jausml.generation.target",
+    "TooLargeError": "jausml.generation.errors",
+    "WholeLibrary": "jausml.generation.target",
+    "WriteError": "jausml.generation.errors",
+    "apply": "jausml.generation.writer",
+    "broken_code": "jausml.generation.workspace",
+    "generate": "jausml.generation.workspace",
+    "load_targets": "jausml.generation.target",
+    "make_plan": "jausml.generation.plan",
+    "read_manifest": "jausml.generation.manifest",
+    "render": "jausml.generation.rendering",
+    "select": "jausml.generation.workspace",
+    "templates_beside": "jausml.generation.target",
+    "unified_diff": "jausml.generation.plan",
+    "with_code": "jausml.generation.workspace",
+}
+"""Where the names stand. They are loaded when used: what a workspace holds can be told at once."""
 
-__all__ = [
-    "MANIFEST_PATH",
-    "ActionKind",
-    "Artifact",
-    "FileTask",
-    "FindingKind",
-    "GenerationError",
-    "InternalError",
-    "Kind",
-    "Manifest",
-    "MethodContract",
-    "NoSystemError",
-    "OwnershipError",
-    "Plan",
-    "RefusedError",
-    "Result",
-    "Selection",
-    "SelectionError",
-    "SkeletonContract",
-    "Target",
-    "Task",
-    "TextFile",
-    "TextTask",
-    "TooLargeError",
-    "WholeLibrary",
-    "WriteError",
-    "apply",
-    "broken_code",
-    "drift",
-    "generate",
-    "load_targets",
-    "make_plan",
-    "read_manifest",
-    "render",
-    "select",
-    "templates_beside",
-    "unified_diff",
-    "with_code",
-]
+__all__ = list(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    """Returns a name (PEP 562)."""
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'jausml.generation' has no attribute {name!r}")
+    return getattr(import_module(home), name)

@@ -149,6 +149,7 @@ class _Renderer(JinjaGenerator):  # type: ignore[misc]  # multigen has no types
             trim_blocks=True,
             lstrip_blocks=True,
             bytecode_cache=_compiled(),
+            optimized=False,  # few templates are rendered often enough to repay it
             **kwargs,
         )
         environment.filters.update(FILTERS)

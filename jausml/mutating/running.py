@@ -11,7 +11,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from jausml.generation import GenerationError, Target, load_targets, render, select
+from jausml.generation.errors import GenerationError
+from jausml.generation.rendering import render
+from jausml.generation.target import Target, load_targets
+from jausml.generation.workspace import select
 from jausml.language.metamodel import FeatureTable
 from jausml.language.model import Diagnostic, Model, Severity
 from jausml.language.model.reading.library_cache import LibraryCache

@@ -76,7 +76,7 @@ ASKED = Target(
 @pytest.fixture(autouse=True)
 def targets(monkeypatch):
     installed = {"small": SMALL}
-    monkeypatch.setattr(generation, "load_targets", lambda: installed)
+    monkeypatch.setattr("jausml.generation.target.load_targets", lambda: installed)
     return installed
 
 
@@ -245,7 +245,7 @@ def test_targets_that_cannot_be_loaded(jausml, monkeypatch):
     def fail():
         raise GenerationError("target 'x' is broken")
 
-    monkeypatch.setattr(generation, "load_targets", fail)
+    monkeypatch.setattr("jausml.generation.target.load_targets", fail)
     result = jausml("generate", "good.xmi")
     assert result.exit_code == 2
     assert "target 'x' is broken" in result.stderr

@@ -72,3 +72,24 @@ def test_options_offer_what_there_is():
     assert options.INTERFACE == network.DEFAULT_INTERFACE
     assert options.PORT == network.DEFAULT_PORT
     assert options.GROUP == network.DEFAULT_GROUP
+
+
+def loaded(line, modules):
+    """What of some modules a command loads that a process runs."""
+    code = TOLD.format(verbs=[line], heavy=modules).replace(', "--help"', "")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert f"{line}:0:" in done.stdout, done.stderr
+    return done.stdout.rpartition(":")[2].strip()
+
+
+def test_what_is_built_already_is_told_without_what_models_need(tmp_path):
+    manifest = tmp_path / ".jausml" / "manifest.json"
+    manifest.parent.mkdir()
+    manifest.write_text('{"schema": 2, "models": {}, "files": {}}', encoding="utf-8")
+    heavy = HEAVY - {"jausml.generation", "jausml.language.model"}
+    assert loaded(f"build {tmp_path}", heavy) == "[]"
+
+
+def test_an_empty_project_is_made_without_what_edits_models(tmp_path):
+    editing = {"jausml.authoring.editing", "jausml.authoring.proposals", "jausml.generation"}
+    assert loaded(f"init {tmp_path}/made --from empty --quiet", editing) == "[]"

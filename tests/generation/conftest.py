@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pytest
 
 from jausml import generation as gen
+from jausml.generation.drift import drift
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -170,7 +171,7 @@ class Workspace:
         return plan
 
     def drift(self, model):
-        return gen.drift(self.render(model), self.out, gen.read_manifest(self.out))
+        return drift(self.render(model), self.out, gen.read_manifest(self.out))
 
     def snapshot(self):
         return {

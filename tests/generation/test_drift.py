@@ -6,6 +6,7 @@ import pytest
 
 from jausml import generation as gen
 from jausml.generation import FindingKind as F
+from jausml.generation.drift import drift
 
 SKELETON = "vehicle/vehicle.py"
 HEAD = "from .vehicle_base import VehicleBase\n\n\nclass Vehicle(VehicleBase):\n"
@@ -61,7 +62,7 @@ def test_an_optional_method_is_not_missed(workspace, vehicle):
     contract = gen.SkeletonContract("Vehicle", "VehicleBase", (method,))
     artifact = gen.Artifact(SKELETON, "", gen.Kind.SKELETON, "c", "m", "t", contract=contract)
 
-    assert gen.drift([artifact], workspace.out, gen.Manifest()) == []
+    assert drift([artifact], workspace.out, gen.Manifest()) == []
 
 
 def test_an_orphan_method_is_a_warning_with_its_line(findings):
@@ -224,7 +225,7 @@ def test_paths_outside_are_not_read(workspace):
     (workspace.out.parent / "x.py").write_text("(", encoding="utf-8")
     workspace.out.mkdir()
 
-    assert gen.drift([artifact], workspace.out, gen.Manifest()) == []
+    assert drift([artifact], workspace.out, gen.Manifest()) == []
 
 
 FACE = '__all__ = ["Guard", "Scope"]\n\nfrom .component.base import Guard, Scope\n'
@@ -250,7 +251,7 @@ def told_of_import(workspace, vehicle):
     def run(line):
         workspace.path(SKELETON).write_text(f"{line}\n{HEAD}{SPEED}{POSE}", encoding="utf-8")
         artifacts = [*workspace.render([vehicle]), *runtime]
-        return gen.drift(artifacts, workspace.out, gen.read_manifest(workspace.out))
+        return drift(artifacts, workspace.out, gen.read_manifest(workspace.out))
 
     return run
 

@@ -14,6 +14,7 @@ from sweeps import sweep
 from jausml import generation as gen
 from jausml.cli import main
 from jausml.generation import FindingKind as F
+from jausml.generation.drift import drift
 from jausml.language.model.reading.reader import read_models
 from jausml.language.text.notation import NOTATIONS
 
@@ -136,7 +137,7 @@ def yard(generated, artifacts, tmp_path):
         """Compares alone, with the model as it was."""
         data = code if isinstance(code, bytes) else code.encode()
         (out / FOLDER / "boom.py").write_bytes(data)
-        return gen.drift(artifacts, out, gen.read_manifest(out))
+        return drift(artifacts, out, gen.read_manifest(out))
 
     run.out, run.look = out, look
     return run

@@ -13,6 +13,7 @@ import pytest
 
 from jausml import generation as gen
 from jausml.generation.artifact import Kind
+from jausml.generation.drift import drift
 from jausml.generation.python import Imports, Modules, Origin
 from jausml.language.metamodel.classes import ros, system
 from jausml_generators.common.ros import RosType, local_names
@@ -339,7 +340,7 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
 
 def findings(out):
     rendered = gen.render(model_of(CASES / "talk.xmi"), [ROS_NODE])
-    return gen.drift(rendered, out, gen.read_manifest(out))
+    return drift(rendered, out, gen.read_manifest(out))
 
 
 def test_a_new_skeleton_has_not_drifted(talk):
@@ -372,7 +373,7 @@ def test_a_renamed_endpoint_is_recognised_by_its_topic(talk, tmp_path):
     renamed = text[start:].replace('<subscriptions name="word"', '<subscriptions name="utterance"')
     model.write_text(text[:start] + renamed, encoding="utf-8")
     rendered = gen.render(model_of(model), [ROS_NODE])
-    (finding,) = gen.drift(rendered, talk, gen.read_manifest(talk))
+    (finding,) = drift(rendered, talk, gen.read_manifest(talk))
     assert finding.kind is gen.FindingKind.RENAMED
     assert finding.message == "on_word: renamed to on_utterance"
     compile(f"class C:\n{finding.stub}", "stub", "exec")

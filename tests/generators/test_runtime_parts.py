@@ -135,6 +135,16 @@ def test_a_package_passes_on_what_is_kept_alone() -> None:
     assert copied(module, runtime_modules()) == module.text
 
 
+def test_modules_of_the_runtime_import_in_lines_of_their_own() -> None:
+    for module in runtime_modules().values():
+        imports = {
+            ast.unparse(node)
+            for node in ast.walk(ast.parse(module.text))
+            if isinstance(node, ast.Import | ast.ImportFrom)
+        }
+        assert {ast.unparse(node) for node in module.statements} == imports, module.name
+
+
 def test_imports_in_functions_and_for_type_checkers_count() -> None:
     code = f"""
 def start():

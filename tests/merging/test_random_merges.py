@@ -16,7 +16,7 @@ from jausml.authoring.differences.finding import changes
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.project import Project
 from jausml.authoring.merging.merging import UnmergeableError, merged
-from jausml.authoring.projects.places import text_of
+from jausml.authoring.projects.texts import text_of
 from jausml.language.model import LIBRARY_URI, read_models
 from jausml.language.text.notation import NOTATIONS
 

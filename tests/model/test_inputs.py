@@ -21,7 +21,7 @@ OWN_DATA = {
     "generators/jausml_generators/runtime/modules.py",
     "language/model/names.py",
     "authoring/projects/creating.py",
-    "authoring/projects/places.py",
+    "authoring/projects/texts.py",
     "authoring/projects/starting.py",
     "authoring/studio/handlers/showing.py",
     "language/text/reading/machine.py",

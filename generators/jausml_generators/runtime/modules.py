@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import functools
+import re
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 _FOLDER = Path(jausml.__file__).parent / "runtime"
 _WHOLE = "*"
 """Stands for all names of a package."""
+_IMPORT = re.compile(r"^ *((?:from \S+ )?import (?:\([^)]*\)|.*))$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -39,11 +41,6 @@ class Module:
     path: str
     text: str
 
-    @functools.cached_property
-    def tree(self) -> ast.Module:
-        """Its syntax."""
-        return ast.parse(self.text)
-
     @property
     def package(self) -> str:
         """The package that its relative imports start from."""
@@ -52,17 +49,18 @@ class Module:
     @functools.cached_property
     def imports(self) -> tuple[tuple[str, str], ...]:
         """What it imports of the runtime, as module and name."""
-        return tuple(_imports(self._statements, f"{FACE}.{self.package}".rstrip(".")))
+        return tuple(_imports(self.statements, f"{FACE}.{self.package}".rstrip(".")))
 
     @functools.cached_property
-    def _statements(self) -> tuple[ast.stmt, ...]:
-        return tuple(_statements(self.tree))
+    def statements(self) -> list[ast.stmt]:
+        """Its statements that import, which in the runtime have lines of their own."""
+        return ast.parse("\n".join(_IMPORT.findall(self.text))).body
 
     @property
     def foreign(self) -> set[str]:
         """What it imports of others, as packages."""
         packages: set[str] = set()
-        for node in self._statements:
+        for node in self.statements:
             if isinstance(node, ast.Import):
                 packages.update(alias.name.partition(".")[0] for alias in node.names)
             elif isinstance(node, ast.ImportFrom) and not node.level:
@@ -117,7 +115,7 @@ def copied(module: Module, kept: Mapping[str, str]) -> str:
     origins = module.passes_on
     gone = {name for name, origin in origins.items() if _origin(origin, name) not in kept}
     lines = module.text.splitlines(keepends=True)
-    for node in ast.walk(module.tree) if gone else ():
+    for node in ast.walk(ast.parse(module.text)) if gone else ():
         text = ""
         if isinstance(node, ast.ImportFrom) and not gone.isdisjoint(a.name for a in node.names):
             names = [alias.name for alias in node.names if alias.name not in gone]

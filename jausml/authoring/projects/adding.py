@@ -5,26 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Command, EditError
-from jausml.authoring.projects.places import (
-    MAPPINGS,
-    Opened,
-    Place,
-    ProjectError,
-    as_xmi_beside,
-    opened,
-)
+from jausml.authoring.editing.commands import Add, Command, EditError
+from jausml.authoring.projects.creating import Wish, create
+from jausml.authoring.projects.places import Opened, Place, opened, place_of
+from jausml.authoring.projects.starting import EMPTY
+from jausml.authoring.projects.texts import MAPPINGS, ProjectError, as_xmi_beside, localized
 from jausml.authoring.proposals.bridging import bridges_of, offer_of
 from jausml.authoring.proposals.elements import AnswerError, Scope
-from jausml.authoring.proposals.new_elements import participant_name
+from jausml.authoring.proposals.new_elements import free_address, participant_name
 from jausml.authoring.proposals.system_parts import new_bridge, new_connections
 from jausml.authoring.proposals.topics import Crossing, TopicEnd
-from jausml.language.metamodel.classes import bridge, system
+from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
-from jausml.language.model.xmi.writer import replace_file
+from jausml.language.model.xmi.writer import replace_file, to_xmi
 from jausml.language.project import Index, library
 from jausml.language.semantics.names import is_identifier, snake_case, taken
+
+if TYPE_CHECKING:
+    from jausml.language.importers.jsidl import ImportResult
 
 
 def add(
@@ -250,3 +250,62 @@ def namespace_of(place: Place, name: str) -> str:
     if not place.path.exists():
         raise ProjectError(f"{place.path} does not exist, so it has no bridge")
     return str(bridge_in(opened(place), name).namespace or "")
+
+
+def start_from_topics(
+    folder: Path, wish: Wish, chosen: Sequence[Crossing], topics: Sequence[TopicEnd]
+) -> list[str]:
+    """Makes a project whose system has a bridge of topics.
+
+    Returns the paths of what was written, relative to the folder. `OSError`: a file cannot be
+    written.
+    """
+    written = _begin(folder, wish)
+    place = place_of(folder / wish.model)
+    files = add_bridge(place, f"{wish.name}_bridge", chosen, topics)
+    return list(dict.fromkeys((*written, *files)))
+
+
+def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> list[str]:
+    """Makes a project whose system has a component that provides services that were imported.
+
+    Returns the paths of what was written, relative to the folder. `OSError`: a file cannot be
+    written.
+    """
+    services = folder / "models" / f"{wish.name}_services.xmi"
+    if services.exists():
+        raise ProjectError(f"{services} is there already; nothing was written")
+    written = _begin(folder, wish)
+    place = place_of(folder / wish.model)
+    xmi = to_xmi(imported.sets, imported.model, services)
+    replace_file(services, localized(xmi, services.resolve(), place.root).encode())
+
+    def commands(at: Opened) -> Sequence[Command]:
+        scope = at.scope
+        model = at.project.model(services.relative_to(folder).as_posix()).model
+        services_made = _outermost(model.documents[0].roots)  # type: ignore[arg-type]
+        provided = tuple(at.project.ref(service, model) for service in services_made)
+        values = {
+            "name": (f"{wish.name}_component",),
+            "address": (free_address(scope.model),),
+            "provides": provided,
+        }
+        return [Add(scope.ref(at.system), "components", "jaus.Component", values)]
+
+    files = add(place, "Add a component", commands)
+    services_path = services.relative_to(folder).as_posix()
+    return list(dict.fromkeys((*written, services_path, *files)))
+
+
+def _begin(folder: Path, wish: Wish) -> list[str]:
+    """Makes an empty project in which its model is new."""
+    if (folder / wish.model).exists():
+        raise ProjectError(f"{folder / wish.model} is there already; nothing was written")
+    return create(folder, replace(wish, origin=EMPTY))
+
+
+def _outermost(sets: Sequence[jaus.ServiceSet]) -> list[jaus.Service]:
+    """Returns the services that no other one of the sets inherits."""
+    services = [service for one in sets for service in one.services]
+    inherited = [service.inherits for service in services]
+    return [service for service in services if service not in inherited]

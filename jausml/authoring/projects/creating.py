@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,34 +12,23 @@ from typing import TYPE_CHECKING
 import jinja2
 
 from jausml import __version__
-from jausml.authoring.editing.commands import Add
-from jausml.authoring.projects.adding import add, add_bridge
-from jausml.authoring.projects.places import (
+from jausml.authoring.projects.starting import EMPTY, EXAMPLE, starting_point, text_to_begin_with
+from jausml.authoring.projects.texts import (
     METAMODELS,
     ProjectError,
     as_xmi,
     empty_text,
     empty_xmi,
-    localized,
-    place_of,
     text_of,
     with_schema_location,
 )
-from jausml.authoring.projects.starting import EMPTY, EXAMPLE, starting_point, text_to_begin_with
-from jausml.authoring.proposals.new_elements import free_address
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI, library_paths, place_in_library
-from jausml.language.model.xmi.writer import replace_file, to_xmi
+from jausml.language.model.xmi.writer import replace_file
 from jausml.language.semantics.names import DEVICES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.projects.places import Opened
-    from jausml.authoring.proposals.topics import Crossing, TopicEnd
-    from jausml.language.importers.jsidl import ImportResult
-    from jausml.language.metamodel.classes import jaus
+    from collections.abc import Mapping
 
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
@@ -216,62 +205,3 @@ def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, byte
 
 def _digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
-
-
-def start_from_topics(
-    folder: Path, wish: Wish, chosen: Sequence[Crossing], topics: Sequence[TopicEnd]
-) -> list[str]:
-    """Makes a project whose system has a bridge of topics.
-
-    Returns the paths of what was written, relative to the folder. `OSError`: a file cannot be
-    written.
-    """
-    written = _begin(folder, wish)
-    place = place_of(folder / wish.model)
-    files = add_bridge(place, f"{wish.name}_bridge", chosen, topics)
-    return list(dict.fromkeys((*written, *files)))
-
-
-def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> list[str]:
-    """Makes a project whose system has a component that provides services that were imported.
-
-    Returns the paths of what was written, relative to the folder. `OSError`: a file cannot be
-    written.
-    """
-    services = folder / "models" / f"{wish.name}_services.xmi"
-    if services.exists():
-        raise ProjectError(f"{services} is there already; nothing was written")
-    written = _begin(folder, wish)
-    place = place_of(folder / wish.model)
-    xmi = to_xmi(imported.sets, imported.model, services)
-    replace_file(services, localized(xmi, services.resolve(), place.root).encode())
-
-    def commands(at: Opened) -> Sequence[Command]:
-        scope = at.scope
-        model = at.project.model(services.relative_to(folder).as_posix()).model
-        services_made = _outermost(model.documents[0].roots)  # type: ignore[arg-type]
-        provided = tuple(at.project.ref(service, model) for service in services_made)
-        values = {
-            "name": (f"{wish.name}_component",),
-            "address": (free_address(scope.model),),
-            "provides": provided,
-        }
-        return [Add(scope.ref(at.system), "components", "jaus.Component", values)]
-
-    files = add(place, "Add a component", commands)
-    services_path = services.relative_to(folder).as_posix()
-    return list(dict.fromkeys((*written, services_path, *files)))
-
-
-def _begin(folder: Path, wish: Wish) -> list[str]:
-    """Makes an empty project in which its model is new."""
-    if (folder / wish.model).exists():
-        raise ProjectError(f"{folder / wish.model} is there already; nothing was written")
-    return create(folder, replace(wish, origin=EMPTY))
-
-
-def _outermost(sets: Sequence[jaus.ServiceSet]) -> list[jaus.Service]:
-    """Returns the services that no other one of the sets inherits."""
-    services = [service for one in sets for service in one.services]
-    inherited = [service.inherits for service in services]
-    return [service for service in services if service not in inherited]

@@ -77,7 +77,7 @@ def command(
     internal error.
     """
     from jausml.authoring.projects.creating import Wish, create, name_for
-    from jausml.authoring.projects.places import ProjectError
+    from jausml.authoring.projects.texts import ProjectError
 
     if copies:
         refuse_options("not with --copies", "name", "notation", "origin")
@@ -148,7 +148,7 @@ def _renew(folder: Path, *, quiet: bool) -> None:
 def _from_topics(
     folder: Path, wish: Wish, sources: Sequence[str], choosing: Choosing
 ) -> tuple[list[str], Sequence[Crossing]]:
-    from jausml.authoring.projects.creating import start_from_topics
+    from jausml.authoring.projects.adding import start_from_topics
     from jausml.language.metamodel.classes import bridge
     from jausml.language.project import library
 
@@ -162,7 +162,7 @@ def _from_topics(
 
 
 def _from_jsidl(folder: Path, wish: Wish, sources: Sequence[str]) -> list[str]:
-    from jausml.authoring.projects.creating import start_from_services
+    from jausml.authoring.projects.adding import start_from_services
 
     return start_from_services(folder, wish, _imported(sources))
 

@@ -112,7 +112,7 @@ def place_for(model: Path | None) -> Place:
 @contextmanager
 def stopping() -> Iterator[None]:
     """Ends the verb where something cannot be added."""
-    from jausml.authoring.projects.places import ProjectError
+    from jausml.authoring.projects.texts import ProjectError
 
     try:
         yield

@@ -32,13 +32,13 @@ def show_chosen(chosen: Sequence[Crossing], topics: Sequence[TopicEnd]) -> None:
 
 def show_undecided(chosen: Sequence[Crossing]) -> None:
     """Says last of all what a person has to decide before anything is generated."""
+    names = [crossing for crossing in chosen if crossing.has_no_stop and not crossing.hold_reason]
+    if not names:
+        return
     from jausml.authoring.proposals.mapping.opens import STOPS, stops_by_zeros
     from jausml.language.model.names import name_of
     from jausml.language.semantics.jaus.commands import is_emergency
 
-    names = [crossing for crossing in chosen if crossing.has_no_stop and not crossing.hold_reason]
-    if not names:
-        return
     click.echo("\nYou have to decide what happens when the source of a command is lost:", err=True)
     for name in names:
         message = name_of(name.offer.message)

@@ -150,7 +150,7 @@ def command(
     Exit status: 0 done, 1 problems in the model, in the recording or in what is in it (the rest is
     done), 2 usage or environment, 3 internal error.
     """
-    from jausml.generation import GenerationError, NoSystemError
+    from jausml.generation.errors import GenerationError, NoSystemError
     from jausml.language.model.project import Reading
     from jausml.live.recording.bags import MCAP, is_bag
     from jausml.live.recording.mcap_files import RecordingError, TimeSpan

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 def workspace_of(out: str) -> Path:
     """Returns the generated folder: OUT itself, or its src when OUT is the colcon workspace."""
-    from jausml.generation import MANIFEST_PATH
+    from jausml.generation.manifest import MANIFEST_PATH
 
     for folder in (Path(out), Path(out, "src")):
         if (folder / MANIFEST_PATH).is_file():
@@ -189,7 +189,7 @@ def command(
 
 
 def _entries(folder: Path) -> list[Mapping[str, Any]]:
-    from jausml.generation import read_manifest
+    from jausml.generation.manifest import read_manifest
 
     manifest = read_manifest(folder)
     if manifest.problem:

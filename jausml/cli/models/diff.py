@@ -201,7 +201,9 @@ def _comparison(before: _State, after: _State, code: str | None) -> _Comparison:
 
 def _broken_lines(before: _State, after: _State, code: Path) -> list[Diagnostic]:
     """Returns the lines of users that the change breaks."""
-    from jausml.generation import GenerationError, broken_code, load_targets, select
+    from jausml.generation.errors import GenerationError
+    from jausml.generation.target import load_targets
+    from jausml.generation.workspace import broken_code, select
 
     old, new = (
         valid_model(str(state.path), state.reading, outcome="no code was compared")

@@ -20,7 +20,10 @@ from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_optio
 from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
 if TYPE_CHECKING:
-    from jausml.generation import NoSystemError, Plan, Result, Selection, Target
+    from jausml.generation.errors import NoSystemError
+    from jausml.generation.plan import Plan
+    from jausml.generation.target import Target
+    from jausml.generation.workspace import Result, Selection
     from jausml.language.model.model import Model
     from jausml.language.model.project import Reading
 
@@ -141,7 +144,7 @@ def command(
     your own files (--check: or something would change; --check and --strict: or a warning about
     your own files), 2 usage or environment, 3 internal error.
     """
-    from jausml.generation import with_code
+    from jausml.generation.workspace import with_code
     from jausml.language.validation.formats import RENDERERS, text
 
     is_report = output_format != "text" or output is not None
@@ -216,7 +219,8 @@ def _out_folder(model: str, out: str | None) -> Path:
 
 
 def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
-    from jausml.generation import SelectionError, select
+    from jausml.generation.errors import SelectionError
+    from jausml.generation.workspace import select
 
     try:
         return select(_installed(), names, whole_library=whole_library)
@@ -225,7 +229,8 @@ def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
 
 
 def _installed() -> dict[str, Target[Any]]:
-    from jausml.generation import GenerationError, load_targets
+    from jausml.generation.errors import GenerationError
+    from jausml.generation.target import load_targets
 
     try:
         return load_targets()
@@ -234,15 +239,15 @@ def _installed() -> dict[str, Target[Any]]:
 
 
 def _generated(model: Model, selection: Selection, folder: Path, **options: Any) -> Result:
-    from jausml.generation import (
+    from jausml.generation.errors import (
         GenerationError,
         InternalError,
         NoSystemError,
         OwnershipError,
         RefusedError,
         WriteError,
-        generate,
     )
+    from jausml.generation.workspace import generate
 
     try:
         with step("generating"):
@@ -290,7 +295,7 @@ def _fixes(result: Result) -> Iterator[Line]:
 
 def _changes(result: Result, folder: Path, mode: str, *, quiet: bool) -> Iterator[Line]:
     """Yields what no longer fits, and what becomes of files."""
-    from jausml.generation import unified_diff
+    from jausml.generation.plan import unified_diff
     from jausml.language.validation.formats.text import lines_of
 
     for finding in result.drift:
@@ -323,7 +328,7 @@ def _list(plan: Plan) -> Iterator[Line]:
 
 def _list_changes(plan: Plan) -> Iterator[Line]:
     """Yields what is not kept; many files of a package with one fate are one line."""
-    from jausml.generation import ActionKind
+    from jausml.generation.plan import ActionKind
 
     fates: dict[tuple[str, str, str], list[str]] = {}
     for action in plan.actions:
@@ -340,7 +345,7 @@ def _list_changes(plan: Plan) -> Iterator[Line]:
 
 
 def _summary(result: Result) -> str:
-    from jausml.generation import ActionKind
+    from jausml.generation.plan import ActionKind
 
     words = {
         ActionKind.CREATE: "created" if result.is_written else "to create",

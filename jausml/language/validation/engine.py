@@ -111,7 +111,8 @@ def _found_at(
     for rule, part in parts:
         try:
             if subject.is_read(element, part.needs):
-                findings += [(rule, finding) for finding in part.findings(subject, element)]
+                for finding in part.findings(subject, element):
+                    findings.append((rule, finding))
         except Exception as error:
             raise RuleError(rule, error) from error
     return findings

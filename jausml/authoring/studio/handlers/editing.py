@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import Add, EditError, Place, Set
 from jausml.authoring.projects.creating import model_text
-from jausml.authoring.projects.places import ProjectError, metamodels_for
 from jausml.authoring.projects.starting import STARTING_POINTS
+from jausml.authoring.projects.texts import ProjectError, metamodels_for
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
