@@ -29,7 +29,9 @@ def one_input(data: bytes) -> None:
         path = Path(folder) / "model.ros2jaus"
         path.write_bytes(data)
         result = read_models([path], project_root=folder, notations=NOTATIONS)
-        lines = data.decode("utf-8-sig", errors="replace").split("\n")
+        # A lone carriage return ends a line too, as in editors.
+        text = data.decode("utf-8-sig", errors="replace")
+        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
         for finding in check(result).diagnostics:
             place = finding.location
             if place.path == str(path):
