@@ -103,7 +103,7 @@ soak: $(READY)  ## send messages both ways through one bridge for MINUTES, and c
 experiment: $(READY)  ## compare the right turn by JAUS alone and through the bridge in about five minutes, and write experiment-out/full/experiment.md
 	$(BIN)/python -m experiments.right_turn $(EXPERIMENT)
 
-mutate: $(READY)  ## break the models of the examples in about ten minutes, and write build/results/mutations.md
+mutate: $(READY)  ## break the models of the examples in about a quarter of an hour, and write build/results/mutations.md
 	$(BIN)/python tools/build_mutations.py $(MUTATE)
 
 proofs: $(READY)  ## prove the ready maps in about ten minutes, and write build/results/proofs.md

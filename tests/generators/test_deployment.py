@@ -461,7 +461,7 @@ with Loop() as loop:
     ward = Ward(loop, dict, lambda: 0, lambda: None)
     loop.start()
     with loop.lock:
-        slot = ward.slot(lambda: 4660)
+        slot = ward.slots.take("drive", ("own", "vehicle"), lambda: 4660)
         endpoint = ("127.0.0.1", int(sys.argv[1]))
         content = {"data": b"stop..".hex(), "endpoint": endpoint, "slot": slot}
         ward.guard(lambda: stops(0.2, [], [content])).arm(True)
