@@ -8,6 +8,7 @@ from jausml.live.peers.console import Console
 from jausml.live.peers.operator import running_operator
 from jausml.runtime import (
     ComponentSettings,
+    ControlState,
     HandoffAnswer,
     HandoffDecision,
     JausComponent,
@@ -104,3 +105,16 @@ def test_the_person_at_the_terminal_decides(network, catalogue, component, other
     assert "100.1.1 is told that 60.1.1 is granted control" in said
     assert console.failures == 0
     assert target.controller == OTHER
+
+
+def test_control_that_another_one_took_is_given_up_without_waiting_for_an_answer(
+    network, catalogue, component, other, wait_until
+):
+    component()
+    with running_operator(network, catalogue, timeout=2.0) as operator:
+        hold = operator.control(TARGET, 200)
+        other.control(TARGET, authority=250)
+        wait_until(lambda: hold.session.state is ControlState.REFUSED)
+        # It answers no ReleaseControl of who does not control it: that would be awaited in vain.
+        assert operator.release(TARGET)
+        assert operator.holds == ()

@@ -287,8 +287,14 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
         """Releases control and returns whether the component says so."""
         while not self._rejections.empty():
             self._rejections.get_nowait()
-        if not self._forget(target):
+        hold = self._holds.get(target)
+        if hold is None:
             return False
+        # It has said that another one controls it, and answers no release of who does not.
+        is_refused = hold.session is not None and hold.session.state is ControlState.REFUSED
+        self._forget(target)
+        if is_refused:
+            return True
         end = time.monotonic() + self.timeout
         try:
             while self._rejections.get(timeout=max(0.0, end - time.monotonic())) != target:
@@ -297,11 +303,10 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             return False
         return True
 
-    def _forget(self, target: JausAddress) -> bool:
+    def _forget(self, target: JausAddress) -> None:
         hold = self._holds.pop(target, None)
         if hold is not None and hold.session is not None:
             hold.session.release()
-        return hold is not None
 
     def _rejected(self, _message: core_messages.RejectControl, sender: JausAddress) -> None:
         self._rejections.put(sender)
