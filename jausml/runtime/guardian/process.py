@@ -289,8 +289,9 @@ class Guardian:
 
     def _topic_state(self, topic: Topic) -> Told:
         ros = self._known_ros
-        publisher = ros.publisher(topic.name, topic.support, topic.qos)
-        return Told(publisher, topic, ros.publishers(topic.name))
+        # With ours, which the graph may show later: it is nobody else who has begun to speak.
+        rivals = ros.publishers(topic.name) + 1
+        return Told(ros.publisher(topic.name, topic.support, topic.qos), topic, rivals)
 
     def _is_sought(self, announcement: Told) -> bool:
         """Whether somebody may still be found who listens, and nobody else has begun to speak."""
