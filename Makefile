@@ -33,7 +33,7 @@ test: $(READY)  ## run the tests that guard everything, in six minutes
 	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
 # The budget of tests is judged by a whole run only; JUDGED is what CI adds, the skips that it expects.
-test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in half an hour
+test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in twenty minutes
 	$(BIN)/python tools/suite.py -m "not slow" $(JUDGED) $(if $(TESTS),$(TESTS),--judge-budget)
 	$(BIN)/python tools/suite.py -m slow $(JUDGED) $(TESTS)
 	$(MAKE) live ROS=kilted TESTS='-m "live and not slow" $(TESTS)'
