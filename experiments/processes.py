@@ -73,9 +73,7 @@ def generate(model: Path, workspace: Path, *packages: Path) -> None:
     for package in packages:
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(package, workspace / package.name, ignore=ignored)
-    # The whole runtime: drives in virtual time need it, and all workspaces share one.
-    line = ["generate", str(model), "--all", "-o", str(workspace)]
-    command = [sys.executable, "-m", "jausml", *line]
+    command = [sys.executable, "-m", "jausml", "generate", str(model), "-o", str(workspace)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise ExperimentError(f"{model.name} cannot be generated: {done.stdout}{done.stderr}")
