@@ -182,6 +182,34 @@ def test_a_message_of_many_packets_is_acknowledged_and_eight_are_under_way(line)
     assert line.results == {"a": True}
 
 
+def at_once(line, *, loses=False) -> int:
+    """Sends a message of 40 packets, and returns how many of them went before an answer."""
+    line.send("a", packets=40, acknowledge=False)
+    sent = first = list(line.carrier.packets)
+    if loses:
+        line.pass_time(0.11)
+    while sent:
+        line.carrier.packets = []
+        line.acknowledge(*sent)
+        sent = list(line.carrier.packets)
+    assert line.results.pop("a")
+    return len(first)
+
+
+def test_who_loses_nothing_of_large_messages_gets_more_packets_at_once(line):
+    assert [at_once(line) for _ in range(5)] == [8, 16, 32, 40, 40]
+    line.send("b", packets=40, to=OTHER, acknowledge=False)
+    assert len(line.carrier.packets) == 8  # each destination is learnt apart
+
+
+def test_after_a_loss_as_many_packets_go_at_once_as_arrived_before(line):
+    assert [at_once(line) for _ in range(2)] == [8, 16]
+    assert at_once(line, loses=True) == 32
+    assert [at_once(line) for _ in range(3)] == [16, 16, 16]
+    assert at_once(line, loses=True) == 16
+    assert [at_once(line, loses=True) for _ in range(2)] == [8, 8]
+
+
 def test_messages_of_few_packets_wait_for_a_larger_one_and_for_each_other(line):
     line.send("a", packets=12, acknowledge=False)
     line.send("b", packets=2, acknowledge=False)

@@ -24,7 +24,6 @@ _MAX_MESSAGES = 4096
 _MAX_BYTES = 16 << 20
 _MAX_IDLE_LANES = 256
 _MOST_OUTCOMES = 4096
-_BEST_EFFORT_WINDOW = 8
 _BEST_EFFORT_PATIENCE_S = 1.0
 
 PATIENCE = 4
@@ -117,17 +116,16 @@ class Outbox:
 
         Args:
             on_result: Told once whether all packets were acknowledged.
-            best_effort: Whether it must be quick or not at all: eight packets are under way at
-                once instead of one, and it waits a second for its turn at most.
+            best_effort: Whether it must be quick or not at all: as many packets as the destination
+                takes are under way at once instead of one, and it waits a second for its turn.
             supersedes: Whether those before it with its code are withdrawn, and it goes in front.
         """
         if supersedes:
             first = packets[0]
             code = first.payload[:MESSAGE_CODE_SIZE]
             self.withdraw(first.source, first.destination, code)
-        message = Message(packets, on_result, window=1, is_urgent=supersedes)
+        message = Message(packets, on_result, is_best_effort=best_effort, is_urgent=supersedes)
         if best_effort:
-            message.window = _BEST_EFFORT_WINDOW
             message.latest = self._loop.now() + _BEST_EFFORT_PATIENCE_S
         destination = packets[0].destination
         with self._lock:
@@ -157,6 +155,7 @@ class Outbox:
             is_done = message.is_done
             if is_done:
                 self._forget(message, lane)
+                lane.arrived(message)
                 self._outcome_of(message).acknowledged += 1
             ready = self._take_off(lane, destination) if lane.waits else ()
         if is_done and message.on_result is not None:
@@ -314,6 +313,7 @@ class Outbox:
                 ready = self._take_off(self._lanes[packet.destination], packet.destination)
             elif flight.repetitions < patience * self._retries:
                 flight.repetitions += 1
+                flight.message.is_repeated = True
                 flight.due = now + self._timeout
                 # To the end, which keeps flights in the order in which they are due.
                 self._flights[flight.key] = self._flights.pop(flight.key)

@@ -27,6 +27,9 @@ _FIRST, _MIDDLE, _LAST = (place << 6 for place in _PLACES[1:])
 MOST_SMALL_FRAGMENTS = 40
 """Packets of a message from which on they are larger than wished for."""
 
+FIRST_WINDOW = 8
+"""Packets of a large message that are under way at once to a peer of which nothing is known."""
+
 
 class Packetizer:
     """Numbers packets and cuts large messages; callable from any thread.
@@ -185,12 +188,17 @@ class Message:
     Attributes:
         on_result: Told once whether all packets were acknowledged.
         latest: Time until which it is worth to begin with it.
+        is_best_effort: Whether its packets go as many at once as the receiver takes; others one
+            after the other, as Junior sends them.
         is_urgent: Whether it is sent at once, however much is under way.
+        is_repeated: Whether a packet of it had to be repeated.
         under_way: How many of these are not acknowledged yet.
     """
 
     __slots__ = (
+        "is_best_effort",
         "is_large",
+        "is_repeated",
         "is_urgent",
         "latest",
         "on_result",
@@ -198,20 +206,20 @@ class Message:
         "sent",
         "size",
         "under_way",
-        "window",
     )
 
     def __init__(
         self,
         packets: list[Packet],
         on_result: OnResult | None,
-        window: int,
         *,
+        is_best_effort: bool = False,
         is_urgent: bool = False,
     ) -> None:
         self.packets = packets
         self.on_result = on_result
-        self.window = window
+        self.is_best_effort = is_best_effort
+        self.is_repeated = False
         self.latest = math.inf
         self.size = sum([len(packet.payload) for packet in packets])
         self.is_large = len(packets) > 1
@@ -258,15 +266,21 @@ class Lane:
     packets of several messages by turns would push each other out. Messages of one packet pass
     between them; of these only so many are under way as a small receive buffer holds, and those of
     high priority and stops besides.
+
+    How many packets of a large message the receiver takes at once is learnt: twice as many after
+    each message of which it lost none, and from the first loss on half as many for good. To look
+    again would cost a message at each try, since a lost packet waits for its time-out.
     """
 
-    __slots__ = ("_large", "_singles", "_singles_under_way", "heard")
+    __slots__ = ("_large", "_singles", "_singles_under_way", "_widest", "_window", "heard")
 
     def __init__(self) -> None:
         self.heard = -math.inf
         self._large: deque[Message] = deque()
         self._singles: deque[Message] = deque()
         self._singles_under_way = 0
+        self._window = FIRST_WINDOW
+        self._widest = MOST_SMALL_FRAGMENTS
 
     @property
     def is_empty(self) -> bool:
@@ -302,9 +316,18 @@ class Lane:
             ready.append(_next_of(singles.popleft()))
         if self._large:
             first = self._large[0]
-            while first.under_way < first.window and first.sent < len(first.packets):
+            window = self._window if first.is_best_effort else 1
+            while first.under_way < window and first.sent < len(first.packets):
                 ready.append(_next_of(first))
         return ready
+
+    def arrived(self, message: Message) -> None:
+        """Learn from a message that is done; packets fewer than the window say nothing."""
+        if not message.is_best_effort or len(message.packets) < self._window:
+            return
+        if message.is_repeated:
+            self._widest = max(FIRST_WINDOW, self._window // 2)
+        self._window = min(2 * self._window, self._widest)
 
     def give_up_late(self, now: float) -> list[Message]:
         """Forget the messages whose turn would be now, but which is too late, and return them."""
