@@ -11,7 +11,7 @@ from ..base.quirks import Quirk
 from ..services.definitions import Status
 from ..transports.delivery import Ordering
 from .control_state import ControlState, Questions, Session, TargetWatch
-from .discovery_client import QUICK_TRIES, Pace
+from .discovery_client import QUICK_TRIES, Pace, Presence
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from ..services.host import Host
     from ..wire.message import Message
     from .control_state import Releases
-    from .discovery_client import Presence
-    from .event_client import EventClient
 
 RENEWALS = 4
 """Renewals of control in the target's timeout, each repeated until it is confirmed; when none of
@@ -46,8 +44,6 @@ class ControlledTarget:
         self,
         component: Host,
         target: JausAddress,
-        presence: Presence,
-        events: EventClient,
         releases: Releases,
         on_end: Callable[[ControlledTarget], None],
     ) -> None:
@@ -56,19 +52,19 @@ class ControlledTarget:
         self.state = ControlState.SEEKING
         self.status: Status | None = None
         self.controller: JausAddress | None = None
-        self._presence = presence
-        self._watch = TargetWatch(component, events, target, self.reported)
+        self._presence = component.part(Presence)
+        self._watch = TargetWatch(component, target, self.reported)
         self._releases = releases
         self._on_end = on_end
         self._loop = component.loop
         self._settings = component.settings
-        self._pace = Pace(component.settings, presence, target)
+        self._pace = Pace(component, target)
         self._sessions: list[Session] = []
-        self._is_permitted = True
+        self._is_permitted = component.may_control
         self._is_handed_over = False
         self._is_started = False
         self._ordering = Ordering(component.transport.arrival, component.loop.now)
-        self._questions = Questions(component, target, presence)
+        self._questions = Questions(component, target)
         self._timeout: int | None = None
         self._refusal: int = _ACCEPTED
         self._authority_in_force: int | None = None
@@ -79,7 +75,7 @@ class ControlledTarget:
         self._requests = self._answers = 0
         self._awaits_answer = False
         self._timer = Alarm(component.loop)
-        presence.watch(target, self._returned)
+        self._presence.watch(target, self._returned)
 
     # ---- what users want ----------------------------------------------------------------------
 

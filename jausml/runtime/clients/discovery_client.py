@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Loop
-    from ..services.definitions import ComponentSettings, ServiceIdentity
+    from ..services.definitions import ServiceIdentity
     from ..services.host import Host
 
 INTERVAL = 5.0
@@ -111,6 +110,7 @@ class DiscoveryClient:
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services_reported)
         component.on_message(ReportServiceList, self._take)
+        component.when_stopped(self.stop)
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
         """Search for the providers of a service until the component stops."""
@@ -220,8 +220,8 @@ class Presence:
         heard: By component when that was; kept by who takes the messages.
     """
 
-    def __init__(self, loop: Loop) -> None:
-        self._loop = loop
+    def __init__(self, component: Host) -> None:
+        self._loop = component.loop
         self.heard: dict[JausAddress, float] = {}
         self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
 
@@ -272,11 +272,9 @@ class Pace:
     there and only loses datagrams: then no pause is longer than ``watch_interval``.
     """
 
-    def __init__(
-        self, settings: ComponentSettings, presence: Presence, address: JausAddress
-    ) -> None:
-        self._settings = settings
-        self._presence = presence
+    def __init__(self, component: Host, address: JausAddress) -> None:
+        self._settings = settings = component.settings
+        self._presence = component.part(Presence)
         self._address = address
         self._tries = 0
         self._pause = settings.retry_min
@@ -314,11 +312,12 @@ class Greeter:
         unanswered: How often each peer was greeted since it spoke last.
     """
 
-    def __init__(self, component: Host, presence: Presence) -> None:
+    def __init__(self, component: Host) -> None:
         self._component = component
-        self._presence = presence
+        self._presence = component.part(Presence)
         self.unanswered = dict.fromkeys(component.settings.greeted, 0)
         self._timer = Alarm(component.loop)
+        component.when_stopped(self.stop)
 
     def start(self) -> None:
         """Greet now, and whoever is silent again and again."""

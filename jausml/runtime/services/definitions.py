@@ -242,6 +242,20 @@ class Completion:
                 self._on_end()
 
 
+COMMAND_REQUESTS = range(224, 255)
+"""Request ids of the command events of one provider: smaller ones are those of its events."""
+
+ELEMENTS_OF_DRIVERS = {
+    "urn:jaus:jss:mobility:GlobalWaypointListDriver": 0x040C,
+    "urn:jaus:jss:mobility:LocalWaypointListDriver": 0x040D,
+    "urn:jaus:jss:mobility:GlobalPathSegmentDriver": 0x040F,
+    "urn:jaus:jss:mobility:LocalPathSegmentDriver": 0x0410,
+    "urn:jaus:jss:manipulator:ManipulatorJointPositionsListDriver": 0x0602,
+    "urn:jaus:jss:manipulator:ManipulatorEndEffectorPoseListDriver": 0x0610,
+}
+"""Message code of the elements that each list driver takes (AS6009, manipulator set)."""
+
+
 @dataclass(frozen=True)
 class ListElement:
     """One element of a list.

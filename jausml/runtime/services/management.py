@@ -20,7 +20,7 @@ from ..messages import (
     Standby,
 )
 from ..messages.management import MACHINE_STATES, QueryMachineStates, ReportMachineStates
-from .access_control import Reject
+from .access_control import AccessControlService, Reject
 from .definitions import CORE, VERSION_1_1, Guard, Status
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..wire.message import Message
-    from .access_control import AccessControlService
     from .dispatch import Take
     from .host import Host
 
@@ -65,9 +64,9 @@ class ManagementService:
 
     urns = frozenset([CORE + "Management"])
 
-    def __init__(self, component: Host, access: AccessControlService) -> None:
+    def __init__(self, component: Host) -> None:
         self._component = component
-        self._access = access
+        self._access = access = component.part(AccessControlService)
         self._emergencies: set[JausAddress] = set()
         self._watchers: dict[int, list[Take]] = {}
         self._is_1_0 = component.core_version("Management") < VERSION_1_1

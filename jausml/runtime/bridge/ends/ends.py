@@ -25,14 +25,12 @@ if TYPE_CHECKING:
     from ...base.clocks import Timing
     from ...base.fast_path import FastPath, FastSending
     from ...base.loop import Loop
-    from ...clients.exchanges import Exchanges
-    from ...clients.peer_search import PeerBinding
-    from ...component.component import JausComponent
+    from ...clients.peer_binding import PeerBinding
+    from ...component.base import Component
     from ...conversions import Time
     from ...guardian.ward import Ward
     from ...wire.message import Message
     from ..messages.compiled import Compiled, Function
-    from .list_driver import ListDriver, ListMessages
     from .ros_side import FastSubscriber, RosPublisher, RosSide
     from .simulation import Simulation
     from .topics import Topic
@@ -219,7 +217,7 @@ class SharedFeed:
 class SharedMessages:
     """The messages of other components that a bridge takes, and the reports that it offers."""
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: Component) -> None:
         self._component = component
         self._listeners: dict[type[Message], BySender] = {}
         self._commands: dict[type[Message], tuple[When, BySender]] = {}
@@ -301,12 +299,11 @@ class Ends(Protocol):
     """
 
     settings: BridgeSettings
-    exchanges: Exchanges
     clock: Timing
     simulation: Simulation | None
     ward: Ward | None
     ros: RosSide
-    component: JausComponent
+    component: Component
     shared_topics: SharedTopics
     shared_messages: SharedMessages
 
@@ -329,6 +326,3 @@ class Ends(Protocol):
 
     def at(self, moment: Time) -> AbstractContextManager[None]:
         """Lets translations take a moment for the present."""
-
-    def list_driver(self, messages: ListMessages) -> ListDriver:
-        """Returns the list driver that the bridge provides."""
