@@ -61,6 +61,6 @@ def part_of_whole(module: str, name: str) -> Any:
         return getattr(import_module(f"{package}.{module}"), name)
     except ModuleNotFoundError as error:
         raise JausError(
-            f"this workspace has no {name}: its model does not ask for it;"
-            " generate with `--target runtime=whole`"
+            f"this workspace has no {name}, as its model asks for none;"
+            " `jausml generate --all` brings it"
         ) from error

@@ -9,7 +9,7 @@ import json
 import logging
 import sys
 
-from jausml_runtime import JausAddress, JausComponent, ServiceIdentity
+from jausml_runtime import JausAddress, JausComponent, ListManagerService, ServiceIdentity
 from jausml_runtime.bridge.ends.ros_side import Outcome
 from jausml_runtime.virtual import Link, VirtualWorld
 from pausing.pausing import Pausing
@@ -169,7 +169,7 @@ class Sending(Driving):
     @property
     def state(self):
         """The state of the mission that the robot has."""
-        (driver,) = self.robot.list_drivers
+        (driver,) = self.robot.component.part(ListManagerService).drivers
         return driver._mission and int(driver._mission.state)
 
 
