@@ -96,8 +96,10 @@ from .services.definitions import (
     ServiceIdentity,
     Status,
 )
+from .services.digital_resources import DigitalResourceService
 from .services.handoff import HandoffService
 from .services.list_manager import ElementList, ListHolder, ListManagerService, chain
+from .services.machine_states import MachineStatesService
 from .transports.jtcp import JtcpTransport
 from .transports.node_manager import NodeManagerTransport
 from .transports.packets.packet import Priority
@@ -128,6 +130,7 @@ __all__ = [
     "ConversionError",
     "Core",
     "DecodeError",
+    "DigitalResourceService",
     "ElementList",
     "EncodeError",
     "EventSubscriber",
@@ -156,6 +159,7 @@ __all__ = [
     "ListMessages",
     "ListRequest",
     "ListToAction",
+    "MachineStatesService",
     "Message",
     "MessageToTopics",
     "MissionMessages",

@@ -83,6 +83,8 @@ def service_identities(component: jaus.Component) -> tuple[str, ...]:
 
 _OPTIONAL_SERVICES = {
     "urn:jaus:jss:iop:EnhancedAccessControl": "HandoffService",
+    "urn:jaus:jss:iop:DigitalResourceDiscovery": "DigitalResourceService",
+    "urn:jausml:MachineStates": "MachineStatesService",
     **{
         f"urn:jaus:jss:{owner}:ListManager": "ListManagerService"
         for owner in ("core", "mobility", "manipulator")

@@ -12,7 +12,7 @@ from ..messages.discovery import (
     RequestIDRec,
 )
 from ..services.definitions import Scope
-from ..services.discovery import DIGITAL_RESOURCE_DISCOVERY, endpoints
+from ..services.digital_resources import DIGITAL_RESOURCE_DISCOVERY, endpoints
 from .peer_search import PeerClient, PeerSearch
 from .query import QueryClient
 

@@ -18,12 +18,12 @@ from ..services.definitions import (
     ServiceIdentity,
     Status,
 )
-from ..services.discovery import DigitalResourceService, DiscoveryService
+from ..services.discovery import DiscoveryService
 from ..services.dispatch import Router
 from ..services.events import EventsService
 from ..services.host import CoreService, Host
 from ..services.liveness_and_time import LivenessService, TimeService
-from ..services.management import MachineStatesService, ManagementService
+from ..services.management import ManagementService
 from ..transports.delivery import MESSAGE_CODE_SIZE, Ordering
 from ..transports.packets.packet import Priority
 from ..transports.transport import log_accounts
@@ -77,8 +77,6 @@ class Component(Host):
         TimeService,
         LivenessService,
         DiscoveryService,
-        DigitalResourceService,
-        MachineStatesService,
     )
     clients: Sequence[Callable[[Host], object]] = ()
 

@@ -8,8 +8,10 @@ from ..clients.event_client import EventClient
 from ..clients.found_peers import PeerQuerier, PeerSubscriber
 from ..clients.list_client import ListEditor
 from ..clients.peer_search import PeerFinder
+from ..services.digital_resources import DigitalResourceService
 from ..services.handoff import HandoffService
 from ..services.list_manager import ListHolder, ListManagerService
+from ..services.machine_states import MachineStatesService
 from .base import Component
 
 
@@ -30,6 +32,12 @@ class JausComponent(
     ``class Lamp(Querier, LampBase)``, or this class for all of them.
     """
 
-    core_services = (*Component.core_services, HandoffService, ListManagerService)
+    core_services = (
+        *Component.core_services,
+        HandoffService,
+        ListManagerService,
+        DigitalResourceService,
+        MachineStatesService,
+    )
     # They answer what comes unasked: events of a former life, and ends of former commands.
     clients = (EventClient, CommandClient)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..services.access_control import Reject
 from ..services.definitions import Guard, Status
 from ..services.dispatch import Provision
-from ..services.management import MachineStatesService
+from ..services.machine_states import MachineStatesService
 from ..wire.message import EncodeError, Message
 from .base import Component
 from .state_machine import Action, Condition, State, StateMachine

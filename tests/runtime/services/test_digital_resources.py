@@ -17,7 +17,7 @@ from jausml.runtime.messages.discovery import (
     RequestIDRec,
     server_type,
 )
-from jausml.runtime.services.discovery import DIGITAL_RESOURCE_DISCOVERY
+from jausml.runtime.services.digital_resources import DIGITAL_RESOURCE_DISCOVERY
 
 from .conftest import CORE_SERVICES
 

@@ -361,7 +361,7 @@ def sent_station_ends(scene):
 
 def sent_refused(scene):
     """The robot has a mission of its operator already."""
-    (driver,) = scene.robot.list_drivers
+    (driver,) = scene.robot.component.part(ListManagerService).drivers
     mission = SpoolMission.MissionInfo(7, SpoolMission.SourceID(1, 1, 200))
     driver._spool(SpoolMission(mission, list(PLAN)), OPERATOR)
     client = scene.send(1.0)
