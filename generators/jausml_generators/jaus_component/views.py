@@ -240,8 +240,10 @@ class ComponentView(ProgramView):
 
     @property
     def optional_services(self) -> tuple[str, ...]:
-        """Classes of the core services that it provides and not every component has."""
-        return components.optional_services(self.component)
+        """Classes of the core services that it provides and its superclass has not."""
+        classes = components.optional_services(self.component)
+        known = "MachineStatesService" if self.state_machines else ""
+        return tuple(name for name in classes if name != known)
 
     @property
     def handlers(self) -> tuple[Handler, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.clocks import Alarm
-from ..messages.discovery import (
+from ..messages.digital_resources import (
     QueryDigitalResourceEndpoint,
     RegisterDigitalResourceEndpoint,
     ReportDigitalResourceEndpoint,

@@ -66,6 +66,7 @@ class ModelledComponent(Component):
     error is logged and counted as ``component.handler_failed``; a guard that raises does not hold.
     """
 
+    core_services = (*Component.core_services, MachineStatesService)
     _jaus_machines: tuple[StateMachine, ...] = ()
     _jaus_core_state = ""
     # Actions that have answered the message at work: of former machines, and of the present one.

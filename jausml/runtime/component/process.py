@@ -19,8 +19,7 @@ from ..base.address import JausAddress
 from ..base.api import JausError, part_of_whole
 from ..base.loop import Loop
 from ..base.settings import TransportKind, TransportSettings, add_arguments, from_arguments
-from ..messages.discovery import server_type
-from ..services.definitions import ComponentSettings, Scope
+from ..services.definitions import ComponentSettings, Scope, server_type
 from ..transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:

@@ -3,8 +3,8 @@
 Each class declares the fields of its message, in their order on the wire; `wire.layout` makes the
 codec of that. A message that begins with `Query` asks for the one that begins with `Report`. Names
 are those of the standard. Record classes are attributes of their message, e.g.
-`QueryServices.NodeRec`. IOP's messages of digital resource endpoints are found in `discovery`, and
-those of this project's own MachineStates in `management`.
+`QueryServices.NodeRec`. Messages of IOP's digital resources are found in `digital_resources`, and
+those of this project's own MachineStates in `machine_states`.
 """
 
 from .access_control import (

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..messages.discovery import (
+from ..messages.digital_resources import (
     ConfirmDigitalResourceEndpoint,
     Endpoint,
     QueryDigitalResourceEndpoint,
     RegisterDigitalResourceEndpoint,
     RemoveDigitalResourceEndpoint,
     ReportDigitalResourceEndpoint,
-    server_type,
 )
+from .definitions import server_type
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..messages.management import MACHINE_STATES, QueryMachineStates, ReportMachineStates
+from ..messages.machine_states import MACHINE_STATES, QueryMachineStates, ReportMachineStates
 
 if TYPE_CHECKING:
     from collections.abc import Callable
