@@ -11,8 +11,8 @@ from ..messages.digital_resources import (
     ReportDigitalResourceEndpoint,
     RequestIDRec,
 )
-from ..services.definitions import Scope
-from ..services.digital_resources import DIGITAL_RESOURCE_DISCOVERY, endpoints
+from ..services.definitions import DIGITAL_RESOURCE_DISCOVERY, Scope
+from ..services.digital_resources import endpoints
 from .peer_search import PeerClient, PeerSearch
 from .query import QueryClient
 
@@ -42,11 +42,7 @@ class ResourceClient:
         self._own = endpoints(component.settings.digital_resources, component.address)
         self._registry: JausAddress | None = None
         self._timer = Alarm(component.loop)
-        is_registry = any(
-            service.urn == DIGITAL_RESOURCE_DISCOVERY for service in component.services
-        )
-        if self._own and not is_registry:
-            component.part(PeerClient).find(REGISTRY, self._registries_found)
+        component.part(PeerClient).find(REGISTRY, self._registries_found)
 
     def stop(self) -> None:
         """Look at nothing any more."""

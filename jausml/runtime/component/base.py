@@ -12,6 +12,7 @@ from ..messages import ClearEmergency, Event, SetEmergency
 from ..services.access_control import AccessControlService
 from ..services.definitions import (
     CORE,
+    DIGITAL_RESOURCE_DISCOVERY,
     ELEMENTS_OF_DRIVERS,
     ComponentSettings,
     Guard,
@@ -135,9 +136,9 @@ class Component(Host):
         self._jaus_presence = self.part(Presence)
         self._jaus_discovery = self.part(DiscoveryClient)
         self._jaus_greeter = self.part(Greeter)
-        if self.settings.digital_resources:
-            self.part(part_of_whole("clients.resource_client", "ResourceClient"))
         provided = {service.urn for service in self.services}
+        if self.settings.digital_resources and DIGITAL_RESOURCE_DISCOVERY not in provided:
+            self.part(part_of_whole("clients.resource_client", "ResourceClient"))
         for service in map(self.part, self.core_services):
             if not provided.isdisjoint(service.urns):
                 service.attach()

@@ -275,6 +275,8 @@ def server_type(url: str) -> int:
     return _SERVER_TYPES[scheme]
 
 
+DIGITAL_RESOURCE_DISCOVERY = "urn:jaus:jss:iop:DigitalResourceDiscovery"
+
 ELEMENTS_OF_DRIVERS = {
     "urn:jaus:jss:mobility:GlobalWaypointListDriver": 0x040C,
     "urn:jaus:jss:mobility:LocalWaypointListDriver": 0x040D,

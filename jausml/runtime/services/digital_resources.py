@@ -12,7 +12,7 @@ from ..messages.digital_resources import (
     RemoveDigitalResourceEndpoint,
     ReportDigitalResourceEndpoint,
 )
-from .definitions import server_type
+from .definitions import DIGITAL_RESOURCE_DISCOVERY, server_type
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..wire.message import Message
     from .host import Host
-
-DIGITAL_RESOURCE_DISCOVERY = "urn:jaus:jss:iop:DigitalResourceDiscovery"
 
 MOST_ENDPOINTS = 255
 """Endpoints that a report can list, and ids that a confirmation can tell."""

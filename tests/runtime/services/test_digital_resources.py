@@ -16,8 +16,7 @@ from jausml.runtime.messages.digital_resources import (
     ReportDigitalResourceEndpoint,
     RequestIDRec,
 )
-from jausml.runtime.services.definitions import server_type
-from jausml.runtime.services.digital_resources import DIGITAL_RESOURCE_DISCOVERY
+from jausml.runtime.services.definitions import DIGITAL_RESOURCE_DISCOVERY, server_type
 
 from .conftest import CORE_SERVICES
 
