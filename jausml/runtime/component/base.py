@@ -13,7 +13,6 @@ from ..services.access_control import AccessControlService
 from ..services.definitions import (
     CORE,
     DIGITAL_RESOURCE_DISCOVERY,
-    ELEMENTS_OF_DRIVERS,
     ComponentSettings,
     Guard,
     ServiceIdentity,
@@ -37,7 +36,6 @@ if TYPE_CHECKING:
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
     from ..clients.discovery_client import FoundComponent
-    from ..services.definitions import ListElement
     from ..services.dispatch import Take as TakeMessage
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
@@ -228,18 +226,6 @@ class Component(Host):
 
     # ---- for the services and clients of the component --------------------------------------
 
-    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
-        """Let go of the components that this one controls, or take them back.
-
-        It happens in the next round of the loop: what hooks send to stop them comes before.
-        """
-        self.loop.call_soon(lambda: self._jaus_permit(permitted))
-
-    def _jaus_permit(self, permitted: bool) -> None:  # noqa: FBT001
-        self.may_control = permitted
-        for action in self._jaus_permits:
-            action(permitted)
-
     @property
     def unanswered_greetings(self) -> dict[JausAddress, int]:
         """How often each peer that is to be greeted was so since it spoke last."""
@@ -331,24 +317,6 @@ class Component(Host):
         """
         with self.loop.lock:
             self._jaus_management.watch_emergency(message_class, take)
-
-    # ---- hooks with a default ---------------------------------------------------------------
-
-    def host_time(self) -> datetime:
-        """Return the time in UTC that the component's clock runs by; ``clock`` has it by default.
-
-        Override it for a component that lives in simulated time.
-        """
-        return self.clock.utc()
-
-    def supports_element(self, element: ListElement) -> bool:
-        """Return whether the component's list may hold an element (AS5710, ListManager).
-
-        By default these are the messages that the component's list drivers execute, e.g.
-        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
-        """
-        driven = (ELEMENTS_OF_DRIVERS.get(service.urn) for service in self.services)
-        return element.message_code in driven
 
     # ---- what comes in -----------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 from ..transports.packets.packet import Priority
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
-from .definitions import VERSION_1_1, Guard
+from .definitions import ELEMENTS_OF_DRIVERS, VERSION_1_1, Guard
 from .dispatch import Provision
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from datetime import datetime
 
     from ..base.address import JausAddress
-    from ..base.clocks import Timing
+    from ..base.clocks import HostClock, Timing
     from ..base.counters import Counters
     from ..base.fast_path import FastPath
     from ..base.loop import Loop
@@ -117,6 +117,7 @@ class Host(Hooks):
     services: tuple[ServiceIdentity, ...]
     component_type: int
     settings: ComponentSettings
+    clock: HostClock
     event_clock: Timing
     may_control = True
     event_path: Callable[[JausAddress, int], FastPath | None] | None = None
@@ -419,10 +420,6 @@ class Host(Hooks):
         """End the commands under way that are not allowed any more; called by the services."""
         raise NotImplementedError
 
-    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
-        """Let go of the components that this one controls, or take them back."""
-        raise NotImplementedError
-
     def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
         """Leave Ready for Standby, as a report that is needed there does not come."""
         raise NotImplementedError
@@ -431,10 +428,32 @@ class Host(Hooks):
         """Send the report to every-change events whose report differs from the last one sent."""
         raise NotImplementedError
 
+    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
+        """Let go of the components that this one controls, or take them back.
+
+        It happens in the next round of the loop: what hooks send to stop them comes before.
+        """
+        self.loop.call_soon(lambda: self._jaus_permit(permitted))
+
+    def _jaus_permit(self, permitted: bool) -> None:  # noqa: FBT001
+        self.may_control = permitted
+        for action in self._jaus_permits:
+            action(permitted)
+
+    # ---- hooks with a default ---------------------------------------------------------------
+
     def host_time(self) -> datetime:
-        """Return the time in UTC that the component's clock runs by."""
-        raise NotImplementedError
+        """Return the time in UTC that the component's clock runs by; ``clock`` has it by default.
+
+        Override it for a component that lives in simulated time.
+        """
+        return self.clock.utc()
 
     def supports_element(self, element: ListElement) -> bool:
-        """Return whether the component's list may hold an element (AS5710, ListManager)."""
-        raise NotImplementedError
+        """Return whether the component's list may hold an element (AS5710, ListManager).
+
+        By default these are the messages that the component's list drivers execute, e.g.
+        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
+        """
+        driven = (ELEMENTS_OF_DRIVERS.get(service.urn) for service in self.services)
+        return element.message_code in driven
