@@ -100,6 +100,7 @@ from .services.digital_resources import DigitalResourceService
 from .services.handoff import HandoffService
 from .services.list_manager import ElementList, ListHolder, ListManagerService, chain
 from .services.machine_states import MachineStatesService
+from .services.time_of_day import TimeService
 from .transports.jtcp import JtcpTransport
 from .transports.node_manager import NodeManagerTransport
 from .transports.packets.packet import Priority
@@ -195,6 +196,7 @@ __all__ = [
     "State",
     "StateMachine",
     "Status",
+    "TimeService",
     "Topic",
     "TopicsToMessage",
     "TopicsToReport",

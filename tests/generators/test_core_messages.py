@@ -25,7 +25,7 @@ from jausml.language.semantics.jaus.core_services import (
 )
 from jausml.runtime import messages as core_messages
 from jausml.runtime.component.component import JausComponent
-from jausml.runtime.services.liveness_and_time import UNSOLICITED
+from jausml.runtime.services.liveness import UNSOLICITED
 from jausml.runtime.wire import DecodeError, EncodeError, Message
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.messages import MessagesModule

@@ -84,6 +84,7 @@ def service_identities(component: jaus.Component) -> tuple[str, ...]:
 _OPTIONAL_SERVICES = {
     "urn:jaus:jss:iop:EnhancedAccessControl": "HandoffService",
     "urn:jaus:jss:iop:DigitalResourceDiscovery": "DigitalResourceService",
+    "urn:jaus:jss:core:Time": "TimeService",
     "urn:jausml:MachineStates": "MachineStatesService",
     **{
         f"urn:jaus:jss:{owner}:ListManager": "ListManagerService"

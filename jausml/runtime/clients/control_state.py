@@ -15,8 +15,9 @@ from ..messages import (
     ReportStatus,
     RequestControl,
 )
-from .discovery_client import QUICK_TRIES, Presence
+from .discovery_client import Presence
 from .event_client import EventClient
+from .pace import QUICK_TRIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable

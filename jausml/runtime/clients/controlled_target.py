@@ -20,7 +20,8 @@ from ..messages import (
 from ..services.definitions import Status
 from ..transports.delivery import Ordering
 from .control_state import ControlState, Questions, Session, TargetWatch
-from .discovery_client import QUICK_TRIES, Pace, Presence
+from .discovery_client import Presence
+from .pace import QUICK_TRIES, Pace
 
 if TYPE_CHECKING:
     from collections.abc import Callable

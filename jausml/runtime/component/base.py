@@ -22,7 +22,7 @@ from ..services.discovery import DiscoveryService
 from ..services.dispatch import Router
 from ..services.events import EventsService
 from ..services.host import CoreService, Host
-from ..services.liveness_and_time import LivenessService, TimeService
+from ..services.liveness import LivenessService
 from ..services.management import ManagementService
 from ..transports.delivery import MESSAGE_CODE_SIZE, Ordering
 from ..transports.packets.packet import Priority
@@ -30,7 +30,6 @@ from ..transports.transport import log_accounts
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from datetime import datetime
 
     from ..base.address import JausAddress
     from ..base.clocks import Timing
@@ -73,7 +72,6 @@ class Component(Host):
         EventsService,
         AccessControlService,
         ManagementService,
-        TimeService,
         LivenessService,
         DiscoveryService,
     )
@@ -177,11 +175,6 @@ class Component(Host):
             self._jaus_access.offered = available
             if self._jaus_running:
                 self.core_state_changed()
-
-    @property
-    def current_time(self) -> datetime:
-        """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
-        return self.part(TimeService).now()
 
     def allows(self, guard: Guard, sender: JausAddress) -> bool:
         """Whether a message of ``sender`` is obeyed under ``guard``."""

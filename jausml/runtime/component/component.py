@@ -12,6 +12,7 @@ from ..services.digital_resources import DigitalResourceService
 from ..services.handoff import HandoffService
 from ..services.list_manager import ListHolder, ListManagerService
 from ..services.machine_states import MachineStatesService
+from ..services.time_of_day import TimeService
 from .base import Component
 
 
@@ -36,6 +37,7 @@ class JausComponent(
         *Component.core_services,
         HandoffService,
         ListManagerService,
+        TimeService,
         DigitalResourceService,
         MachineStatesService,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from datetime import timedelta
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 from ..transports.packets.packet import Priority
@@ -107,6 +108,7 @@ class Host(Hooks):
     """Messages of a component, its user code, and its parts: services and clients.
 
     Attributes:
+        time_offset: What SetTime has added to the clock of the host.
         may_control: Whether the component may control others now; see ``permit_control``.
         event_path: The fast path of an event, by its provider and id; None without one.
     """
@@ -120,6 +122,7 @@ class Host(Hooks):
     clock: HostClock
     event_clock: Timing
     may_control = True
+    time_offset = timedelta()
     event_path: Callable[[JausAddress, int], FastPath | None] | None = None
     # Sub-classes are user code: the prefix keeps their private attributes apart from these.
     _jaus_running: bool
@@ -145,6 +148,11 @@ class Host(Hooks):
     def running(self) -> bool:
         """Whether the component is between ``start`` and ``stop``."""
         return self._jaus_running
+
+    @property
+    def current_time(self) -> datetime:
+        """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
+        return self.host_time() + self.time_offset
 
     # ---- parts ------------------------------------------------------------------------------
 
