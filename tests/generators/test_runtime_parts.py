@@ -69,10 +69,8 @@ def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path: Path) -> No
       service_connection speed {{ provider: talker  message: ReportVelocityState  rate: 5 }} }}
     """
     generate(tmp_path, TALKER + user.removeprefix(HEAD), "talk")
-    assert modules(tmp_path) - alone == {
-        f"clients/{name}.py"
-        for name in ("event_client", "event_stream", "event_subscription", "query")
-    }
+    added = ("event_client", "event_stream", "event_subscription", "pace", "query")
+    assert modules(tmp_path) - alone == {f"clients/{name}.py" for name in added}
 
 
 def test_who_asks_for_another_transport_than_the_model_is_told_the_word(tmp_path: Path) -> None:

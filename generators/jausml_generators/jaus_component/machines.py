@@ -59,9 +59,9 @@ host_time ignored is_control_available is_controlling_client is_id_stored lift_e
 may_control name note_heard part payload_caller permissions_changed permit_control provide
 provide_by_machines provision query query_found raise_event read_list refused request_core_state
 request_handoff run_action run_condition running send services set_emergency set_list settings
-shut_down simulation start status stop subscribe subscribe_to_found supports_element transport
-unanswered_greetings walk watch_emergency watch_unwanted when_permitted when_shut_down when_started
-when_stopped
+shut_down simulation start status stop subscribe subscribe_to_found supports_element time_offset
+transport unanswered_greetings walk watch_emergency watch_unwanted when_permitted when_shut_down
+when_started when_stopped
 """
 COMPONENT_NAMES = frozenset(_NAMES.split())
 """Names of the class of a component, or of its test, that no method of a machine may replace."""
