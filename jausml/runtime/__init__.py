@@ -85,7 +85,7 @@ from .component.state_machine import (
     negation,
 )
 from .conversions import ConversionError
-from .messages.access_control import HandoffDecision
+from .messages.handoff import HandoffDecision
 from .services.definitions import (
     Completion,
     ComponentSettings,

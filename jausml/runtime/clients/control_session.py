@@ -24,7 +24,7 @@ from ..messages import (
     RequestHandoff,
     RequestReleaseControl,
 )
-from ..messages.access_control import HandoffDecision
+from ..messages.handoff import HandoffDecision
 from ..services.definitions import HandoffRequest
 from ..services.host import Host
 from .control_state import Releases

@@ -9,24 +9,15 @@ those of this project's own MachineStates in `machine_states`.
 
 from .access_control import (
     ConfirmControl,
-    ConfirmHandoffRequest,
-    ConfirmReleaseControl,
     QueryAuthority,
     QueryControl,
-    QueryEnhancedTimeout,
-    QueryHandoffTimeout,
     QueryTimeout,
     RejectControl,
     ReleaseControl,
-    RemoveHandoffRequest,
     ReportAuthority,
     ReportControl,
-    ReportEnhancedTimeout,
-    ReportHandoffTimeout,
     ReportTimeout,
     RequestControl,
-    RequestHandoff,
-    RequestReleaseControl,
     SetAuthority,
 )
 from .discovery import (
@@ -55,6 +46,17 @@ from .events import (
     ReportEvents,
     ReportEventTimeout,
     UpdateEvent,
+)
+from .handoff import (
+    ConfirmHandoffRequest,
+    ConfirmReleaseControl,
+    QueryEnhancedTimeout,
+    QueryHandoffTimeout,
+    RemoveHandoffRequest,
+    ReportEnhancedTimeout,
+    ReportHandoffTimeout,
+    RequestHandoff,
+    RequestReleaseControl,
 )
 from .list_manager import (
     ConfirmElementRequest,

@@ -20,7 +20,7 @@ from ..messages import (
     RequestHandoff,
     RequestReleaseControl,
 )
-from ..messages.access_control import HandoffDecision as Decision
+from ..messages.handoff import HandoffDecision as Decision
 from .access_control import AccessControlService
 
 if TYPE_CHECKING:
