@@ -21,7 +21,7 @@ from ..base.counters import LOGGER
 from ..component.base import Component
 from ..conversions import Time
 from ..services.definitions import Status
-from ..services.management import PASSIVE
+from ..services.management import PASSIVE, ManagementService
 from .connections.translations import Form
 from .diagnosing import Diagnosing
 from .ends import parameters
@@ -217,7 +217,7 @@ class Bridge:
         with self.loop.lock:
             self.is_active = self.component.control_available = wanted
             if not wanted:
-                self._side.withdraw()
+                self.component.part(ManagementService).withdraw()
             self.component.permit_control(self.component.status not in PASSIVE)
             self.follow()
 
@@ -326,7 +326,9 @@ class Bridge:
         """Raise ValueError where an emergency cannot be lifted."""
         try:
             if clients:
-                self.component.check_lift(JausAddress.parse(clients))
+                with self.loop.lock:
+                    management = self.component.part(ManagementService)
+                    management.check_lift(JausAddress.parse(clients))
         except JausError as error:
             raise ValueError(str(error)) from error
 
@@ -373,10 +375,6 @@ class _BridgeComponent(Component):
 
     def core_state_changed(self) -> None:
         self._bridge.follow()
-
-    def withdraw(self) -> None:
-        """Goes to Standby, without a controller."""
-        self._jaus_management.withdraw()
 
     def begin_control(self, permitted: bool) -> None:  # noqa: FBT001
         """Says, before the first session, whether others may be controlled at the start."""

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
     from ..clients.discovery_client import FoundComponent
-    from ..services.dispatch import Take as TakeMessage
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
     from ..wire.message import Message
@@ -295,21 +294,6 @@ class Component(Host):
         """
         with self.loop.lock:
             self._jaus_management.lift(clients)
-
-    def check_lift(self, clients: JausAddress) -> None:
-        """Raise what ``lift_emergency`` would, and do nothing else."""
-        with self.loop.lock:
-            self._jaus_management.check_lift(clients)
-
-    def watch_emergency(self, message_class: type[Message], take: TakeMessage) -> None:
-        """Give an action SetEmergency when an emergency has begun, ClearEmergency when it ended.
-
-        Args:
-            message_class: One of the two.
-            take: Takes the encoded message, and whoever made the difference.
-        """
-        with self.loop.lock:
-            self._jaus_management.watch_emergency(message_class, take)
 
     # ---- what comes in -----------------------------------------------------------------------
 

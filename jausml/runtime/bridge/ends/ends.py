@@ -15,6 +15,7 @@ from ...base.settings import TransportSettings
 from ...component.base import COMPONENT_TYPE
 from ...messages import ClearEmergency, SetEmergency
 from ...services.definitions import ComponentSettings, Guard, ServiceIdentity
+from ...services.management import ManagementService
 from .topics import TopicCounts
 
 if TYPE_CHECKING:
@@ -251,7 +252,7 @@ class SharedMessages:
         """Begins to take the messages that were asked for."""
         for message, listeners in self._listeners.items():
             if message.CODE in (SetEmergency.CODE, ClearEmergency.CODE):
-                self._component.watch_emergency(message, listeners.taking())
+                self._component.part(ManagementService).watch_emergency(message, listeners.taking())
                 continue
             self._component.on_payload(
                 message,
