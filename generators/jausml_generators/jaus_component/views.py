@@ -219,17 +219,17 @@ class ComponentView(ProgramView):
         Whoever uses a service of others asks for its reports, and edits its list or controls its
         provider where the service inherits that.
         """
-        found = {received.is_found for received in self.received if not received.is_asked}
-        asked = {received.is_found for received in self.received if received.is_asked}
+        subscribed = {received.is_found for received in self.received if not received.is_asked}
+        queried = {received.is_found for received in self.received if received.is_asked}
         used = {
             str(service.urn).rpartition(":")[2]
             for service in components.with_inherited(self.component.uses)
         }
         wanted = {
-            "PeerSubscriber": True in found,
-            "EventSubscriber": True not in found and (False in found or used),
-            "PeerQuerier": True in asked,
-            "Querier": True not in asked and (False in asked or used),
+            "PeerSubscriber": True in subscribed,
+            "EventSubscriber": True not in subscribed and (False in subscribed or used),
+            "PeerQuerier": True in queried,
+            "Querier": True not in queried and (False in queried or used),
             "PeerController": "AccessControl" in used or self.component.controls,
             "Commander": "AccessControl" in used,
             "ListEditor": "ListManager" in used,
