@@ -52,14 +52,24 @@ from .bridge.messages.limits import (
     set_time,
 )
 from .bridge.process import run_bridge, run_node
-from .clients.command_client import PendingCommand
-from .clients.control_session import ControlSession, HandoffAnswer, PendingHandoff
+from .clients.command_client import Commander, PendingCommand
+from .clients.control_session import (
+    ControlSession,
+    HandoffAnswer,
+    HandoffClient,
+    PeerController,
+    PendingHandoff,
+)
 from .clients.control_state import ControlState
 from .clients.discovery_client import FoundComponent
+from .clients.event_client import EventSubscriber
 from .clients.event_subscription import EventSubscription
-from .clients.list_client import ListRequest
-from .clients.peer_search import PeerChoice, PeerSearch
-from .clients.query import PendingQuery
+from .clients.found_peers import PeerQuerier, PeerSubscriber
+from .clients.list_client import ListEditor, ListRequest
+from .clients.peer_search import PeerChoice, PeerFinder, PeerSearch
+from .clients.query import PendingQuery, Querier
+from .clients.resource_client import ResourceClient
+from .component.base import Component
 from .component.component import JausComponent
 from .component.modelled import ModelledComponent, Simulation
 from .component.process import ComponentProgram, run_component, running_transport
@@ -75,7 +85,7 @@ from .component.state_machine import (
     negation,
 )
 from .conversions import ConversionError
-from .messages.access_control import HandoffDecision
+from .messages.handoff import HandoffDecision
 from .services.definitions import (
     Completion,
     ComponentSettings,
@@ -86,7 +96,13 @@ from .services.definitions import (
     ServiceIdentity,
     Status,
 )
-from .services.list_manager import ElementList, chain
+from .services.digital_resources import DigitalResourceService
+from .services.handoff import HandoffService
+from .services.list_manager import ElementList, ListHolder, ListManagerService, chain
+from .services.machine_states import MachineStatesService
+from .services.time_of_day import TimeService
+from .transports.jtcp import JtcpTransport
+from .transports.node_manager import NodeManagerTransport
 from .transports.packets.packet import Priority
 from .transports.transport import Transport
 from .wire import DecodeError, EncodeError, Message
@@ -104,7 +120,9 @@ __all__ = [
     "CallTranslation",
     "Carried",
     "CommandAnswer",
+    "Commander",
     "Completion",
+    "Component",
     "ComponentProgram",
     "ComponentSettings",
     "Condition",
@@ -113,44 +131,60 @@ __all__ = [
     "ConversionError",
     "Core",
     "DecodeError",
+    "DigitalResourceService",
     "ElementList",
     "EncodeError",
+    "EventSubscriber",
     "EventSubscription",
     "EventToTopics",
     "FoundComponent",
     "Guard",
     "HandoffAnswer",
+    "HandoffClient",
     "HandoffDecision",
     "HandoffRequest",
+    "HandoffService",
     "JausAddress",
     "JausComponent",
     "JausError",
     "JausToRosService",
     "Join",
+    "JtcpTransport",
     "Kind",
     "ListAction",
     "ListAnswers",
+    "ListEditor",
     "ListElement",
+    "ListHolder",
+    "ListManagerService",
     "ListMessages",
     "ListRequest",
     "ListToAction",
+    "MachineStatesService",
     "Message",
     "MessageToTopics",
     "MissionMessages",
     "ModelledComponent",
     "NamedPlaces",
+    "NodeManagerTransport",
     "On",
     "OutOfRangeError",
     "PeerChoice",
+    "PeerController",
+    "PeerFinder",
+    "PeerQuerier",
     "PeerSearch",
+    "PeerSubscriber",
     "PendingCommand",
     "PendingHandoff",
     "PendingQuery",
     "Priority",
     "Progress",
     "Qos",
+    "Querier",
     "QueryToTopics",
     "ReportJoin",
+    "ResourceClient",
     "RosService",
     "RosServiceToJaus",
     "RosSide",
@@ -162,6 +196,7 @@ __all__ = [
     "State",
     "StateMachine",
     "Status",
+    "TimeService",
     "Topic",
     "TopicsToMessage",
     "TopicsToReport",

@@ -24,8 +24,8 @@ from jausml.language.semantics.jaus.core_services import (
     SERVED_BY_RUNTIME,
 )
 from jausml.runtime import messages as core_messages
-from jausml.runtime.component import parts
-from jausml.runtime.services.liveness_and_time import UNSOLICITED
+from jausml.runtime.component.component import JausComponent
+from jausml.runtime.services.liveness import UNSOLICITED
 from jausml.runtime.wire import DecodeError, EncodeError, Message
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.messages import MessagesModule
@@ -245,12 +245,8 @@ def test_messages_of_core_1_0_are_the_same() -> None:
 
 
 def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves() -> None:
-    classes = [
-        service_class for name, service_class in vars(parts).items() if name.endswith("Service")
-    ]
-    served = frozenset().union(
-        *(service_class.urns for service_class in classes if service_class is not parts.CoreService)
-    )
+    classes: Any = JausComponent.core_services
+    served = frozenset().union(*(service_class.urns for service_class in classes))
     # Transport has no messages; unsolicited heartbeats are a setting of Liveness, and handoffs are
     # decided by clients.
     others = {CORE + "Transport", UNSOLICITED, "urn:jaus:jss:iop:HandoffController"}

@@ -58,6 +58,58 @@ def test_a_component_has_no_bridge(tmp_path: Path) -> None:
     starts(tmp_path / "src", "talker")
 
 
+def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path: Path) -> None:
+    generate(tmp_path, TALKER, "talk")
+    alone = modules(tmp_path)
+    assert not [name for name in alone if "list" in name or "handoff" in name]
+    clients = {name for name in alone if name.startswith("clients/")}
+    assert clients == {"clients/__init__.py", "clients/discovery_client.py"}
+    assert {"transports/jtcp.py", "transports/node_manager.py"}.isdisjoint(alone)
+    user = f"""{HEAD}component eye {{ address: 1.1.3  uses: VelocityStateSensor
+      service_connection speed {{ provider: talker  message: ReportVelocityState  rate: 5 }} }}
+    """
+    generate(tmp_path, TALKER + user.removeprefix(HEAD), "talk")
+    added = ("event_client", "event_stream", "event_subscription", "pace", "query")
+    assert modules(tmp_path) - alone == {f"clients/{name}.py" for name in added}
+
+
+def test_who_asks_for_another_transport_than_the_model_is_told_the_word(tmp_path: Path) -> None:
+    generate(tmp_path, TALKER, "talk")
+    workspace = tmp_path / "src"
+    line = ("-m", "talker.main", "--jaus-transport", "jtcp")
+    done = run(*line, PYTHONPATH=python_path(workspace))
+    assert done.returncode == 1
+    assert "this workspace has no JtcpTransport" in done.stderr
+    assert "`jausml generate --all` brings it" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("transport", "module"), [("jtcp", "jtcp"), ("nodeManager", "node_manager")]
+)
+def test_a_modelled_transport_is_there(tmp_path: Path, transport: str, module: str) -> None:
+    host = f"host pc {{ transport: {transport} }}\nplacement {{ host: pc  components: talker }}\n"
+    generate(tmp_path, TALKER + host, "talk")
+    assert f"transports/{module}.py" in modules(tmp_path)
+    starts(tmp_path / "src", "talker")
+
+
+def test_a_method_of_a_part_that_the_base_has_not_is_a_finding(tmp_path: Path) -> None:
+    generate(tmp_path, TALKER, "talk")
+    own = tmp_path / "src" / "talker" / "talker" / "talker.py"
+    text = own.read_text("utf-8")
+    asking = "    def ask(self) -> None:\n        self.read_list(ADDRESS, print)\n"
+    own.write_text(f"{text}\n{asking}", encoding="utf-8")
+    (finding,) = generate(tmp_path, TALKER, "talk").drift
+    assert "has no read_list" in finding.message
+    named = text.replace("(TalkerBase)", "(ListEditor, TalkerBase)")
+    named = named.replace("import ComponentSettings", "import ListEditor, ComponentSettings")
+    own.write_text(f"{named}\n{asking}", encoding="utf-8")
+    assert generate(tmp_path, TALKER, "talk").drift == ()
+    assert "clients/list_client.py" in modules(tmp_path)
+    starts(tmp_path / "src", "talker")
+
+
 def test_a_bridge_has_the_kinds_of_connections_that_it_has(tmp_path: Path) -> None:
     generate(tmp_path, FRONT, "front")
     found = modules(tmp_path)

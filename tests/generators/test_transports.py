@@ -44,13 +44,13 @@ ASK = """
 import queue
 from desk.desk_base import TRANSPORT
 from jausml_runtime import JausAddress
-from jausml_runtime import JausComponent
+from jausml_runtime import Component
 from jausml_runtime.messages import QueryIdentification, ReportIdentification
 from jausml_runtime import running_transport
 
 answers = queue.SimpleQueue()
 with running_transport(TRANSPORT) as transport:
-    asking = JausComponent(transport, JausAddress(20, 1, 1), name="desk", services=())
+    asking = Component(transport, JausAddress(20, 1, 1), name="desk", services=())
     asking.on_message(ReportIdentification, lambda report, sender: answers.put(str(sender)))
     asking.start()
     seen = set()

@@ -149,7 +149,7 @@ class Walk:
         """Returns what the real one is like."""
         component = self.bridge.component
         who = {client.address: name for name, client in self.clients.items()}
-        emergencies = component._jaus_core.management._emergencies
+        emergencies = component._jaus_management._emergencies
         return {
             "status": component.status.name,
             "controller": who.get(component.controller, ""),

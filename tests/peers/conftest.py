@@ -20,7 +20,7 @@ from jausml.runtime import ComponentSettings, Guard, JausComponent, Scope, Servi
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
-from jausml.runtime.messages.management import (
+from jausml.runtime.messages.machine_states import (
     MACHINE_STATES,
     QueryMachineStates,
     ReportMachineStates,

@@ -253,7 +253,7 @@ def test_a_watch_goes_on_while_another_tool_commands(jausml, vehicle, free_port,
         env=os.environ,
     )
     try:
-        wait_until(lambda: target._jaus_core.events._events, 60)
+        wait_until(lambda: target._jaus_events._events, 60)
         result = jausml(*COMMAND, "--rate", "20", "--duration", "1")
         assert result.exit_code == 0, result.stderr
         out, _ = watch.communicate(timeout=60)

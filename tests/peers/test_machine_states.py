@@ -21,7 +21,7 @@ from jausml.live.systems.machines import MOST_MACHINES
 from jausml.live.systems.monitoring import Monitor, polling
 from jausml.live.systems.state import Level, SystemState
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages.management import QueryMachineStates, ReportMachineStates
+from jausml.runtime.messages.machine_states import QueryMachineStates, ReportMachineStates
 
 pytestmark = pytest.mark.ports
 

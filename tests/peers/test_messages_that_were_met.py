@@ -250,7 +250,7 @@ def test_a_message_says_what_to_do_next(name, project, monkeypatch):
 def test_a_refusal_says_who_controls_and_what_preempts(vehicle, free_port):
     target = vehicle(control_timeout=0)
     rival = JausAddress(9, 1, 1)
-    target._jaus_core.access_control._request(RequestControl(authority_code=255), rival)
+    target._jaus_access._request(RequestControl(authority_code=255), rival)
     command = "jausml ocu command 100.1.1 SetWrenchEffort PropulsiveLinearEffortX=50"
     done = run(command, "--port", str(free_port))
     assert done.exit_code == 1, done.output

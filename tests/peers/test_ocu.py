@@ -67,9 +67,7 @@ def test_status_names_state_and_controller(jausml, component):
     target = component(control_timeout=0)
     result = jausml("ocu", "status", "100.1.1")
     assert result.stdout == "100.1.1 STANDBY; not controlled, default authority 0\n"
-    target._jaus_core.access_control._request(
-        RequestControl(authority_code=7), JausAddress(9, 1, 1)
-    )
+    target._jaus_access._request(RequestControl(authority_code=7), JausAddress(9, 1, 1))
     result = jausml("ocu", "status", "100.1.1", "--format", "json")
     assert json.loads(result.stdout) == {
         "component": "100.1.1",
@@ -102,7 +100,7 @@ def test_watch_shows_values_until_enough_have_come(jausml, vehicle, wait_until):
     result = jausml("ocu", "watch", "100.1.1", "VelocityState", "--rate", "50", "--count", "3")
     assert result.exit_code == 0, result.stderr
     assert result.stdout.count("Velocity_X=1.2500000 m/s") == 3
-    wait_until(lambda: not target._jaus_core.events._events)
+    wait_until(lambda: not target._jaus_events._events)
 
 
 def test_watch_every_change_in_json(jausml, vehicle, wait_until):
@@ -110,14 +108,14 @@ def test_watch_every_change_in_json(jausml, vehicle, wait_until):
     result = jausml("ocu", "watch", "100.1.1", "Control", "--duration", "0.3", "--format", "json")
     (line,) = result.stdout.splitlines()
     assert json.loads(line)["fields"]["ReportControlRec"]["ComponentID"] == 0
-    wait_until(lambda: not target._jaus_core.events._events)
+    wait_until(lambda: not target._jaus_events._events)
 
 
 def test_reports_that_stay_away_are_told(jausml, vehicle, wait_until):
     target = vehicle()
 
     def stop():
-        wait_until(lambda: target._jaus_core.events._events)
+        wait_until(lambda: target._jaus_events._events)
         target.stop()
 
     stopping = Thread(target=stop)
@@ -166,9 +164,7 @@ def test_command_controls_resumes_sends_and_releases(jausml, vehicle):
 
 def test_a_refusal_says_who_has_control(jausml, vehicle):
     target = vehicle(control_timeout=0)
-    target._jaus_core.access_control._request(
-        RequestControl(authority_code=255), JausAddress(9, 1, 1)
-    )
+    target._jaus_access._request(RequestControl(authority_code=255), JausAddress(9, 1, 1))
     result = jausml("ocu", "command", "100.1.1", "SetWrenchEffort", "{}")
     assert result.exit_code == 1
     assert "9.1.1 controls it with authority 255" in result.stderr
@@ -214,9 +210,7 @@ def test_a_session_on_a_pipe(jausml, vehicle):
 
 def test_status_says_when_control_lapses(jausml, component):
     target = component(control_timeout=5)
-    target._jaus_core.access_control._request(
-        RequestControl(authority_code=7), JausAddress(9, 1, 1)
-    )
+    target._jaus_access._request(RequestControl(authority_code=7), JausAddress(9, 1, 1))
     result = jausml("ocu", "status", "100.1.1")
     words = "controlled by 9.1.1 with authority 7; control lapses 5 s after the last request"
     assert result.stdout == f"100.1.1 STANDBY; {words}\n"
@@ -227,7 +221,7 @@ def test_a_session_that_just_ends_releases_and_cancels(jausml, vehicle, wait_unt
     commands = "control 100.1.1\nresume\nwatch VelocityState 20\n"
     result = jausml("ocu", "session", input=commands)
     assert result.exit_code == 0, result.output
-    wait_until(lambda: target.controller is None and not target._jaus_core.events._events)
+    wait_until(lambda: target.controller is None and not target._jaus_events._events)
     assert target.status is Status.STANDBY
 
 

@@ -34,6 +34,7 @@ from jausml_generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
     component_settings,
+    optional_services,
     own_bridges,
     service_identities,
     transport_settings,
@@ -233,6 +234,11 @@ class BridgeView(ProgramView):
             *(() if bridge.guardian else (("guardian", "False"),)),
             *services,
         )
+
+    @property
+    def optional_services(self) -> tuple[str, ...]:
+        """Classes of the core services that it provides and not every component has."""
+        return optional_services(self.bridge)
 
     @functools.cached_property
     def services(self) -> tuple[str, ...]:

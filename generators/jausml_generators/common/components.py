@@ -81,6 +81,26 @@ def service_identities(component: jaus.Component) -> tuple[str, ...]:
     )
 
 
+_OPTIONAL_SERVICES = {
+    "urn:jaus:jss:iop:EnhancedAccessControl": "HandoffService",
+    "urn:jaus:jss:iop:DigitalResourceDiscovery": "DigitalResourceService",
+    "urn:jaus:jss:core:Time": "TimeService",
+    "urn:jausml:MachineStates": "MachineStatesService",
+    **{
+        f"urn:jaus:jss:{owner}:ListManager": "ListManagerService"
+        for owner in ("core", "mobility", "manipulator")
+    },
+}
+"""Core services that a component of the runtime has where its class names them, by their URNs."""
+
+
+def optional_services(component: jaus.Component) -> tuple[str, ...]:
+    """Returns the classes of core services that not every component of the runtime has."""
+    urns = (str(service.urn) for service in with_inherited(with_standard(component)))
+    classes = dict.fromkeys(_OPTIONAL_SERVICES.get(urn, "") for urn in urns)
+    return tuple(filter(None, classes))
+
+
 def component_settings(system: System, component: jaus.Component) -> str:
     """Returns the modelled behaviour of a component as a Python expression."""
     arguments = [
@@ -134,7 +154,7 @@ _TRANSPORT_BUDGETS = {
     "maxConnections": "max_connections",
     "idleTimeout": "idle_timeout",
 }
-_TRANSPORT_KINDS = {"jtcp": "JTCP", "nodeManager": "NODE_MANAGER"}
+_TRANSPORTS = {"jtcp": "JtcpTransport", "nodeManager": "NodeManagerTransport"}
 
 
 def transport_settings(system: System, component: jaus.Component) -> str:
@@ -162,8 +182,9 @@ def _network_arguments(host: Host) -> list[str]:
     ]
     if host.fragmentSize != _FRAGMENT_SIZE:
         arguments.append(f"fragment_size={int(host.fragmentSize)}")
-    if host.transport.name in _TRANSPORT_KINDS:
-        arguments.append(f"transport=TransportKind.{_TRANSPORT_KINDS[host.transport.name]}")
+    if host.transport.name in _TRANSPORTS:
+        # Named by its class, which a workspace has for being imported.
+        arguments.append(f"transport={_TRANSPORTS[host.transport.name]}.KIND")
     return arguments
 
 

@@ -178,6 +178,16 @@ class Received:
     silent: Method | None
 
     @property
+    def is_found(self) -> bool:
+        """Whether a search finds who sends it."""
+        return self.connection.search is not None
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether it is asked for once."""
+        return bool(self.connection.exchange.name == "oneTime")
+
+    @property
     def registration(self) -> str:
         """Statement of the constructor."""
         arguments = [
@@ -186,21 +196,19 @@ class Received:
             self.report.class_name,
             f"self.{self.method.name}",
         ]
-        is_found = self.connection.search is not None
-        exchange = self.connection.exchange.name
-        if exchange == "oneTime":
-            return call("self.query_found" if is_found else "self.query", *arguments)
-        if exchange == "periodic":
+        if self.is_asked:
+            return call("self.query_found" if self.is_found else "self.query", *arguments)
+        if self.connection.exchange.name == "periodic":
             arguments.append(f"rate={python_literal(float(self.connection.rate))}")
         if self.silent:
             timeout = python_literal(float(self.connection.silenceTimeout))
             arguments.append(f"silence_timeout={timeout}")
             method = f"self.{self.silent.name}"
-            callback = method if is_found else f"lambda: {method}({self.provider})"
+            callback = method if self.is_found else f"lambda: {method}({self.provider})"
             arguments.append(f"on_silence={callback}")
             if self.connection.whenSilent.name == "standby":
                 arguments.append("stands_by=True")
-        return call("self.subscribe_to_found" if is_found else "self.subscribe", *arguments)
+        return call("self.subscribe_to_found" if self.is_found else "self.subscribe", *arguments)
 
     def _query(self) -> str:
         """Returns the query for all optional fields of the report."""

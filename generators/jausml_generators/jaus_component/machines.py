@@ -50,17 +50,17 @@ STANDARD_GUARDS = {
 _NAME_ALONE = ""
 
 _NAMES = """
-acted add_machine address allows attempt authority call check_lift clear_emergency clock command
-command_handler component_type control control_available controller core core_event core_state
-core_state_changed core_version counters current_time decide_handoff delete_elements discover
-discovery_server drops_before drops_of elements encoded_report event_clock fail fast_path find_peers
-handle handle_by_machines handle_payload has_control_lapsed host_time ignored is_control_available
-is_controlling_client is_id_stored lift_emergency loop name note_heard payload_caller
-permissions_changed permit_control provide provide_by_machines provision query query_found
-raise_event read_list refused request_core_state request_handoff run_action run_condition running
-send services set_emergency set_list settings shut_down simulation start status stop subscribe
-subscribe_to_found supports_element transport unanswered_greetings walk watch_emergency
-watch_unwanted when_shut_down when_started
+acted add_machine address allows attempt authority call clear_emergency clients clock command
+command_handler component_type control control_available controller core core_event core_services
+core_state core_state_changed core_version counters current_time decide_handoff delete_elements
+discover discovery_server drops_before drops_of elements encoded_report event_clock event_path fail
+fast_path find_peers handle handle_by_machines handle_payload has_control_lapsed host_time ignored
+is_control_available is_controlling_client is_id_stored lift_emergency loop may_control name
+note_heard part payload_caller permissions_changed permit_control provide provide_by_machines
+provision query query_found raise_event read_list refused request_core_state request_handoff
+run_action run_condition running send services set_emergency set_list settings shut_down simulation
+start status stop subscribe subscribe_to_found supports_element time_offset transport
+unanswered_greetings walk watch_unwanted when_permitted when_shut_down when_started when_stopped
 """
 COMPONENT_NAMES = frozenset(_NAMES.split())
 """Names of the class of a component, or of its test, that no method of a machine may replace."""

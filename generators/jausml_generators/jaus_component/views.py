@@ -213,9 +213,37 @@ class ComponentView(ProgramView):
         return any(method.simulation for method in self.methods)
 
     @property
-    def superclass(self) -> str:
-        """Class of the runtime that the base derives from."""
-        return "ModelledComponent" if self.state_machines else "JausComponent"
+    def superclasses(self) -> tuple[str, ...]:
+        """Classes of the runtime that the base derives from: what the component does, no more.
+
+        Whoever uses a service of others asks for its reports, and edits its list or controls its
+        provider where the service inherits that.
+        """
+        subscribed = {received.is_found for received in self.received if not received.is_asked}
+        queried = {received.is_found for received in self.received if received.is_asked}
+        used = {
+            str(service.urn).rpartition(":")[2]
+            for service in components.with_inherited(self.component.uses)
+        }
+        wanted = {
+            "PeerSubscriber": True in subscribed,
+            "EventSubscriber": True not in subscribed and (False in subscribed or used),
+            "PeerQuerier": True in queried,
+            "Querier": True not in queried and (False in queried or used),
+            "PeerController": "AccessControl" in used or self.component.controls,
+            "Commander": "AccessControl" in used,
+            "ListEditor": "ListManager" in used,
+            "ListHolder": "ListManagerService" in self.optional_services,
+        }
+        own = "ModelledComponent" if self.state_machines else "Component"
+        return (*(name for name, is_wanted in wanted.items() if is_wanted), own)
+
+    @property
+    def optional_services(self) -> tuple[str, ...]:
+        """Classes of the core services that it provides and its superclass has not."""
+        classes = components.optional_services(self.component)
+        known = "MachineStatesService" if self.state_machines else ""
+        return tuple(name for name in classes if name != known)
 
     @property
     def handlers(self) -> tuple[Handler, ...]:

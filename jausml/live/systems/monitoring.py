@@ -30,7 +30,7 @@ from jausml.runtime.messages import (
     ReportStatus,
     ReportTimeout,
 )
-from jausml.runtime.messages.management import (
+from jausml.runtime.messages.machine_states import (
     MACHINE_STATES,
     QueryMachineStates,
     ReportMachineStates,

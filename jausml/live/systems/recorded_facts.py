@@ -28,7 +28,7 @@ from jausml.runtime.messages import (
     ReportStatus,
     ReportTimeout,
 )
-from jausml.runtime.messages.management import ReportMachineStates
+from jausml.runtime.messages.machine_states import ReportMachineStates
 from jausml.runtime.wire.message import DecodeError
 
 if TYPE_CHECKING:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 API_VERSION = (1, 0)
 """Version of what the runtime exports by name.
@@ -41,3 +43,24 @@ class JausError(ValueError):
 
     What the operating system refuses stays an ``OSError``.
     """
+
+
+def part_of_whole(module: str, name: str) -> Any:
+    """Return a part of the runtime that a workspace has only where its model asks for it.
+
+    Whoever starts the process may ask for what the model does not, e.g. for another transport.
+
+    Args:
+        module: Its module, dotted, below the runtime.
+
+    Raises:
+        JausError: The workspace does not have it.
+    """
+    package = __name__.removesuffix(".base.api")
+    try:
+        return getattr(import_module(f"{package}.{module}"), name)
+    except ModuleNotFoundError as error:
+        raise JausError(
+            f"this workspace has no {name}, as its model asks for none;"
+            " `jausml generate --all` brings it"
+        ) from error

@@ -18,11 +18,10 @@ from typing import TYPE_CHECKING, Any
 from ..base.address import JausAddress
 from ..base.api import JausError
 from ..base.counters import LOGGER
-from ..clients.exchanges import Exchanges
-from ..component.component import JausComponent
+from ..component.base import Component
 from ..conversions import Time
 from ..services.definitions import Status
-from ..services.management import PASSIVE
+from ..services.management import PASSIVE, ManagementService
 from .connections.translations import Form
 from .diagnosing import Diagnosing
 from .ends import parameters
@@ -41,11 +40,11 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
     from ..guardian.ward import Ward
-    from ..services.definitions import HandoffRequest, ListElement
+    from ..services.definitions import HandoffRequest
+    from ..services.host import CoreService, Host
     from ..transports.transport import Transport
     from .diagnosing import Carried
     from .ends.ends import BridgeSettings
-    from .ends.list_driver import ListDriver, ListMessages
     from .ends.parameters import AttributeParameter
     from .ends.ros_side import FastSubscriber, RosSide
     from .messages.compiled import Compiled, Core, Function, Translation
@@ -61,15 +60,16 @@ class Bridge:
         clock: The time by which messages are late, while the bridge is open: that of the loop, or
             of a simulation.
         core: What was generated to be compiled; None where nothing was.
+        core_services: The core services that it may provide; the settings say which it does.
     """
 
     ros: RosSide
-    component: JausComponent
-    exchanges: Exchanges
+    component: Component
     clock: Timing
     simulation: Simulation | None = None
     ward: Ward | None = None
     core: Core | None = None
+    core_services: Sequence[Callable[[Host], CoreService]] = Component.core_services
     _live: frozenset[str] = frozenset()
 
     def __init__(self, settings: BridgeSettings) -> None:
@@ -86,7 +86,6 @@ class Bridge:
         self.is_active = True
         self._side: _BridgeComponent
         self._diagnosing: Diagnosing | None = None
-        self._list_drivers: dict[ListMessages, ListDriver] = {}
         self._library: tuple[Core, CDLL] | None = None
         self._fast: FastSide | None = None
         self.shared_topics: SharedTopics
@@ -110,8 +109,6 @@ class Bridge:
         self.component.event_clock = self.clock
         self.shared_topics = SharedTopics(ros)
         self.shared_messages = SharedMessages(self.component)
-        self._list_drivers.clear()
-        self.exchanges = Exchanges(self.component)
         self._load_core(ros.parameter(parameters.COMPILED.of(value=True)))
         frequency = parameters.DIAGNOSTICS_FREQUENCY.of(
             min(max(self.settings.frequency, parameters.LEAST_DIAGNOSTICS), 1.0)
@@ -220,7 +217,7 @@ class Bridge:
         with self.loop.lock:
             self.is_active = self.component.control_available = wanted
             if not wanted:
-                self._side.withdraw()
+                self.component.part(ManagementService).withdraw()
             self.component.permit_control(self.component.status not in PASSIVE)
             self.follow()
 
@@ -233,7 +230,7 @@ class Bridge:
     def on_handoff_requested(
         self, target: JausAddress, requests: tuple[HandoffRequest, ...]
     ) -> None:
-        """Hook: others ask for control of a peer; ``component.decide_handoff`` answers."""
+        """Hook: others ask for control of a peer; a person says what ``HandoffClient`` answers."""
 
     def follow(self) -> None:
         """Stops what must not go on now that the state or the controller is another."""
@@ -309,23 +306,12 @@ class Bridge:
         finally:
             del vars(self)["now"]
 
-    @property
-    def list_drivers(self) -> Sequence[ListDriver]:
-        """What executes the list that the controller edits."""
-        return tuple(self._list_drivers.values())
-
     # ------------------------------------------------------------------ for connections
 
     @property
     def loop(self) -> Loop:
         """The loop of the JAUS side."""
         return self.component.loop
-
-    def list_driver(self, messages: ListMessages) -> ListDriver:
-        """Returns the list driver of the bridge; connections that name its messages share it."""
-        if messages not in self._list_drivers:
-            self._list_drivers[messages] = messages.driver(self.component)
-        return self._list_drivers[messages]
 
     def _read(self, attribute_parameter: AttributeParameter) -> None:
         """Gives an attribute the value of its parameter, now and whenever that changes."""
@@ -340,7 +326,9 @@ class Bridge:
         """Raise ValueError where an emergency cannot be lifted."""
         try:
             if clients:
-                self.component.check_lift(JausAddress.parse(clients))
+                with self.loop.lock:
+                    management = self.component.part(ManagementService)
+                    management.check_lift(JausAddress.parse(clients))
         except JausError as error:
             raise ValueError(str(error)) from error
 
@@ -356,11 +344,12 @@ class Bridge:
                 connection.measure_latency(wanted)
 
 
-class _BridgeComponent(JausComponent):
+class _BridgeComponent(Component):
     """The JAUS side, which tells the bridge when it must not obey any more."""
 
     def __init__(self, bridge: Bridge, transport: Transport) -> None:
         settings = bridge.settings
+        self.core_services = bridge.core_services
         super().__init__(
             transport,
             settings.address,
@@ -370,16 +359,6 @@ class _BridgeComponent(JausComponent):
             settings=settings.component,
         )
         self._bridge = bridge
-
-    def supports_element(self, element: ListElement) -> bool:
-        drivers = self._bridge.list_drivers
-        if not drivers:
-            return super().supports_element(element)
-        return any(driver.supports(element) for driver in drivers)
-
-    def on_list_changed(self) -> None:
-        for driver in self._bridge.list_drivers:
-            driver.list_changed()
 
     def on_not_ready(self) -> None:
         self._bridge.follow()
@@ -397,13 +376,9 @@ class _BridgeComponent(JausComponent):
     def core_state_changed(self) -> None:
         self._bridge.follow()
 
-    def withdraw(self) -> None:
-        """Goes to Standby, without a controller."""
-        self._jaus_core.management.withdraw()
-
     def begin_control(self, permitted: bool) -> None:  # noqa: FBT001
         """Says, before the first session, whether others may be controlled at the start."""
-        self._jaus_clients.control.permit(permitted)
+        self._jaus_permit(permitted)
 
     def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
         super().permit_control(permitted and self._bridge.is_active)

@@ -7,12 +7,10 @@ from __future__ import annotations
 
 import struct
 from collections import deque
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Protocol
 
 from ..base.clocks import Alarm
 from ..transports.transport import accounts_of
-from .calls.calls import Calls
-from .connections.connection import Connection
 from .ends.ends import Ends
 from .reports.diagnostics import (
     ConnectionStatus,
@@ -32,12 +30,48 @@ if TYPE_CHECKING:
     from ..conversions import Time
     from ..transports.delivery import PeerTraffic
     from ..transports.transport import Accountable
+    from .connections.translations import Form
     from .ends.simulation import Simulation
-    from .reports.states import Standing
+    from .reports.diagnostics import Statistics
+    from .reports.states import Standing, StopReason
 
 
-Carried: TypeAlias = Connection[Any, Any] | Calls[Any, Any]
-"""What a bridge carries. All of it runs on the loop, or with its lock."""
+class Carried(Protocol):
+    """What a bridge carries: a connection. All of it runs on the loop, or with its lock."""
+
+    name: str
+    is_command: bool
+    form: Form
+    statistics: Statistics
+
+    @property
+    def when_lost(self) -> str:
+        """What happens when the bridge may not command any more."""
+
+    def open(self, ends: Ends) -> None:
+        """Opens both ends."""
+
+    def watch(self) -> None:
+        """Begins to look for silence."""
+
+    def follow(self, standing: Standing, lost: StopReason | None) -> bool:
+        """Stops what must not go on in another standing; whether anything was commanded."""
+
+    def lose(self, reason: StopReason) -> bool:
+        """Stops what is watched, as time stands still; whether anything was commanded."""
+
+    def end(self) -> bool:
+        """Stops for good; whether anything was commanded."""
+
+    def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
+        """Begins or ends to measure how long messages take."""
+
+    def close_account(self) -> Sequence[tuple[str, int]]:
+        """Returns what became of all messages, by name."""
+
+    def status(self) -> ConnectionStatus:
+        """Returns what `/diagnostics` says of it."""
+
 
 TYPE = "diagnostic_msgs/msg/DiagnosticArray"
 """The type in ROS."""

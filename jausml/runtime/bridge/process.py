@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
+from ..base.api import JausError
 from ..base.counters import LOGGER
 from ..base.settings import add_arguments, from_arguments
 from ..component.process import (
@@ -28,7 +29,7 @@ from ..guardian.ward import Ward
 from .ends import parameters
 from .ends.guarding import ros_of
 from .ends.parameters import ParameterError
-from .messages.limits import RosLostError, RosTypeError
+from .messages.limits import RosLostError
 from .ros.environment import environment_fault
 
 if TYPE_CHECKING:
@@ -212,11 +213,11 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)
         return EXIT_FAILED
-    except RosTypeError as error:
-        LOGGER.error("%s cannot run: %s", bridge.settings.name, error)
-        return EXIT_FAILED
     except RosLostError as error:
         LOGGER.error("%s failed: %s", bridge.settings.name, error)
+        return EXIT_FAILED
+    except JausError as error:
+        LOGGER.error("%s cannot run: %s", bridge.settings.name, error)
         return EXIT_FAILED
     except Exception:
         LOGGER.exception("%s failed", bridge.settings.name)

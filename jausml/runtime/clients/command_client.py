@@ -12,13 +12,13 @@ from ..messages import (
     CreateCommandEvent,
     RejectEventRequest,
 )
-from .event_client import COMMAND_REQUESTS
+from ..services.definitions import COMMAND_REQUESTS
+from ..services.host import Host
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..services.host import Host
     from ..wire.message import Message
 
 MAX_DURATION = 0xFFFFFFFF
@@ -135,15 +135,17 @@ class CommandClient:
         component.on_message(ConfirmEventRequest, self._confirmed)
         component.on_message(RejectEventRequest, self._rejected)
         component.on_message(CommandEvent, self._ended)
+        component.when_stopped(self.stop)
 
     def command(
         self,
         target: JausAddress,
         command: Message,
-        on_done: Callable[[bool], None] | None,
-        on_refused: Callable[[int | None, str], None] | None,
-        max_duration: int,
-        timeout: float,
+        *,
+        on_done: Callable[[bool], None] | None = None,
+        on_refused: Callable[[int | None, str], None] | None = None,
+        max_duration: int = 60,
+        timeout: float = 3.0,
     ) -> PendingCommand:
         """Send a command as soon as the component runs, and await its end."""
         if not target.is_concrete:
@@ -261,3 +263,41 @@ class CommandClient:
         if not self._has_unconfirmed(target):
             for _ in self._early_results.pop(target, {}):
                 self.component.counters.add("command_client.unknown_event")
+
+
+class Commander(Host):
+    """A component that commands others, and learns when that is done."""
+
+    def command(
+        self,
+        target: JausAddress,
+        command: Message,
+        *,
+        on_done: Callable[[bool], None] | None = None,
+        on_refused: Callable[[int | None, str], None] | None = None,
+        max_duration: int = 60,
+        timeout: float = 3.0,
+    ) -> PendingCommand:
+        """Send a command and learn when it is done (AS5710 v1.1, CreateCommandEvent).
+
+        Components of core v1.0 do not know command events; they answer nothing, and the command
+        is not executed.
+
+        Args:
+            target: The component to command; it must be controlled if the command needs that.
+            on_done: Told whether the command was done; False also when it took too long, or when
+                the same command of this component took its place at the target.
+            on_refused: Told the code of RejectEventRequest and its text; the code is None when
+                the target did not answer.
+            max_duration: Seconds that the command may take.
+            timeout: Seconds to wait for the confirmation.
+        """
+        with self.loop.lock:
+            return self.part(CommandClient).command(
+                target,
+                command,
+                on_done=on_done,
+                on_refused=on_refused,
+                max_duration=max_duration,
+                timeout=timeout,
+            )

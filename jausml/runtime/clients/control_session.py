@@ -24,19 +24,18 @@ from ..messages import (
     RequestHandoff,
     RequestReleaseControl,
 )
-from ..messages.access_control import HandoffDecision
+from ..messages.handoff import HandoffDecision
 from ..services.definitions import HandoffRequest
+from ..services.host import Host
 from .control_state import Releases
 from .controlled_target import ControlledTarget
+from .event_client import EventClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..services.definitions import Status
-    from ..services.host import Host
     from .control_state import ControlState
-    from .discovery_client import Presence
-    from .event_client import EventClient
 
 
 class ControlSession:
@@ -90,11 +89,9 @@ class ControlSession:
 class ControlClient:
     """All control sessions of one component, and the messages that concern them."""
 
-    def __init__(self, component: Host, presence: Presence, events: EventClient) -> None:
+    def __init__(self, component: Host) -> None:
         self._component = component
-        self._presence = presence
-        self._events = events
-        self._is_permitted = True
+        component.part(EventClient)  # its subscriptions are cancelled after control is released
         self._releases = Releases(component, self._released)
         self._controls: dict[JausAddress, ControlledTarget] = {}
         component.on_message(ConfirmControl, self._confirmed)
@@ -102,13 +99,16 @@ class ControlClient:
         component.on_message(ReportControl, self._reported)
         component.on_message(ReportTimeout, self._timeout_reported)
         component.on_message(ReportStatus, self._reported)
+        component.when_permitted(self._permit)
+        component.when_stopped(self.stop)
 
     def control(
         self,
         target: JausAddress,
         authority: int,
-        resume: bool,  # noqa: FBT001
-        on_change: Callable[[ControlState], None] | None,
+        *,
+        resume: bool = True,
+        on_change: Callable[[ControlState], None] | None = None,
     ) -> ControlSession:
         """Join the control of a target, which begins with the first session."""
         if not target.is_concrete:
@@ -117,23 +117,15 @@ class ControlClient:
             raise ValueError(f"authority {authority} is outside 0..255")
         control = self._controls.get(target)
         if control is None:
-            control = ControlledTarget(
-                self._component,
-                target,
-                self._presence,
-                self._events,
-                self._releases,
-                self._forget,
-            )
-            control.permit(self._is_permitted)
+            self._component.part(HandoffClient)  # others may ask for what is controlled
+            control = ControlledTarget(self._component, target, self._releases, self._forget)
             self._controls[target] = control
         session = ControlSession(control, authority, resume, on_change)
         control.join(session)
         return session
 
-    def permit(self, permitted: bool) -> None:  # noqa: FBT001
+    def _permit(self, permitted: bool) -> None:  # noqa: FBT001
         """Let go of all targets while the component may not command, and take them back after."""
-        self._is_permitted = permitted
         for control in list(self._controls.values()):
             control.permit(permitted)
 
@@ -254,14 +246,15 @@ class PendingHandoff:
 class HandoffClient:
     """Requests of one component, and those that it is to decide."""
 
-    def __init__(self, host: Host, control: ControlClient) -> None:
+    def __init__(self, host: Host) -> None:
         self._host = host
-        self._control = control
+        self._control = host.part(ControlClient)
         self._pending: dict[JausAddress, PendingHandoff] = {}
         self._open: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
         host.on_message(ConfirmHandoffRequest, self._answered)
         host.on_message(ReportEnhancedTimeout, self._timeout_reported)
         host.on_message(RequestReleaseControl, self._asked)
+        host.when_stopped(self.stop)
 
     def request(
         self,
@@ -352,3 +345,72 @@ class HandoffClient:
         )
         if waiting != before:
             self._host.call(self._host.on_handoff_requested, sender, waiting)
+
+
+class PeerController(Host):
+    """A component that controls others."""
+
+    def control(
+        self,
+        target: JausAddress,
+        *,
+        authority: int,
+        resume: bool = True,
+        on_change: Callable[[ControlState], None] | None = None,
+    ) -> ControlSession:
+        """Acquire and keep control of another component (AS5710, AccessControl).
+
+        Sessions of this component with the same target share one exchange, with the highest
+        authority asked for.
+
+        Args:
+            authority: Authority code to request control with, 0 to 255.
+            resume: Whether to take the target from Standby to Ready whenever it is found there.
+
+        Returns:
+            A handle to read the state from and to release control with.
+        """
+        with self.loop.lock:
+            return self.part(ControlClient).control(
+                target, authority, resume=resume, on_change=on_change
+            )
+
+    def request_handoff(
+        self,
+        target: JausAddress,
+        *,
+        authority: int,
+        explanation: str = "",
+        on_answer: Callable[[HandoffAnswer], None] | None = None,
+    ) -> PendingHandoff:
+        """Ask for control of another component that somebody else controls (IOP).
+
+        The target has its controller decide. The request is sent again until that is done or it is
+        cancelled. Once it is granted, sessions of ``control`` with the target go on at once.
+
+        Args:
+            authority: Authority code to control the target with, 0 to 255.
+            explanation: Why, for the person who decides; at most 255 bytes of Latin-1.
+            on_answer: Told each answer; after QUEUED and DEFERRED others follow.
+
+        Returns:
+            A handle to take the request back with.
+
+        Raises:
+            EncodeError: The authority or the explanation does not fit.
+            ValueError: The target is not one component.
+        """
+        with self.loop.lock:
+            return self.part(HandoffClient).request(target, authority, explanation, on_answer)
+
+    def decide_handoff(self, request: HandoffRequest, decision: HandoffDecision) -> None:
+        """Tell a controlled component what a person has decided of a request (IOP).
+
+        Who grants controls the target no more: its sessions wait until a request of their own is
+        granted, or ``control`` is called again. All other requests are denied then.
+
+        Raises:
+            JausError: Nobody asks for that any more.
+        """
+        with self.loop.lock:
+            self.part(HandoffClient).decide(request, decision)

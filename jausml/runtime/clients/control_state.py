@@ -15,7 +15,9 @@ from ..messages import (
     ReportStatus,
     RequestControl,
 )
-from .discovery_client import QUICK_TRIES
+from .discovery_client import Presence
+from .event_client import EventClient
+from .pace import QUICK_TRIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -23,8 +25,6 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
     from ..wire.message import Message
-    from .discovery_client import Presence
-    from .event_client import EventClient
     from .event_subscription import EventSubscription
 
 
@@ -101,10 +101,10 @@ class Releases:
 class Questions:
     """Questions to a target by their kind: which are open, and how often each was asked in vain."""
 
-    def __init__(self, component: Host, target: JausAddress, presence: Presence) -> None:
+    def __init__(self, component: Host, target: JausAddress) -> None:
         self._component = component
         self._target = target
-        self._presence = presence
+        self._presence = component.part(Presence)
         self._open: set[type[Message]] = set()
         self._tries: dict[type[Message], int] = {}
 
@@ -186,13 +186,12 @@ class TargetWatch:
     def __init__(
         self,
         component: Host,
-        events: EventClient,
         target: JausAddress,
         take: Callable[[Message], None],
     ) -> None:
         """Prepare; nothing is asked before ``start``."""
         self._component = component
-        self._events = events
+        self._events = component.part(EventClient)
         self._target = target
         self._take = take
         self._subscriptions: list[EventSubscription] = []
@@ -203,7 +202,7 @@ class TargetWatch:
         if self._subscriptions:
             return
         self._subscriptions = [
-            self._events.subscribe(self._target, query(), report, self._report, None, 0.0, None)
+            self._events.subscribe(self._target, query(), report, self._report)
             for query, report in _WATCHED
         ]
         self._timer.set(PATIENCE, self._give_up)

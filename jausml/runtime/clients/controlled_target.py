@@ -4,14 +4,24 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .. import messages
 from ..base.address import JausAddress
 from ..base.clocks import Alarm
 from ..base.quirks import Quirk
+from ..messages import (
+    ConfirmControl,
+    QueryControl,
+    QueryStatus,
+    QueryTimeout,
+    ReportControl,
+    ReportStatus,
+    RequestControl,
+    Resume,
+)
 from ..services.definitions import Status
 from ..transports.delivery import Ordering
 from .control_state import ControlState, Questions, Session, TargetWatch
-from .discovery_client import QUICK_TRIES, Pace
+from .discovery_client import Presence
+from .pace import QUICK_TRIES, Pace
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -19,16 +29,14 @@ if TYPE_CHECKING:
     from ..services.host import Host
     from ..wire.message import Message
     from .control_state import Releases
-    from .discovery_client import Presence
-    from .event_client import EventClient
 
 RENEWALS = 4
 """Renewals of control in the target's timeout, each repeated until it is confirmed; when none of
 so many is confirmed, control is taken for lost."""
 
-_ACCEPTED = messages.ConfirmControl.ResponseCode.CONTROL_ACCEPTED
-_NOT_AVAILABLE = messages.ConfirmControl.ResponseCode.NOT_AVAILABLE
-_REQUEST = messages.RequestControl.CODE.to_bytes(2, "little")
+_ACCEPTED = ConfirmControl.ResponseCode.CONTROL_ACCEPTED
+_NOT_AVAILABLE = ConfirmControl.ResponseCode.NOT_AVAILABLE
+_REQUEST = RequestControl.CODE.to_bytes(2, "little")
 _LONG_AGO = float("-inf")
 _STATES = frozenset(Status)
 _NOBODY = (0, 0, 0)  # what a component without a controller reports
@@ -46,8 +54,6 @@ class ControlledTarget:
         self,
         component: Host,
         target: JausAddress,
-        presence: Presence,
-        events: EventClient,
         releases: Releases,
         on_end: Callable[[ControlledTarget], None],
     ) -> None:
@@ -56,19 +62,19 @@ class ControlledTarget:
         self.state = ControlState.SEEKING
         self.status: Status | None = None
         self.controller: JausAddress | None = None
-        self._presence = presence
-        self._watch = TargetWatch(component, events, target, self.reported)
+        self._presence = component.part(Presence)
+        self._watch = TargetWatch(component, target, self.reported)
         self._releases = releases
         self._on_end = on_end
         self._loop = component.loop
         self._settings = component.settings
-        self._pace = Pace(component.settings, presence, target)
+        self._pace = Pace(component, target)
         self._sessions: list[Session] = []
-        self._is_permitted = True
+        self._is_permitted = component.may_control
         self._is_handed_over = False
         self._is_started = False
         self._ordering = Ordering(component.transport.arrival, component.loop.now)
-        self._questions = Questions(component, target, presence)
+        self._questions = Questions(component, target)
         self._timeout: int | None = None
         self._refusal: int = _ACCEPTED
         self._authority_in_force: int | None = None
@@ -79,7 +85,7 @@ class ControlledTarget:
         self._requests = self._answers = 0
         self._awaits_answer = False
         self._timer = Alarm(component.loop)
-        presence.watch(target, self._returned)
+        self._presence.watch(target, self._returned)
 
     # ---- what users want ----------------------------------------------------------------------
 
@@ -188,15 +194,15 @@ class ControlledTarget:
         self._confirmed_at = self._loop.now()
         self.controller = self.component.address
         if self.holds:
-            self._answered(messages.RequestControl)
+            self._answered(RequestControl)
             return
         self._questions.forget()
         self._resumes = 0
         if self._change(ControlState.CONTROLLED):
             self._watch.start()
             self._watch.verify()
-            self._questions.ask(messages.QueryTimeout())
-            self._questions.ask(messages.QueryStatus())
+            self._questions.ask(QueryTimeout())
+            self._questions.ask(QueryStatus())
             self._check_in(self._settings.retry_min)
 
     def _take_answer(self) -> None:
@@ -216,24 +222,24 @@ class ControlledTarget:
     def timeout_reported(self, seconds: int) -> None:
         """Take the time after which the target lets control lapse."""
         self._timeout = seconds
-        self._answered(messages.QueryTimeout)
+        self._answered(QueryTimeout)
 
     def reported(self, report: Message) -> None:
         """Take a ReportStatus or ReportControl, be it an answer or an event."""
         if not self._sessions:
             return
-        if isinstance(report, messages.ReportStatus):
+        if isinstance(report, ReportStatus):
             # On its way, a state may be overtaken by the one that followed it.
             if not self._ordering.is_late(self.target):
                 self._status_reported(report.status)
-        elif isinstance(report, messages.ReportControl):
+        elif isinstance(report, ReportControl):
             self._control_reported(report)
 
     def _status_reported(self, code: int) -> None:
         """Take the state of the target; a code that no standard has is none of those that obey."""
         status = self.status = Status(code) if code in _STATES else Status.FAILURE
         if not self.holds:
-            self._answered(messages.QueryStatus)
+            self._answered(QueryStatus)
             self._try_again()
             return
         obeys = status is Status.READY
@@ -248,16 +254,16 @@ class ControlledTarget:
         if not self._change(ControlState.READY if obeys else ControlState.CONTROLLED):
             return
         if status is Status.STANDBY and any(session.resume for session in self._sessions):
-            self._questions.go_on(messages.QueryStatus)
+            self._questions.go_on(QueryStatus)
             self._resume()
         else:
-            self._answered(messages.QueryStatus)
+            self._answered(QueryStatus)
 
-    def _control_reported(self, message: messages.ReportControl) -> None:
+    def _control_reported(self, message: ReportControl) -> None:
         numbers = (message.subsystem_id, message.node_id, message.component_id)
         self.controller = None if numbers == _NOBODY else JausAddress(*numbers)
         self._authority_in_force = message.authority_code
-        self._answered(messages.QueryControl)
+        self._answered(QueryControl)
         self._try_again()
 
     def released(self) -> None:
@@ -304,14 +310,14 @@ class ControlledTarget:
             return
         missing = self._questions.urgent
         # The target counts from when it has a request, however long the answers take.
-        if self._renewal_due <= 0.0 and messages.RequestControl not in missing:
-            missing.append(messages.RequestControl)
-            missing.append(messages.QueryStatus)
-            if self._timeout is None and self._questions.are_worth(messages.QueryTimeout):
-                missing.append(messages.QueryTimeout)
-        if messages.RequestControl in missing:
+        if self._renewal_due <= 0.0 and RequestControl not in missing:
+            missing.append(RequestControl)
+            missing.append(QueryStatus)
+            if self._timeout is None and self._questions.are_worth(QueryTimeout):
+                missing.append(QueryTimeout)
+        if RequestControl in missing:
             self._request()
-        for kind in (messages.QueryStatus, messages.QueryTimeout):
+        for kind in (QueryStatus, QueryTimeout):
             if kind in missing:
                 self._questions.ask(kind())
         pause = self._settings.retry_min if self._questions.urgent else self._interval
@@ -327,7 +333,7 @@ class ControlledTarget:
             return
         if now >= self._requested_at + settings.refused_retry:
             self._request()
-        for question in (messages.QueryStatus(), messages.QueryControl()):
+        for question in (QueryStatus(), QueryControl()):
             if self._questions.are_worth(type(question)):
                 self._questions.ask(question)
         self._check_in(settings.watch_interval)
@@ -350,8 +356,8 @@ class ControlledTarget:
         self._authority_in_force = None
         if self._change(ControlState.REFUSED):
             self._watch.start()
-            self._questions.ask(messages.QueryStatus())
-            self._questions.ask(messages.QueryControl())
+            self._questions.ask(QueryStatus())
+            self._questions.ask(QueryControl())
             self._check_in(self._settings.watch_interval)
 
     def _try_again(self) -> None:
@@ -392,12 +398,12 @@ class ControlledTarget:
             return
         self._resumes += 1
         self._resumed_at = self._loop.now()
-        self._questions.send(messages.Resume())
+        self._questions.send(Resume())
         if is_quick:
-            self._questions.ask(messages.QueryStatus())
+            self._questions.ask(QueryStatus())
             self._check_in(settings.retry_min)
         else:
-            self._answered(messages.QueryStatus)
+            self._answered(QueryStatus)
 
     def _request(self) -> None:
         if self._releases.are_under_way(self.target):
@@ -405,7 +411,7 @@ class ControlledTarget:
         self._awaits_answer = True
         self._requests += 1
         self._requested_at = self._loop.now()
-        self._questions.ask(messages.RequestControl(authority_code=self.authority))
+        self._questions.ask(RequestControl(authority_code=self.authority))
 
     def _answered(self, kind: type[Message]) -> None:
         """Take an answer; after the last one the next round begins in time."""

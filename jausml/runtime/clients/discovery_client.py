@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
-    from ..base.loop import Loop
-    from ..services.definitions import ComponentSettings, ServiceIdentity
+    from ..services.definitions import ServiceIdentity
     from ..services.host import Host
 
 INTERVAL = 5.0
@@ -111,6 +110,7 @@ class DiscoveryClient:
         component.on_message(ReportIdentification, self._identified)
         component.on_message(ReportServices, self._services_reported)
         component.on_message(ReportServiceList, self._take)
+        component.when_stopped(self.stop)
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
         """Search for the providers of a service until the component stops."""
@@ -204,9 +204,6 @@ class DiscoveryClient:
             self._component.call(search.on_found, component)
 
 
-QUICK_TRIES = 8
-"""Requests without an answer after which the pauses between them grow."""
-
 SILENCE = 2.0
 """Seconds without a message after which a component that speaks again has come back."""
 
@@ -220,8 +217,8 @@ class Presence:
         heard: By component when that was; kept by who takes the messages.
     """
 
-    def __init__(self, loop: Loop) -> None:
-        self._loop = loop
+    def __init__(self, component: Host) -> None:
+        self._loop = component.loop
         self.heard: dict[JausAddress, float] = {}
         self._on_return: dict[JausAddress, list[Callable[[], None]]] = {}
 
@@ -265,39 +262,6 @@ class Presence:
         return self.heard_since(address, self._loop.now() - SILENCE)
 
 
-class Pace:
-    """Pauses between requests that stay unanswered: short ones first, then growing ones.
-
-    They grow up to ``retry_max`` while the other side is silent. While it is heard the link is
-    there and only loses datagrams: then no pause is longer than ``watch_interval``.
-    """
-
-    def __init__(
-        self, settings: ComponentSettings, presence: Presence, address: JausAddress
-    ) -> None:
-        self._settings = settings
-        self._presence = presence
-        self._address = address
-        self._tries = 0
-        self._pause = settings.retry_min
-
-    def answered(self) -> None:
-        """Begin anew: an answer has come."""
-        self._tries = 0
-        self._pause = self._settings.retry_min
-
-    def next_pause(self) -> float:
-        """Return the seconds to wait for the answer to a request that is sent now."""
-        self._tries += 1
-        if self._tries < QUICK_TRIES:
-            return self._pause
-        is_heard = self._presence.heard_lately(self._address)
-        longest = self._settings.watch_interval if is_heard else self._settings.retry_max
-        pause = min(self._pause, longest)
-        self._pause = min(2 * pause, self._settings.retry_max)
-        return pause
-
-
 PATIENCE = 3
 """Greetings without an answer after which somebody is told, once in each silence."""
 
@@ -314,11 +278,12 @@ class Greeter:
         unanswered: How often each peer was greeted since it spoke last.
     """
 
-    def __init__(self, component: Host, presence: Presence) -> None:
+    def __init__(self, component: Host) -> None:
         self._component = component
-        self._presence = presence
+        self._presence = component.part(Presence)
         self.unanswered = dict.fromkeys(component.settings.greeted, 0)
         self._timer = Alarm(component.loop)
+        component.when_stopped(self.stop)
 
     def start(self) -> None:
         """Greet now, and whoever is silent again and again."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..base.quirks import Quirk
 from ..messages import (
@@ -14,24 +15,22 @@ from ..messages import (
     ReportEventTimeout,
 )
 from ..services.definitions import MAX_EVENT_RATE
+from ..services.host import Host
+from ..wire.message import Message
 from .event_stream import EVENT_HEADER, EventStream
 from .event_subscription import EventSubscription
+from .query import QueryClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
-    from ..services.host import Host
-    from ..wire.message import Message
-    from .discovery_client import Presence
-    from .query import QueryClient
+
+R = TypeVar("R", bound=Message)
 
 EVENT_REQUESTS = range(224)
 """Request ids of the events of one provider."""
-
-COMMAND_REQUESTS = range(224, 255)
-"""Request ids of the command events of one provider, whose confirmations are of the same kind."""
 
 STRAY_REQUEST = 255
 """Request id with which events that nobody here wants are cancelled."""
@@ -43,10 +42,9 @@ DEFAULT_EVENT_TIMEOUT = 1
 class EventClient:
     """All subscriptions of one component, and the messages of Events that concern them."""
 
-    def __init__(self, component: Host, presence: Presence, queries: QueryClient) -> None:
+    def __init__(self, component: Host) -> None:
         self._component = component
-        self._queries = queries
-        self._presence = presence
+        self._queries = component.part(QueryClient)
         self._streams: dict[tuple[JausAddress, bytes], EventStream] = {}
         self._by_request: dict[tuple[JausAddress, int], EventStream] = {}
         self._by_event: dict[tuple[JausAddress, int], EventStream] = {}
@@ -57,6 +55,8 @@ class EventClient:
         component.on_message(ConfirmEventRequest, self._confirmed)
         component.on_message(RejectEventRequest, self._rejected)
         component.on_message(ReportEventTimeout, self._timeout_reported)
+        component.event_path = self._fast_path
+        component.when_stopped(self.stop)
 
     def subscribe(
         self,
@@ -64,13 +64,13 @@ class EventClient:
         query: Message,
         report_class: type[Message],
         on_report: Callable[[Any, JausAddress], None],
-        rate: float | None,
-        silence_timeout: float,
-        on_silence: Callable[[], None] | None,
         *,
+        rate: float | None = None,
+        silence_timeout: float = 0.0,
+        on_silence: Callable[[], None] | None = None,
         payloads: bool = False,
     ) -> EventSubscription:
-        """Join the event on a query, which is created when it is the first subscription."""
+        """Join the event on a query, or create it; see `EventSubscriber`."""
         if not provider.is_concrete:
             raise ValueError(f"{provider} does not name one component")
         if rate is not None and not 0 < rate <= MAX_EVENT_RATE:
@@ -78,7 +78,7 @@ class EventClient:
         payload = query.encode()
         stream = self._streams.get((provider, payload))
         if stream is None:
-            stream = EventStream(self, self._component, provider, payload, self._presence)
+            stream = EventStream(self, self._component, provider, payload)
             self._by_request[provider, self._free_request(provider, stream)] = stream
             self._streams[provider, payload] = stream
         subscription = EventSubscription(
@@ -91,9 +91,8 @@ class EventClient:
                 query,
                 report_class,
                 subscription.answer,
-                None,
-                timeout,
-                0,
+                timeout=timeout,
+                retries=0,
                 payloads=payloads,
             )
 
@@ -106,8 +105,7 @@ class EventClient:
         for stream in list(self._streams.values()):
             stream.stop()
 
-    def fast_path(self, provider: JausAddress, event_id: int) -> FastPath | None:
-        """Return the fast path of the reports of an event; None without one."""
+    def _fast_path(self, provider: JausAddress, event_id: int) -> FastPath | None:
         stream = self._by_event.get((provider, event_id))
         return None if stream is None else stream.fast_path()
 
@@ -220,3 +218,51 @@ class EventClient:
                 self._last_request = stream.request_id = request_id
                 return request_id
         raise ValueError(f"more than {len(EVENT_REQUESTS)} events of {provider}")
+
+
+class EventSubscriber(Host):
+    """A component that subscribes to reports of others."""
+
+    def subscribe(
+        self,
+        provider: JausAddress,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None] | Callable[[bytes, JausAddress], None],
+        *,
+        rate: float | None = None,
+        silence_timeout: float = 0.0,
+        on_silence: Callable[[], None] | None = None,
+        stands_by: bool = False,
+        payloads: bool = False,
+    ) -> EventSubscription:
+        """Receive a report of another component over an AS5710 event.
+
+        The event is created as soon as the provider answers, renewed, and created anew when the
+        provider was restarted. Subscriptions of this component to the same provider and query
+        share one event, and each has its own rate of it: the event comes at the highest rate, or
+        at every change when anybody wants that; who then asks for a rate is served by queries. A
+        later subscriber gets the last report at once.
+
+        Args:
+            query: Asks for the report; its presence vector selects the fields.
+            rate: Reports each second, above 0 and up to 1092; None means every change.
+            silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
+            on_silence: Called once each time the provider falls silent.
+            stands_by: Whether the component leaves Ready for Standby then, before that call.
+            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
+                came. It raises DecodeError for one that it cannot read, which is counted.
+        """
+        if stands_by:
+            on_silence = partial(self._jaus_stand_by, provider, on_silence)
+        with self.loop.lock:
+            return self.part(EventClient).subscribe(
+                provider,
+                query,
+                report_class,
+                on_report,
+                rate=rate,
+                silence_timeout=silence_timeout,
+                on_silence=on_silence,
+                payloads=payloads,
+            )

@@ -11,15 +11,15 @@ from ..base.clocks import Alarm
 from ..base.quirks import Quirk
 from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
-from .discovery_client import SILENCE, Pace
+from .discovery_client import SILENCE, Presence
 from .event_subscription import Subscribers
+from .pace import Pace
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
     from ..services.host import Host
     from ..wire.message import DecodeError, Message
-    from .discovery_client import Presence
     from .event_subscription import EventSubscription
 
 SILENT_PERIODS = 3
@@ -93,7 +93,6 @@ class EventStream:
         component: Host,
         provider: JausAddress,
         payload: bytes,
-        presence: Presence,
     ) -> None:
         self.component = component
         self.provider = provider
@@ -113,8 +112,8 @@ class EventStream:
         self._rate: float | None = None
         self._asked_rate: float | None = None
         self._confirmed_rate = 0.0
-        self._presence = presence
-        self._pace = Pace(component.settings, presence, provider)
+        self._presence = component.part(Presence)
+        self._pace = Pace(component, provider)
         self._renewals = 0
         self._is_renewed = False
         self._asked_at = self._confirmed_at = float("-inf")

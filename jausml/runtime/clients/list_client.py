@@ -16,15 +16,15 @@ from ..messages import (
     SetElement,
 )
 from ..services.definitions import ListElement
+from ..services.host import Host
 from ..services.list_manager import ALL_UIDS, NO_UID
+from .query import QueryClient
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from ..base.address import JausAddress
-    from ..services.host import Host
     from ..wire.message import Message
-    from .query import QueryClient
 
 MAX_ELEMENTS = 255
 """Elements that one request holds (AS5710, SetElement)."""
@@ -121,13 +121,14 @@ class ListRequest:
 class ListClient:
     """The changes that one component makes to the lists of others."""
 
-    def __init__(self, component: Host, queries: QueryClient) -> None:
+    def __init__(self, component: Host) -> None:
         self.component = component
-        self._queries = queries
+        self._queries = component.part(QueryClient)
         self._pending: list[ListRequest] = []
         self._last_request_id = 0
         component.on_message(ConfirmElementRequest, self._confirmed)
         component.on_message(RejectElementRequest, self._rejected)
+        component.when_stopped(self.stop)
 
     def read(
         self,
@@ -141,7 +142,15 @@ class ListClient:
         elements: list[ListElement] = []
 
         def ask(query: Message, report: type[Message], take: Callable[..., None]) -> None:
-            self._queries.ask(target, query, report, take, on_failure, timeout, retries)
+            self._queries.ask(
+                target,
+                query,
+                report,
+                take,
+                on_failure=on_failure,
+                timeout=timeout,
+                retries=retries,
+            )
 
         def take_list(report: ReportElementList, _sender: JausAddress) -> None:
             read_next([element_list.element_uid for element_list in report.element_list])
@@ -190,10 +199,11 @@ class ListClient:
         self,
         target: JausAddress,
         requests: Sequence[SetElement | DeleteElement],
-        on_done: Callable[[], None] | None,
-        on_refused: Callable[[int | None], None] | None,
-        timeout: float,
-        retries: int,
+        *,
+        on_done: Callable[[], None] | None = None,
+        on_refused: Callable[[int | None], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
     ) -> ListRequest:
         """Send requests to a target one after the other, each when the one before is confirmed."""
         if not target.is_concrete:
@@ -276,3 +286,82 @@ def _element(report: ReportElement) -> ListElement:
         bytes(data.data),
         data.format_index,
     )
+
+
+class ListEditor(Host):
+    """A component that edits and reads the lists of others."""
+
+    def set_list(
+        self,
+        target: JausAddress,
+        elements: Iterable[ListElement],
+        *,
+        on_done: Callable[[], None] | None = None,
+        on_refused: Callable[[int | None], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+    ) -> ListRequest:
+        """Replace the list of another component, which must be controlled (AS5710, SetElement).
+
+        Args:
+            elements: The list, in order; see ``chain``.
+            on_done: Called when the whole list is confirmed.
+            on_refused: Told the code of RejectElementRequest, or None when the target did not
+                answer; the list may then be set in part.
+            timeout: Seconds to wait for each answer before the request is repeated.
+        """
+        with self.loop.lock:
+            return self.part(ListClient).change(
+                target,
+                replacement(list(elements)),
+                on_done=on_done,
+                on_refused=on_refused,
+                timeout=timeout,
+                retries=retries,
+            )
+
+    def delete_elements(
+        self,
+        target: JausAddress,
+        uids: Sequence[int],
+        *,
+        on_done: Callable[[], None] | None = None,
+        on_refused: Callable[[int | None], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+    ) -> ListRequest:
+        """Delete elements of another component's list, which must be controlled.
+
+        Args:
+            uids: The elements, at most 255; 65535 means all.
+            on_refused: Told the code of RejectElementRequest, or None without an answer.
+            timeout: Seconds to wait for each answer before the request is repeated.
+        """
+        with self.loop.lock:
+            return self.part(ListClient).change(
+                target,
+                [deletion(uids)],
+                on_done=on_done,
+                on_refused=on_refused,
+                timeout=timeout,
+                retries=retries,
+            )
+
+    def read_list(
+        self,
+        target: JausAddress,
+        on_list: Callable[[tuple[ListElement, ...]], None],
+        *,
+        on_failure: Callable[[], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+    ) -> None:
+        """Read the list of another component; control is not needed.
+
+        Args:
+            on_failure: Called when a query stayed unanswered, for example because the list was
+                changed meanwhile.
+            timeout: Seconds to wait for each report before the query is repeated.
+        """
+        with self.loop.lock:
+            self.part(ListClient).read(target, on_list, on_failure, timeout, retries)

@@ -16,14 +16,14 @@ from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM
 from ..base.clocks import Alarm
 from ..messages import QueryHeartbeatPulse, QueryIdentification
 from ..services.definitions import Scope
+from ..services.host import Host
+from .discovery_client import DiscoveryClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Sequence
 
-    from ..services.host import Host
-    from .discovery_client import DiscoveryClient, FoundComponent
-
-    OnChange = Callable[[Sequence[JausAddress]], None]
+    from .discovery_client import FoundComponent
+    from .peer_binding import OnChange
 
 
 class PeerChoice(Enum):
@@ -90,6 +90,10 @@ class PeerSearch:
         subsystem = self.subsystem if self.within is Scope.SYSTEM else own.subsystem
         return JausAddress(subsystem or WILDCARD_SUBSYSTEM, WILDCARD_NODE, WILDCARD_COMPONENT)
 
+    def find(self, component: Host, on_change: OnChange) -> None:
+        """Look for such components until one stops, and tell all of them whenever they change."""
+        component.part(PeerClient).find(self, on_change)
+
     def __str__(self) -> str:
         """Return what is searched for, for people."""
         places = [
@@ -106,66 +110,6 @@ def distance(own: JausAddress, address: JausAddress) -> int:
     if address.subsystem != own.subsystem:
         return 2
     return 0 if address.node == own.node else 1
-
-
-class PeerBinding:
-    """Who is at the other end of a connection now.
-
-    Attributes:
-        present: They; replaced when it changes, so any thread may read it.
-    """
-
-    def __init__(self, peers: Sequence[JausAddress] | PeerSearch) -> None:
-        self.search = peers if isinstance(peers, PeerSearch) else None
-        self.present: tuple[JausAddress, ...] = (
-            () if isinstance(peers, PeerSearch) else tuple(peers)
-        )
-        self._on_change: list[Callable[[], None]] = []
-
-    def on_change(self, action: Callable[[], None]) -> None:
-        """Calls a function whenever they are others, before who comes is met."""
-        self._on_change.append(action)
-
-    def follow(
-        self,
-        find_peers: Callable[[PeerSearch, OnChange], None],
-        join: Callable[[JausAddress], None],
-        leave: Callable[[JausAddress], None],
-    ) -> None:
-        """Meets those that are named, or each that is found from now on."""
-
-        def change(peers: Sequence[JausAddress]) -> None:
-            before, self.present = self.present, tuple(peers)
-            for action in self._on_change:
-                action()
-            for peer in before:
-                if peer not in self.present:
-                    leave(peer)
-            for peer in self.present:
-                if peer not in before:
-                    join(peer)
-
-        if self.search is not None:
-            find_peers(self.search, change)
-        for peer in self.present:
-            join(peer)
-
-    @property
-    def is_anybody(self) -> bool:
-        """Whether nobody is named or searched for: messages of anybody are meant."""
-        return self.search is None and not self.present
-
-    @property
-    def is_lacking(self) -> bool:
-        """Whether a search has found nobody."""
-        return self.search is not None and not self.present
-
-    def describe(self) -> list[tuple[str, str]]:
-        """What a search has found, for diagnostics; nothing for named peers."""
-        if self.search is None:
-            return []
-        bound = ", ".join(map(str, self.present))
-        return [("search", f"bound to {bound}" if bound else f"searching {self.search}")]
 
 
 CHECK_INTERVAL = 1.0
@@ -240,10 +184,10 @@ class _Finder:
 class PeerClient:
     """The searches of one component, and the peers that they have found."""
 
-    def __init__(self, component: Host, discovery: DiscoveryClient) -> None:
+    def __init__(self, component: Host) -> None:
         """Listen to what Discovery tells; nothing is asked before there is a search."""
         self._component = component
-        self._discovery = discovery
+        self._discovery = component.part(DiscoveryClient)
         self._finders: dict[PeerSearch, _Finder] = {}
         # In the order in which they were found to live.
         self._providers: dict[JausAddress, _Provider] = {}
@@ -252,6 +196,7 @@ class PeerClient:
         self._next_search = 0.0
         self._interval = CHECK_INTERVAL
         component.on_message(QueryIdentification, self._newcomer)
+        component.when_stopped(self.stop)
 
     def find(self, search: PeerSearch, on_change: OnChange) -> None:
         """Look for peers until the component stops.
@@ -371,3 +316,22 @@ class PeerClient:
         living = [provider for provider in self._providers.values() if provider.lives]
         for finder in self._finders.values():
             finder.choose(living)
+
+
+class PeerFinder(Host):
+    """A component that finds others by what they provide."""
+
+    def find_peers(
+        self, search: PeerSearch, on_change: Callable[[Sequence[JausAddress]], None]
+    ) -> None:
+        """Find components by what they provide, and look after them, until the component stops.
+
+        Discovery tells who provides the services; a component is taken when its transport
+        acknowledges a message, and let go when three in a row stay unacknowledged. One that is
+        taken is kept while it lives, also when a nearer one appears.
+
+        Args:
+            on_change: Told all of them, in order, whenever they change; none when they are gone.
+        """
+        with self.loop.lock:
+            self.part(PeerClient).find(search, on_change)

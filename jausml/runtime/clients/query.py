@@ -9,16 +9,16 @@ from functools import partial
 from itertools import takewhile
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from ..wire.message import DecodeError
+from ..services.host import Host
+from ..wire.message import DecodeError, Message
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ..base.address import JausAddress
     from ..base.loop import Loop, Timer
-    from ..services.host import Host
-    from ..wire.message import Message
 
+R = TypeVar("R", bound=Message)
 T = TypeVar("T")
 
 
@@ -82,7 +82,7 @@ class Deadlines(Generic[T]):
 
 
 class PendingQuery:
-    """A query that waits for its report; made by ``JausComponent.query``.
+    """A query that waits for its report; made by ``Querier.query``.
 
     Attributes:
         on_failure: Called when every attempt stayed unanswered.
@@ -114,7 +114,7 @@ class PendingQuery:
         timeout: float,
         attempts: int,
     ) -> None:
-        """Use ``JausComponent.query`` instead."""
+        """Use ``Querier.query`` instead."""
         self._client = client
         self.target = target
         self.report_class = report_class
@@ -138,6 +138,7 @@ class QueryClient:
         self.component = component
         self._pending: dict[type[Message], list[PendingQuery]] = {}
         self._deadlines: Deadlines[PendingQuery] = Deadlines(component.loop, self._send)
+        component.when_stopped(self.stop)
 
     def ask(
         self,
@@ -145,13 +146,13 @@ class QueryClient:
         query: Message,
         report_class: type[Message],
         on_report: Callable[[Any, JausAddress], None],
-        on_failure: Callable[[], None] | None,
-        timeout: float,
-        retries: int,
         *,
+        on_failure: Callable[[], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
         payloads: bool = False,
     ) -> PendingQuery:
-        """Send a query as soon as the component runs."""
+        """Send a query as soon as the component runs; see ``Querier.query``."""
         if not target.is_concrete:
             raise ValueError(f"{target} does not name one component")
         queries = self._pending.get(report_class)
@@ -246,3 +247,39 @@ class QueryClient:
         self.component.counters.count(
             "component.bad_message", f"{report_class.NAME} of {sender}: {error}"
         )
+
+
+class Querier(Host):
+    """A component that asks others once."""
+
+    def query(
+        self,
+        target: JausAddress,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None] | Callable[[bytes, JausAddress], None],
+        *,
+        on_failure: Callable[[], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+        payloads: bool = False,
+    ) -> PendingQuery:
+        """Ask another component for a report once.
+
+        Args:
+            on_failure: Called when every attempt stayed unanswered.
+            timeout: Seconds to wait for the report before the query is repeated.
+            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
+                came. It raises DecodeError for one that it cannot read, which is counted.
+        """
+        with self.loop.lock:
+            return self.part(QueryClient).ask(
+                target,
+                query,
+                report_class,
+                on_report,
+                on_failure=on_failure,
+                timeout=timeout,
+                retries=retries,
+                payloads=payloads,
+            )

@@ -5,23 +5,22 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..base.clocks import Alarm
-from ..messages.discovery import (
+from ..messages.digital_resources import (
     QueryDigitalResourceEndpoint,
     RegisterDigitalResourceEndpoint,
     ReportDigitalResourceEndpoint,
     RequestIDRec,
 )
-from ..services.definitions import Scope
-from ..services.discovery import DIGITAL_RESOURCE_DISCOVERY, endpoints
-from .peer_search import PeerSearch
+from ..services.definitions import DIGITAL_RESOURCE_DISCOVERY, Scope
+from ..services.digital_resources import endpoints
+from .peer_search import PeerClient, PeerSearch
+from .query import QueryClient
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..base.address import JausAddress
     from ..services.host import Host
-    from .peer_search import PeerClient
-    from .query import QueryClient
 
 REGISTRY = PeerSearch((DIGITAL_RESOURCE_DISCOVERY,), within=Scope.SUBSYSTEM)
 
@@ -36,17 +35,14 @@ class ResourceClient:
     was started again, are noticed in the same way.
     """
 
-    def __init__(self, component: Host, peers: PeerClient, queries: QueryClient) -> None:
+    def __init__(self, component: Host) -> None:
         self._component = component
-        self._queries = queries
+        self._queries = component.part(QueryClient)
+        component.when_stopped(self.stop)
         self._own = endpoints(component.settings.digital_resources, component.address)
         self._registry: JausAddress | None = None
         self._timer = Alarm(component.loop)
-        is_registry = any(
-            service.urn == DIGITAL_RESOURCE_DISCOVERY for service in component.services
-        )
-        if self._own and not is_registry:
-            peers.find(REGISTRY, self._registries_found)
+        component.part(PeerClient).find(REGISTRY, self._registries_found)
 
     def stop(self) -> None:
         """Look at nothing any more."""
@@ -67,8 +63,6 @@ class ResourceClient:
             QueryDigitalResourceEndpoint(),
             ReportDigitalResourceEndpoint,
             self._compare,
-            None,
-            timeout=1.0,
             retries=2,
         )
 

@@ -4,26 +4,37 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..base.api import part_of_whole
 from ..base.clocks import HostClock
-from ..clients.discovery_client import SILENCE
-from ..messages import Event
-from ..services.definitions import CORE, ComponentSettings, Guard, ServiceIdentity, Status
+from ..base.counters import LOGGER
+from ..clients.discovery_client import SILENCE, DiscoveryClient, Greeter, Presence
+from ..messages import ClearEmergency, Event, SetEmergency
+from ..services.access_control import AccessControlService
+from ..services.definitions import (
+    CORE,
+    DIGITAL_RESOURCE_DISCOVERY,
+    ComponentSettings,
+    Guard,
+    ServiceIdentity,
+    Status,
+)
+from ..services.discovery import DiscoveryService
 from ..services.dispatch import Router
-from ..services.host import Host
+from ..services.events import EventsService
+from ..services.host import CoreService, Host
+from ..services.liveness import LivenessService
+from ..services.management import ManagementService
 from ..transports.delivery import MESSAGE_CODE_SIZE, Ordering
+from ..transports.packets.packet import Priority
 from ..transports.transport import log_accounts
-from .parts import Clients, CoreServices
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from datetime import datetime
+    from collections.abc import Callable, Sequence
 
     from ..base.address import JausAddress
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
-    from ..services.definitions import ListElement
-    from ..services.dispatch import Take as TakeMessage
-    from ..services.list_manager import ElementList
+    from ..clients.discovery_client import FoundComponent
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
     from ..wire.message import Message
@@ -32,15 +43,38 @@ COMPONENT_TYPE = 60001
 """Type of a plain component (AS5710, ReportIdentification)."""
 
 
-class ComponentBase(Host):
-    """A component that handles commands and answers queries; see ``JausComponent``.
+class Component(Host):
+    """One JAUS component of this process.
+
+    The core services among ``services`` are provided: Events, AccessControl, Management, Time,
+    Liveness, Discovery and ListManager, as their versions say; every other message is handled by
+    what ``handle`` and ``provide`` are given. All methods may be called from any thread.
+    Handlers, providers, callbacks and hooks hold ``loop.lock`` and must not block; they run on
+    the loop's thread, or on the thread that calls ``start``, ``stop``, ``fail`` or
+    ``report_changed``. When one raises, the error is logged and counted as
+    ``component.handler_failed``. A value that does not fit its field is an EncodeError; an address
+    that is not one component, or a number out of its range, a ValueError. What is returned can be
+    cancelled.
+
+    A generated component derives from this class, and from what its model asks for besides, such as
+    ``EventSubscriber``. It calls ``handle``, ``provide``, ``subscribe`` and ``control`` in its
+    constructor, and overrides the ``on_...`` hooks.
+
 
     Attributes:
+        core_services: The core services that it may provide; ``services`` says which it does.
+        clients: Clients of others that it has from the start, used or not.
         clock: The time, for user code that shall run in virtual time as well.
     """
 
-    _jaus_core: CoreServices
-    _jaus_clients: Clients
+    core_services: Sequence[Callable[[Host], CoreService]] = (
+        EventsService,
+        AccessControlService,
+        ManagementService,
+        LivenessService,
+        DiscoveryService,
+    )
+    clients: Sequence[Callable[[Host], object]] = ()
 
     def __init__(
         self,
@@ -74,6 +108,9 @@ class ComponentBase(Host):
         self._jaus_running = False
         self._jaus_starters = []
         self._jaus_enders = []
+        self._jaus_stoppers = []
+        self._jaus_permits = []
+        self._jaus_parts = {}
         self._jaus_router = Router(
             transport.counters,
             self.allows,
@@ -85,8 +122,23 @@ class ComponentBase(Host):
             service.urn.removeprefix(CORE): (service.major, service.minor)
             for service in self.services
         }
-        self._jaus_core = CoreServices(self)
-        self._jaus_clients = Clients(self)
+        # Each keeps a part of the state whatever is provided: one without Management is ready for
+        # nobody, one without AccessControl is never controlled.
+        self._jaus_events = self.part(EventsService)
+        self._jaus_access = self.part(AccessControlService)
+        self._jaus_management = self.part(ManagementService)
+        self._jaus_liveness = self.part(LivenessService)
+        self._jaus_presence = self.part(Presence)
+        self._jaus_discovery = self.part(DiscoveryClient)
+        self._jaus_greeter = self.part(Greeter)
+        provided = {service.urn for service in self.services}
+        if self.settings.digital_resources and DIGITAL_RESOURCE_DISCOVERY not in provided:
+            self.part(part_of_whole("clients.resource_client", "ResourceClient"))
+        for service in map(self.part, self.core_services):
+            if not provided.isdisjoint(service.urns):
+                service.attach()
+        for client in self.clients:
+            self.part(client)
         self._jaus_dispatch = self._jaus_dispatcher()
 
     # ---- state -------------------------------------------------------------------------------
@@ -94,77 +146,92 @@ class ComponentBase(Host):
     @property
     def status(self) -> Status:
         """Management state (AS5710, ReportStatus)."""
-        return self._jaus_core.management.status
+        return self._jaus_management.status
 
     @property
     def controller(self) -> JausAddress | None:
         """The component that controls this one."""
-        return self._jaus_core.access_control.controller
+        return self._jaus_access.controller
 
     @property
     def has_control_lapsed(self) -> bool:
         """Whether the last controller let control lapse: it did not request it again in time."""
-        return self._jaus_core.access_control.has_lapsed
+        return self._jaus_access.has_lapsed
 
     @property
     def authority(self) -> int:
         """Authority code of the controller, or the default authority without one."""
-        return self._jaus_core.access_control.authority
+        return self._jaus_access.authority
 
     @property
     def control_available(self) -> bool:
         """Whether control may be requested: not in Init, Failure, Shutdown or Emergency."""
-        return self._jaus_core.access_control.available
+        return self._jaus_access.available
 
     @control_available.setter
     def control_available(self, available: bool) -> None:
         with self.loop.lock:
-            self._jaus_core.access_control.offered = available
+            self._jaus_access.offered = available
             if self._jaus_running:
                 self.core_state_changed()
-
-    @property
-    def current_time(self) -> datetime:
-        """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
-        return self._jaus_core.time.now()
-
-    @property
-    def elements(self) -> ElementList:
-        """The list that the controller edits (AS5710, ListManager); not to be changed here."""
-        return self._jaus_core.list_manager.elements
 
     def allows(self, guard: Guard, sender: JausAddress) -> bool:
         """Whether a message of ``sender`` is obeyed under ``guard``."""
         if guard is Guard.ANY:
             return True
-        access = self._jaus_core.access_control
+        access = self._jaus_access
         if sender != access.controller or not access.managed:
             return False
-        return guard is Guard.CONTROLLED or self._jaus_core.management.status is Status.READY
+        return guard is Guard.CONTROLLED or self._jaus_management.status is Status.READY
+
+    # ---- others -----------------------------------------------------------------------------
+
+    def set_emergency(self, target: JausAddress) -> None:
+        """Stop another component; no control is needed (AS5710, SetEmergency)."""
+        self.send(SetEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
+
+    def clear_emergency(self, target: JausAddress) -> None:
+        """Take back the emergency that this component has set (AS5710, ClearEmergency)."""
+        self.send(ClearEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
+
+    def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
+        """Report each component that provides a service, once for each component found.
+
+        Args:
+            urn: Identifier of the service, e.g. ``urn:jaus:jss:mobility:VelocityStateSensor``.
+        """
+        with self.loop.lock:
+            self._jaus_discovery.discover(urn, on_found)
+
+    @property
+    def discovery_server(self) -> JausAddress | None:
+        """Where the component is registered: the Discovery service of its subsystem, if known."""
+        return self._jaus_discovery.server
+
+    def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
+        """Leave Ready for Standby, as a report that is needed there does not come."""
+        if self.status is Status.READY:
+            LOGGER.warning("%s stands by: %s is silent", self.address, provider)
+            self._jaus_management.stand_by()
+        if on_silence is not None:
+            on_silence()
 
     # ---- for the services and clients of the component --------------------------------------
-
-    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
-        """Let go of the components that this one controls, or take them back.
-
-        It happens in the next round of the loop: what hooks send to stop them comes before.
-        """
-        self.loop.call_soon(lambda: self._jaus_clients.control.permit(permitted))
 
     @property
     def unanswered_greetings(self) -> dict[JausAddress, int]:
         """How often each peer that is to be greeted was so since it spoke last."""
-        return self._jaus_clients.greeter.unanswered
+        return self._jaus_greeter.unanswered
 
     def permissions_changed(self) -> None:
         """End the commands under way that are not allowed any more; called by the services."""
         self.loop.revision.changed()
-        self._jaus_core.events.permissions_changed()
+        self._jaus_events.permissions_changed()
 
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one sent."""
         with self.loop.lock:
-            self._jaus_core.events.report_changed(report_class)
+            self._jaus_events.report_changed(report_class)
 
     # ---- life cycle -------------------------------------------------------------------------
 
@@ -181,15 +248,16 @@ class ComponentBase(Host):
             self.transport.attach(self.address, self._jaus_receive, self._jaus_dispatch)
             self._jaus_running = True
             self.core_state_changed()
-            self._jaus_core.management.initialize()
+            self._jaus_management.initialize()
             if not self._jaus_running:
                 return  # a hook has stopped it
             starters, self._jaus_starters = self._jaus_starters, []
             for starter in starters:
                 starter()
-            self._jaus_core.liveness.start()
+            self._jaus_liveness.start()
             if self._jaus_running:
-                self._jaus_clients.start()
+                self._jaus_discovery.start()
+                self._jaus_greeter.start()
 
     def stop(self) -> None:
         """Leave in good order; no effect when the component does not run.
@@ -199,10 +267,11 @@ class ComponentBase(Host):
         """
         with self.loop.lock:
             if self._jaus_running:
-                self._jaus_clients.stop()
-                self._jaus_core.management.shut_down()
-                self._jaus_core.events.stop()
-                self._jaus_core.liveness.stop()
+                for stop in reversed(self._jaus_stoppers):
+                    stop()
+                self._jaus_management.shut_down()
+                self._jaus_events.stop()
+                self._jaus_liveness.stop()
                 self._jaus_running = False
                 log_accounts(self)
                 self.transport.detach(self.address)
@@ -210,7 +279,7 @@ class ComponentBase(Host):
     def fail(self, reason: str) -> None:
         """Enter Failure (AS5710, Management, internal event Failure)."""
         with self.loop.lock:
-            self._jaus_core.management.fail(reason)
+            self._jaus_management.fail(reason)
 
     def lift_emergency(self, clients: JausAddress) -> None:
         """Lift emergencies whose clients are gone, by the decision of a person at the robot.
@@ -224,39 +293,7 @@ class ComponentBase(Host):
             JausError: Nobody of them set one, or somebody of them was heard within 10 s.
         """
         with self.loop.lock:
-            self._jaus_core.management.lift(clients)
-
-    def check_lift(self, clients: JausAddress) -> None:
-        """Raise what ``lift_emergency`` would, and do nothing else."""
-        with self.loop.lock:
-            self._jaus_core.management.check_lift(clients)
-
-    def watch_emergency(self, message_class: type[Message], take: TakeMessage) -> None:
-        """Give an action SetEmergency when an emergency has begun, ClearEmergency when it ended.
-
-        Args:
-            message_class: One of the two.
-            take: Takes the encoded message, and whoever made the difference.
-        """
-        with self.loop.lock:
-            self._jaus_core.management.watch_emergency(message_class, take)
-
-    # ---- hooks with a default ---------------------------------------------------------------
-
-    def host_time(self) -> datetime:
-        """Return the time in UTC that the component's clock runs by; ``clock`` has it by default.
-
-        Override it for a component that lives in simulated time.
-        """
-        return self.clock.utc()
-
-    def supports_element(self, element: ListElement) -> bool:
-        """Return whether the component's list may hold an element (AS5710, ListManager).
-
-        By default these are the messages that the component's list drivers execute, e.g.
-        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
-        """
-        return self._jaus_core.list_manager.is_of_driver(element)
+            self._jaus_management.lift(clients)
 
     # ---- what comes in -----------------------------------------------------------------------
 
@@ -269,7 +306,7 @@ class ComponentBase(Host):
     def _jaus_dispatcher(self) -> Take:
         """Return what takes every message for the component, payload and sender."""
         takers, unknown = self._jaus_router.takers, self._jaus_router.unknown
-        heard, returned = self._jaus_clients.presence.heard, self._jaus_clients.presence.returned
+        heard, returned = self._jaus_presence.heard, self._jaus_presence.returned
         clock = self.loop.now
 
         def take(payload: bytes, sender: JausAddress) -> None:
@@ -288,10 +325,10 @@ class ComponentBase(Host):
         """The fast path of messages of a component, by code and for events by id, None without."""
         if code != Event.CODE:
             return self._jaus_router.fast_path(code, sender)
-        if len(self._jaus_router.takers.get(code, ())) != 1:
+        if self.event_path is None or len(self._jaus_router.takers.get(code, ())) != 1:
             return None
-        return self._jaus_clients.events.fast_path(sender, event_id)
+        return self.event_path(sender, event_id)
 
     def note_heard(self, sender: JausAddress, at: float) -> None:
         """Note a message of a component that has taken the fast path."""
-        self._jaus_clients.presence.note(sender, at)
+        self._jaus_presence.note(sender, at)

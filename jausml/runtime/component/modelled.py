@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from ..services.access_control import Reject
 from ..services.definitions import Guard, Status
 from ..services.dispatch import Provision
+from ..services.machine_states import MachineStatesService
 from ..wire.message import EncodeError, Message
-from .component import JausComponent
+from .base import Component
 from .state_machine import Action, Condition, State, StateMachine
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ CORE_STATES = {
 """Paths of states of ReceiveFSM by Management state and control (AS5710, Management)."""
 
 
-class ModelledComponent(JausComponent):
+class ModelledComponent(Component):
     """A component with state machines.
 
     A generated component derives from this class when one of its services has a machine. It adds
@@ -65,6 +66,7 @@ class ModelledComponent(JausComponent):
     error is logged and counted as ``component.handler_failed``; a guard that raises does not hold.
     """
 
+    core_services = (*Component.core_services, MachineStatesService)
     _jaus_machines: tuple[StateMachine, ...] = ()
     _jaus_core_state = ""
     # Actions that have answered the message at work: of former machines, and of the present one.
@@ -81,7 +83,7 @@ class ModelledComponent(JausComponent):
                 or Transport: its outer states are those of that service and change with them.
             service: Identifier of the service that has it, for those who ask for MachineStates.
         """
-        entered = self._jaus_core.machine_states.watch(service, name)
+        entered = self.part(MachineStatesService).watch(service, name)
         machine = StateMachine(name, states, self, extends=extends, entered=entered)
         self._jaus_machines = (*self._jaus_machines, machine)
         return machine
@@ -146,7 +148,7 @@ class ModelledComponent(JausComponent):
         self, _message: Message | None = None, sender: JausAddress | None = None
     ) -> bool:
         """Whether the sender has set an emergency that is not cleared (isIDStored)."""
-        return sender in self._jaus_core.access_control.emergency_clients
+        return sender in self._jaus_access.emergency_clients
 
     # ---- what machines ask ------------------------------------------------------------------
 
@@ -177,17 +179,17 @@ class ModelledComponent(JausComponent):
         if of == "AccessControl" and (self.controller or path.startswith(_NOT_CONTROLLED)):
             self.control_available = ".Available" in path
             if path.startswith(_NOT_CONTROLLED):
-                self._jaus_core.access_control.drop(Reject.CONTROL_RELEASED)
+                self._jaus_access.drop(Reject.CONTROL_RELEASED)
         elif of != "Management":
             self.ignored("component.core_state_refused", path)
         elif path == _STANDBY or path.startswith(f"{_STANDBY}."):
-            self._jaus_core.management.stand_by()
+            self._jaus_management.stand_by()
         elif path.startswith(_RELEASED) and self.status in (Status.STANDBY, Status.READY):
-            self._jaus_core.access_control.drop(Reject.CONTROL_RELEASED)
+            self._jaus_access.drop(Reject.CONTROL_RELEASED)
         elif path.startswith(_NOT_AVAILABLE[Status.FAILURE]):
-            self._jaus_core.management.fail(f"a state machine enters {path}")
+            self._jaus_management.fail(f"a state machine enters {path}")
         elif path.startswith(_NOT_AVAILABLE[Status.SHUTDOWN]):
-            self._jaus_core.management.shut_down()
+            self._jaus_management.shut_down()
         else:
             self.ignored("component.core_state_refused", path)
 
@@ -267,7 +269,7 @@ class Simulation:
     every report is counted as ``component.simulated``, and a component says so when it begins.
     """
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: Component) -> None:
         self._component = component
         self._kept: dict[type[Message], dict[str, Any]] = {}
         component.when_started(self._warn)

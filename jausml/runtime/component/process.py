@@ -16,12 +16,10 @@ from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
 from ..base.address import JausAddress
+from ..base.api import JausError, part_of_whole
 from ..base.loop import Loop
 from ..base.settings import TransportKind, TransportSettings, add_arguments, from_arguments
-from ..messages.discovery import server_type
-from ..services.definitions import ComponentSettings, Scope
-from ..transports.jtcp import JtcpTransport
-from ..transports.node_manager import NodeManagerTransport
+from ..services.definitions import ComponentSettings, Scope, server_type
 from ..transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
@@ -30,9 +28,9 @@ if TYPE_CHECKING:
 
     from ..base.standstill import Waiting
     from ..transports.transport import Transport
-    from .component import JausComponent
+    from .base import Component
 
-    Factory = Callable[[Transport, JausAddress, ComponentSettings], JausComponent]
+    Factory = Callable[[Transport, JausAddress, ComponentSettings], Component]
 
 
 _WORDS_IN_TIME = 3
@@ -135,6 +133,9 @@ def run_component(
                 component.stop()
     except OSError as error:
         LOGGER.error("%s cannot use the network: %s", name, error)
+        return EXIT_FAILED
+    except JausError as error:
+        LOGGER.error("%s cannot run: %s", name, error)
         return EXIT_FAILED
     except Exception:
         LOGGER.exception("%s failed", name)
@@ -297,10 +298,21 @@ def _digital_resources(text: str) -> tuple[str, ...]:
     return urls
 
 
+_OTHERS = {
+    TransportKind.JTCP: ("transports.jtcp", "JtcpTransport"),
+    TransportKind.NODE_MANAGER: ("transports.node_manager", "NodeManagerTransport"),
+}
+
+
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
-    """Return the transport that the settings name, not yet open."""
-    if settings.transport is TransportKind.JTCP:
-        return JtcpTransport(settings, loop)
-    if settings.transport is TransportKind.NODE_MANAGER:
-        return NodeManagerTransport(settings, loop)
-    return JudpTransport(settings, loop)
+    """Return the transport that the settings name, not yet open.
+
+    Raises:
+        JausError: It is none that the model asks for, and the workspace does not have it.
+    """
+    if settings.transport is TransportKind.JUDP:
+        return JudpTransport(settings, loop)
+    kind: Callable[[TransportSettings, Loop], Transport] = part_of_whole(
+        *_OTHERS[settings.transport]
+    )
+    return kind(settings, loop)

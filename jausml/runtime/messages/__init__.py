@@ -3,30 +3,21 @@
 Each class declares the fields of its message, in their order on the wire; `wire.layout` makes the
 codec of that. A message that begins with `Query` asks for the one that begins with `Report`. Names
 are those of the standard. Record classes are attributes of their message, e.g.
-`QueryServices.NodeRec`. IOP's messages of digital resource endpoints are found in `discovery`, and
-those of this project's own MachineStates in `management`.
+`QueryServices.NodeRec`. Messages of IOP's digital resources are found in `digital_resources`, and
+those of this project's own MachineStates in `machine_states`.
 """
 
 from .access_control import (
     ConfirmControl,
-    ConfirmHandoffRequest,
-    ConfirmReleaseControl,
     QueryAuthority,
     QueryControl,
-    QueryEnhancedTimeout,
-    QueryHandoffTimeout,
     QueryTimeout,
     RejectControl,
     ReleaseControl,
-    RemoveHandoffRequest,
     ReportAuthority,
     ReportControl,
-    ReportEnhancedTimeout,
-    ReportHandoffTimeout,
     ReportTimeout,
     RequestControl,
-    RequestHandoff,
-    RequestReleaseControl,
     SetAuthority,
 )
 from .discovery import (
@@ -55,6 +46,17 @@ from .events import (
     ReportEvents,
     ReportEventTimeout,
     UpdateEvent,
+)
+from .handoff import (
+    ConfirmHandoffRequest,
+    ConfirmReleaseControl,
+    QueryEnhancedTimeout,
+    QueryHandoffTimeout,
+    RemoveHandoffRequest,
+    ReportEnhancedTimeout,
+    ReportHandoffTimeout,
+    RequestHandoff,
+    RequestReleaseControl,
 )
 from .list_manager import (
     ConfirmElementRequest,

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING
 
-from ..messages.discovery import server_type
-
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
@@ -240,6 +238,54 @@ class Completion:
             self._succeeded = succeeded
             if self._on_end is not None:
                 self._on_end()
+
+
+COMMAND_REQUESTS = range(224, 255)
+"""Request ids of the command events of one provider: smaller ones are those of its events."""
+
+_RTSP, _MPEG2_TS, _FTP, _SFTP, _FTP_OVER_SSH, _HTTP, _HTTPS, _SCP = range(8)
+
+_SERVER_TYPES = {
+    "rtsp": _RTSP,
+    "udp": _MPEG2_TS,
+    "rtp": _MPEG2_TS,
+    "ftp": _FTP,
+    "sftp": _SFTP,
+    "http": _HTTP,
+    "https": _HTTPS,
+    "scp": _SCP,
+}
+"""Kinds of servers by the scheme of their URLs."""
+
+_LONGEST_URL = 255
+
+
+def server_type(url: str) -> int:
+    """Returns the kind of server that a URL leads to.
+
+    Raises:
+        ValueError: It has a scheme that the IOP does not know, or is too long to be told.
+    """
+    scheme = url.partition("://")[0].lower()
+    if scheme not in _SERVER_TYPES or "://" not in url:
+        known = ", ".join(_SERVER_TYPES)
+        raise ValueError(f"{url} is no URL of a digital resource; it begins with {known}")
+    if len(url) > _LONGEST_URL or not url.isascii():
+        raise ValueError(f"{url} has more than {_LONGEST_URL} characters, or others than ASCII")
+    return _SERVER_TYPES[scheme]
+
+
+DIGITAL_RESOURCE_DISCOVERY = "urn:jaus:jss:iop:DigitalResourceDiscovery"
+
+ELEMENTS_OF_DRIVERS = {
+    "urn:jaus:jss:mobility:GlobalWaypointListDriver": 0x040C,
+    "urn:jaus:jss:mobility:LocalWaypointListDriver": 0x040D,
+    "urn:jaus:jss:mobility:GlobalPathSegmentDriver": 0x040F,
+    "urn:jaus:jss:mobility:LocalPathSegmentDriver": 0x0410,
+    "urn:jaus:jss:manipulator:ManipulatorJointPositionsListDriver": 0x0602,
+    "urn:jaus:jss:manipulator:ManipulatorEndEffectorPoseListDriver": 0x0610,
+}
+"""Message code of the elements that each list driver takes (AS6009, manipulator set)."""
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,11 @@ from ..messages import (
     RequestHandoff,
     RequestReleaseControl,
 )
-from ..messages.access_control import HandoffDecision as Decision
+from ..messages.handoff import HandoffDecision as Decision
+from .access_control import AccessControlService
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress
-    from .access_control import AccessControlService
     from .host import Host
 
 NO_REQUEST = 255
@@ -57,9 +57,9 @@ class HandoffService:
 
     urns = frozenset(["urn:jaus:jss:iop:EnhancedAccessControl"])
 
-    def __init__(self, component: Host, access_control: AccessControlService) -> None:
+    def __init__(self, component: Host) -> None:
         self._component = component
-        self._access = access_control
+        self._access = component.part(AccessControlService)
         self._handoff_timeout = component.settings.handoff_timeout
         self._enhanced_timeout = component.settings.enhanced_timeout
         self._requests: dict[JausAddress, _Request] = {}

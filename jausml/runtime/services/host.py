@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar
+from datetime import timedelta
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 from ..transports.packets.packet import Priority
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
-from .definitions import VERSION_1_1, Guard
+from .definitions import ELEMENTS_OF_DRIVERS, VERSION_1_1, Guard
 from .dispatch import Provision
 
 if TYPE_CHECKING:
@@ -14,8 +15,9 @@ if TYPE_CHECKING:
     from datetime import datetime
 
     from ..base.address import JausAddress
-    from ..base.clocks import Timing
+    from ..base.clocks import HostClock, Timing
     from ..base.counters import Counters
+    from ..base.fast_path import FastPath
     from ..base.loop import Loop
     from ..transports.transport import Transport
     from .definitions import (
@@ -30,6 +32,18 @@ if TYPE_CHECKING:
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
+P = TypeVar("P")
+
+
+class CoreService(Protocol):
+    """A core service of a component."""
+
+    @property
+    def urns(self) -> frozenset[str]:
+        """Identifiers of the service; some had several over the years."""
+
+    def attach(self) -> None:
+        """Take the messages of the service, for a component that provides it."""
 
 
 class Hooks:
@@ -91,7 +105,13 @@ class Hooks:
 
 
 class Host(Hooks):
-    """Messages of a component, and its user code; `ComponentBase` adds services and clients."""
+    """Messages of a component, its user code, and its parts: services and clients.
+
+    Attributes:
+        time_offset: What SetTime has added to the clock of the host.
+        may_control: Whether the component may control others now; see ``permit_control``.
+        event_path: The fast path of an event, by its provider and id; None without one.
+    """
 
     transport: Transport
     address: JausAddress
@@ -99,11 +119,18 @@ class Host(Hooks):
     services: tuple[ServiceIdentity, ...]
     component_type: int
     settings: ComponentSettings
+    clock: HostClock
     event_clock: Timing
+    may_control = True
+    time_offset = timedelta()
+    event_path: Callable[[JausAddress, int], FastPath | None] | None = None
     # Sub-classes are user code: the prefix keeps their private attributes apart from these.
     _jaus_running: bool
     _jaus_starters: list[Callable[[], None]]
     _jaus_enders: list[Callable[[], None]]
+    _jaus_stoppers: list[Callable[[], None]]
+    _jaus_permits: list[Callable[[bool], None]]
+    _jaus_parts: dict[Callable[[Any], object], object]
     _jaus_versions: dict[str, tuple[int, int]]
     _jaus_router: Router
 
@@ -121,6 +148,26 @@ class Host(Hooks):
     def running(self) -> bool:
         """Whether the component is between ``start`` and ``stop``."""
         return self._jaus_running
+
+    @property
+    def current_time(self) -> datetime:
+        """The component's clock in UTC: ``host_time`` and what SetTime has added to it."""
+        return self.host_time() + self.time_offset
+
+    # ---- parts ------------------------------------------------------------------------------
+
+    def part(self, kind: Callable[[Host], P]) -> P:
+        """Return a part of the component, which is made when it is first asked for.
+
+        What a component does not use is thus not made, and a workspace need not have it.
+
+        Args:
+            kind: The class of the part, or what makes it of the component.
+        """
+        with self.loop.lock:
+            if kind not in self._jaus_parts:
+                self._jaus_parts[kind] = kind(self)
+            return cast("P", self._jaus_parts[kind])
 
     # ---- messages ---------------------------------------------------------------------------
 
@@ -350,6 +397,14 @@ class Host(Hooks):
         else:
             self._jaus_starters.append(action)
 
+    def when_stopped(self, action: Callable[[], None]) -> None:
+        """Also run an action when the component stops, before those that were given earlier."""
+        self._jaus_stoppers.append(action)
+
+    def when_permitted(self, action: Callable[[bool], None]) -> None:
+        """Also run an action when the component may control others, or may not any more."""
+        self._jaus_permits.append(action)
+
     def when_shut_down(self, action: Callable[[], None]) -> None:
         """Also run an action when the component enters Shutdown."""
         self._jaus_enders.append(action)
@@ -373,18 +428,40 @@ class Host(Hooks):
         """End the commands under way that are not allowed any more; called by the services."""
         raise NotImplementedError
 
-    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
-        """Let go of the components that this one controls, or take them back."""
+    def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
+        """Leave Ready for Standby, as a report that is needed there does not come."""
         raise NotImplementedError
 
     def report_changed(self, report_class: type[Message]) -> None:
         """Send the report to every-change events whose report differs from the last one sent."""
         raise NotImplementedError
 
+    def permit_control(self, permitted: bool) -> None:  # noqa: FBT001
+        """Let go of the components that this one controls, or take them back.
+
+        It happens in the next round of the loop: what hooks send to stop them comes before.
+        """
+        self.loop.call_soon(lambda: self._jaus_permit(permitted))
+
+    def _jaus_permit(self, permitted: bool) -> None:  # noqa: FBT001
+        self.may_control = permitted
+        for action in self._jaus_permits:
+            action(permitted)
+
+    # ---- hooks with a default ---------------------------------------------------------------
+
     def host_time(self) -> datetime:
-        """Return the time in UTC that the component's clock runs by."""
-        raise NotImplementedError
+        """Return the time in UTC that the component's clock runs by; ``clock`` has it by default.
+
+        Override it for a component that lives in simulated time.
+        """
+        return self.clock.utc()
 
     def supports_element(self, element: ListElement) -> bool:
-        """Return whether the component's list may hold an element (AS5710, ListManager)."""
-        raise NotImplementedError
+        """Return whether the component's list may hold an element (AS5710, ListManager).
+
+        By default these are the messages that the component's list drivers execute, e.g.
+        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
+        """
+        driven = (ELEMENTS_OF_DRIVERS.get(service.urn) for service in self.services)
+        return element.message_code in driven

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from ..base.api import JausError
 from ..messages import (
@@ -18,13 +18,13 @@ from ..messages import (
     SetElement,
 )
 from .definitions import Guard, ListElement
+from .host import Host
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from ..base.address import JausAddress
     from ..wire.message import Message
-    from .host import Host
 
 
 Reason = RejectElementRequest.ResponseCode
@@ -203,19 +203,23 @@ def _in_order(links: dict[int, tuple[int, int, ListElement]]) -> dict[int, ListE
 DATA_FORMATS = (0, 1)
 """Formats of ElementData: a JAUS message, or one of the user; a report can hold no other."""
 
-ELEMENTS_OF_DRIVERS = {
-    "urn:jaus:jss:mobility:GlobalWaypointListDriver": 0x040C,
-    "urn:jaus:jss:mobility:LocalWaypointListDriver": 0x040D,
-    "urn:jaus:jss:mobility:GlobalPathSegmentDriver": 0x040F,
-    "urn:jaus:jss:mobility:LocalPathSegmentDriver": 0x0410,
-    "urn:jaus:jss:manipulator:ManipulatorJointPositionsListDriver": 0x0602,
-    "urn:jaus:jss:manipulator:ManipulatorEndEffectorPoseListDriver": 0x0610,
-}
-"""Message code of the elements that each list driver takes (AS6009, manipulator set)."""
+
+class Driver(Protocol):
+    """A list driver of a bridge."""
+
+    def supports(self, element: ListElement) -> bool:
+        """Whether the list may hold an element: somebody can execute it."""
+
+    def list_changed(self) -> None:
+        """Follows a change of the list."""
 
 
 class ListManagerService:
-    """Edits and reports the list (AS5710 v1.1, ListManager, protocol behaviour)."""
+    """Edits and reports the list (AS5710 v1.1, ListManager, protocol behaviour).
+
+    Attributes:
+        drivers: They say what the list may hold; without any, the component does.
+    """
 
     # The service was part of the other sets before core v1.1 took it over.
     urns = frozenset(
@@ -225,11 +229,7 @@ class ListManagerService:
     def __init__(self, component: Host) -> None:
         self._component = component
         self.elements = ElementList(component.settings.max_list_elements)
-        self._codes = {
-            ELEMENTS_OF_DRIVERS[service.urn]
-            for service in component.services
-            if service.urn in ELEMENTS_OF_DRIVERS
-        }
+        self.drivers: list[Driver] = []
 
     def attach(self) -> None:
         """Take the messages of ListManager."""
@@ -240,9 +240,10 @@ class ListManagerService:
         component.provide(QueryElementList, ReportElementList, self._report_list)
         component.provide(QueryElementCount, ReportElementCount, self._report_count)
 
-    def is_of_driver(self, element: ListElement) -> bool:
-        """Whether an element is what the component's list drivers execute."""
-        return element.message_code in self._codes
+    def _supports(self, element: ListElement) -> bool:
+        if self.drivers:
+            return any(driver.supports(element) for driver in self.drivers)
+        return bool(self._component.call(self._component.supports_element, element))
 
     def _set(self, message: SetElement, sender: JausAddress) -> None:
         requested = [
@@ -269,7 +270,7 @@ class ListManagerService:
             raise ListError(Reason.UNSPECIFIED_ERROR, "the request holds no element")
         for element in requested:
             is_known = element.data_format in DATA_FORMATS
-            if not (is_known and self._component.call(self._component.supports_element, element)):
+            if not (is_known and self._supports(element)):
                 raise ListError(
                     Reason.UNSUPPORTED_ELEMENT_TYPE, f"element {element.uid} is not supported"
                 )
@@ -288,6 +289,8 @@ class ListManagerService:
 
     def _confirm(self, client: JausAddress, request_id: int) -> None:
         self._component.send(ConfirmElementRequest(request_id=request_id), client)
+        for driver in self.drivers:
+            driver.list_changed()
         self._component.call(self._component.on_list_changed)
         for report in (ReportElement, ReportElementList, ReportElementCount):
             self._component.report_changed(report)
@@ -318,3 +321,12 @@ class ListManagerService:
 
     def _report_count(self, _query: Message, _sender: JausAddress) -> ReportElementCount:
         return ReportElementCount(element_count=len(self.elements))
+
+
+class ListHolder(Host):
+    """A component with a list that its controller edits."""
+
+    @property
+    def elements(self) -> ElementList:
+        """The list that the controller edits (AS5710, ListManager); not to be changed here."""
+        return self.part(ListManagerService).elements

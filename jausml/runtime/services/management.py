@@ -1,7 +1,4 @@
-"""The services of states: Management (AS5710), and MachineStates, those of modelled state machines.
-
-MachineStates is of this project, and optional: a component that does not provide it keeps no times.
-"""
+"""The Management service: the states of a component, and its emergencies (AS5710)."""
 
 from __future__ import annotations
 
@@ -19,16 +16,12 @@ from ..messages import (
     Shutdown,
     Standby,
 )
-from ..messages.management import MACHINE_STATES, QueryMachineStates, ReportMachineStates
-from .access_control import Reject
+from .access_control import AccessControlService, Reject
 from .definitions import CORE, VERSION_1_1, Guard, Status
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from ..base.address import JausAddress
     from ..wire.message import Message
-    from .access_control import AccessControlService
     from .dispatch import Take
     from .host import Host
 
@@ -65,9 +58,9 @@ class ManagementService:
 
     urns = frozenset([CORE + "Management"])
 
-    def __init__(self, component: Host, access: AccessControlService) -> None:
+    def __init__(self, component: Host) -> None:
         self._component = component
-        self._access = access
+        self._access = access = component.part(AccessControlService)
         self._emergencies: set[JausAddress] = set()
         self._watchers: dict[int, list[Take]] = {}
         self._is_1_0 = component.core_version("Management") < VERSION_1_1
@@ -292,100 +285,3 @@ class ManagementService:
 
     def _report_status(self, _query: Message, _sender: JausAddress) -> ReportStatus:
         return ReportStatus(status=self.status, reserved=0)
-
-
-MOST_MACHINES = 255
-MOST_STATES = 255
-"""States in one report, shared among its machines: those with the most time are told."""
-
-MOST_ENTRIES = 0xFFFF_FFFF
-"""Where the count of entries stays; milliseconds in eight bytes have no such end."""
-
-_LONGEST_NAME = 255
-
-
-class _Times:
-    """The present state of one machine, and the states that it was in."""
-
-    def __init__(self, service: str, machine: str, clock: Callable[[], float]) -> None:
-        self._names = _jaus_string(service), _jaus_string(machine)
-        self._clock = clock
-        self._state = ""
-        self._since = 0.0
-        self._entries: dict[str, int] = {}
-        self._seconds: dict[str, float] = {}
-
-    def enter(self, state: str) -> None:
-        now = self._clock()
-        if self._state:
-            self._seconds[self._state] += now - self._since
-        self._state, self._since = state, now
-        self._entries[state] = min(self._entries.get(state, 0) + 1, MOST_ENTRIES)
-        self._seconds.setdefault(state, 0.0)
-
-    def report(self, most: int) -> ReportMachineStates.MachineSeq:
-        present = self._clock() - self._since if self._state else 0.0
-        seconds = dict(self._seconds)
-        if self._state:
-            seconds[self._state] += present
-        longest = sorted(seconds, key=lambda state: -seconds[state])[:most]
-        return ReportMachineStates.MachineSeq(
-            ReportMachineStates.MachineRec(
-                *self._names, _jaus_string(self._state), _milliseconds(present)
-            ),
-            [
-                ReportMachineStates.TimeRec(
-                    _jaus_string(state), self._entries[state], _milliseconds(seconds[state])
-                )
-                for state in longest
-            ],
-        )
-
-
-class MachineStatesService:
-    """Answers anybody who asks, and every-change events when a machine enters a state."""
-
-    urns = frozenset([MACHINE_STATES])
-
-    def __init__(self, component: Host) -> None:
-        self._component = component
-        self._is_provided = False
-        self._machines: list[_Times] = []
-
-    def attach(self) -> None:
-        """Keep times from now on, and take the query unless the component answers it itself."""
-        self._is_provided = True
-        self._component.when_started(self._take)
-
-    def _take(self) -> None:
-        component = self._component
-        if component.provision(QueryMachineStates.CODE) is None:
-            component.provide(QueryMachineStates, ReportMachineStates, self._report)
-
-    def watch(self, service: str, machine: str) -> Callable[[str], None] | None:
-        """Return what is to be told each state that a machine enters; None where nobody may ask."""
-        if not self._is_provided:
-            return None
-        times = _Times(service, machine, self._component.loop.now)
-        self._machines.append(times)
-
-        def entered(state: str) -> None:
-            times.enter(state)
-            self._component.report_changed(ReportMachineStates)
-
-        return entered
-
-    def _report(self, _query: Message, _sender: JausAddress) -> ReportMachineStates:
-        machines = self._machines[:MOST_MACHINES]
-        # In equal parts, so that no machine takes the room of others.
-        most = MOST_STATES // max(1, len(machines))
-        return ReportMachineStates([machine.report(most) for machine in machines])
-
-
-def _milliseconds(seconds: float) -> int:
-    return max(0, round(seconds * 1000))
-
-
-def _jaus_string(name: str) -> str:
-    """Return a name as a JAUS string can carry it: Latin-1, and not too long."""
-    return name.encode("latin-1", "replace").decode("latin-1")[:_LONGEST_NAME]

@@ -12,6 +12,7 @@ from ..base.address import BROADCAST
 from ..base.budgets import Held, who_gives_way
 from ..base.clocks import Alarm
 from ..base.counters import LOGGER
+from ..base.settings import TransportKind
 from .address_book import SOURCE_REFUSED, AllowedHosts, resolve
 from .delivery import ReliableCarrier, report
 from .packets.duplicates import DuplicateWindow
@@ -58,6 +59,8 @@ class JtcpTransport(Transport, ReliableCarrier[TcpConnection]):
     One process of a host owns the port. The others connect to it, and it passes on what is not
     for itself. Another one takes over when it ends.
     """
+
+    KIND = TransportKind.JTCP
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
         super().__init__(settings, loop)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..base.clocks import Alarm
+from ..base.settings import TransportKind
 from .delivery import Carrier
 from .packets.messenger import Messenger
 from .packets.packet import Broadcast, Packet, parse_datagram
@@ -301,6 +302,8 @@ class NodeManagerTransport(Transport):
     repeats by itself. A manager that ends or restarts is noticed, and the components attach
     again, less and less often while there is none.
     """
+
+    KIND = TransportKind.NODE_MANAGER
 
     def __init__(self, settings: TransportSettings, loop: Loop) -> None:
         """Prepare a transport; ``open`` begins to look for the manager."""

@@ -5,7 +5,14 @@ from __future__ import annotations
 import sys
 import threading
 
-from jausml_runtime import JausAddress, JausComponent, ServiceIdentity, running_transport
+from jausml_runtime import (
+    Component,
+    EventSubscriber,
+    JausAddress,
+    PeerController,
+    ServiceIdentity,
+    running_transport,
+)
 from winch.messages import QueryWinchState, ReportWinchState, SetWinchCommand
 from winch.winch_base import TRANSPORT
 
@@ -16,7 +23,7 @@ SECONDS = 20.0
 Activity = ReportWinchState.Activity
 
 
-class Watch(JausComponent):
+class Watch(EventSubscriber, PeerController, Component):
     """Waits for what the winch does."""
 
     def __init__(self, transport, address):

@@ -12,7 +12,7 @@ from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
-from jausml.runtime.messages import discovery, management
+from jausml.runtime.messages import digital_resources, machine_states
 from jausml.runtime.transports.delivery import Arrival, PeerTraffic, ReceivedMessage
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
@@ -39,7 +39,7 @@ CORE_SERVICES = tuple(
 
 CLASSES = {
     message_class.CODE: message_class
-    for module in (core_messages, discovery, management)
+    for module in (core_messages, digital_resources, machine_states)
     for message_class in vars(module).values()
     if isinstance(message_class, type)
     and issubclass(message_class, Message)

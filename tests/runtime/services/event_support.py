@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.clients.event_client import EventClient
 from jausml.runtime.messages import (
     QueryHeartbeatPulse,
     QueryStatus,
@@ -38,9 +39,9 @@ def statuses(client, inbox, **named):
 def kill(world, component):
     """End a component as a crash does: without a word."""
     world.detach(component.address)
-    component._jaus_core.events.stop()
+    component._jaus_events.stop()
     component._jaus_running = False
-    component._jaus_clients.events._component = world.component("77.7.7")
-    for stream in list(component._jaus_clients.events._streams.values()):
+    component.part(EventClient)._component = world.component("77.7.7")
+    for stream in list(component.part(EventClient)._streams.values()):
         stream._timer.cancel()
         stream._silence_timer.cancel()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime import Guard, JausComponent, Status
+from jausml.runtime import Component, Guard, Status
 from jausml.runtime.bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
 from jausml.runtime.bridge.connections.to_ros import MessageToTopics
 from jausml.runtime.bridge.ends.topics import Topic
@@ -56,14 +56,14 @@ def test_connections_of_one_report_share_one_event(world, setting):
 def test_everything_is_made_before_the_first_message(setting):
     """Whatever the component sends or hears comes after publishers and subscriptions."""
     made_at_start = []
-    original = JausComponent.start
+    original = Component.start
 
     def start(component):
         made_at_start.extend(setting.ros.made)
         original(component)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(JausComponent, "start", start)
+        patch.setattr(Component, "start", start)
         setting.open(event(rate=1.0, topics=[Topic("a")]), command())
     assert made_at_start == [("publisher", "a"), ("subscription", "numbers")]
 

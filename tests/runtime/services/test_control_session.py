@@ -44,7 +44,7 @@ def target(world, **settings):
 
 def kill(world, component):
     """End a component as a crash does: without a word."""
-    component._jaus_core.access_control._timer.cancel()
+    component._jaus_access._timer.cancel()
     world.detach(component.address)
 
 
@@ -256,7 +256,7 @@ def test_events_tell_at_once_what_the_target_does_by_itself(world, client):
     client.send(Resume(), TARGET)
     world.settle()
     assert session.state is READY
-    tested._jaus_core.management.stand_by()
+    tested._jaus_management.stand_by()
     world.settle()
     assert states == [CONTROLLED, READY, CONTROLLED]
     assert session.status is Status.STANDBY
@@ -317,9 +317,7 @@ def test_questions_that_stay_unanswered_are_given_up(world, client):
 def test_a_target_that_grants_and_takes_away_is_not_flooded(world, client):
     tested = target(world)
     tested.on_controller_changed = lambda controller: (
-        world.loop.call_soon(lambda: tested._jaus_core.access_control.drop(0))
-        if controller
-        else None
+        world.loop.call_soon(lambda: tested._jaus_access.drop(0)) if controller else None
     )
     client.control(TARGET, authority=127)
     world.run(10.0)
@@ -341,7 +339,7 @@ def test_a_component_that_must_not_work_controls_nobody(world, end):
     elif end == "failure":
         commander.fail("broken")
     else:
-        commander._jaus_core.management.shut_down()
+        commander._jaus_management.shut_down()
     world.run(30.0)
     assert tested.controller is None
     assert tested.status is Status.STANDBY

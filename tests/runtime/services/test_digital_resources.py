@@ -7,7 +7,7 @@ import pytest
 from jausml.runtime import ComponentSettings, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.component.process import ComponentProgram, run_component
-from jausml.runtime.messages.discovery import (
+from jausml.runtime.messages.digital_resources import (
     ConfirmDigitalResourceEndpoint,
     Endpoint,
     QueryDigitalResourceEndpoint,
@@ -15,9 +15,8 @@ from jausml.runtime.messages.discovery import (
     RemoveDigitalResourceEndpoint,
     ReportDigitalResourceEndpoint,
     RequestIDRec,
-    server_type,
 )
-from jausml.runtime.services.discovery import DIGITAL_RESOURCE_DISCOVERY
+from jausml.runtime.services.definitions import DIGITAL_RESOURCE_DISCOVERY, server_type
 
 from .conftest import CORE_SERVICES
 

@@ -12,12 +12,12 @@ from jausml.runtime import ServiceIdentity
 from jausml.runtime.component.modelled import ModelledComponent
 from jausml.runtime.component.state_machine import On, State
 from jausml.runtime.messages import CreateEvent, Event, RequestControl, Reset
-from jausml.runtime.messages.management import (
+from jausml.runtime.messages.machine_states import (
     MACHINE_STATES,
     QueryMachineStates,
     ReportMachineStates,
 )
-from jausml.runtime.services import management
+from jausml.runtime.services import machine_states
 from jausml.runtime.wire.message import DecodeError
 
 from .conftest import CORE_SERVICES
@@ -150,7 +150,7 @@ def test_an_event_tells_each_change(world, client):
 
 
 def test_a_count_of_entries_stays_at_its_end(world, client, monkeypatch):
-    monkeypatch.setattr(management, "MOST_ENTRIES", 3)
+    monkeypatch.setattr(machine_states, "MOST_ENTRIES", 3)
     door = started(world)
     for _ in range(10):
         door.raise_event("Turn")

@@ -310,7 +310,7 @@ def test_failure_from_ready(ready, client):
 
 @pytest.mark.parametrize("status", list(Status))
 def test_status_is_reported_in_every_state(robot, client, status):
-    robot._jaus_core.management._enter(status)
+    robot._jaus_management._enter(status)
     assert client.ask(QueryStatus(), robot) == [ReportStatus(status=status, reserved=0)]
 
 
@@ -520,7 +520,7 @@ class TestFloodOfRequests:
         for number in range(2000):
             world.probe(f"{number + 10}.1.1").send(RequestControl(authority_code=1), ready)
         world.settle()
-        assert len(ready._jaus_core.access_control._refusals._counts) <= 256
+        assert len(ready._jaus_access._refusals._counts) <= 256
 
 
 class TestLift:

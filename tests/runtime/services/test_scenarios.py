@@ -193,7 +193,7 @@ def test_flood_of_emergencies_is_bounded_and_safe(world, robot):
     for address in flood:
         world.send(address, ROBOT, SetEmergency().encode())
     world.settle()
-    assert len(robot._jaus_core.management._emergencies) == MAX_EMERGENCY_CLIENTS
+    assert len(robot._jaus_management._emergencies) == MAX_EMERGENCY_CLIENTS
     for address in flood[: MAX_EMERGENCY_CLIENTS - 1]:
         world.send(address, ROBOT, ClearEmergency().encode())
     world.settle()

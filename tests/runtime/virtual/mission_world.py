@@ -9,7 +9,7 @@ import json
 import logging
 import sys
 
-from jausml_runtime import JausAddress, JausComponent, ServiceIdentity
+from jausml_runtime import JausAddress, JausComponent, ListManagerService, ServiceIdentity
 from jausml_runtime.bridge.ends.ros_side import Outcome
 from jausml_runtime.virtual import Link, VirtualWorld
 from pausing.pausing import Pausing
@@ -169,7 +169,7 @@ class Sending(Driving):
     @property
     def state(self):
         """The state of the mission that the robot has."""
-        (driver,) = self.robot.list_drivers
+        (driver,) = self.robot.component.part(ListManagerService).drivers
         return driver._mission and int(driver._mission.state)
 
 
@@ -361,7 +361,7 @@ def sent_station_ends(scene):
 
 def sent_refused(scene):
     """The robot has a mission of its operator already."""
-    (driver,) = scene.robot.list_drivers
+    (driver,) = scene.robot.component.part(ListManagerService).drivers
     mission = SpoolMission.MissionInfo(7, SpoolMission.SourceID(1, 1, 200))
     driver._spool(SpoolMission(mission, list(PLAN)), OPERATOR)
     client = scene.send(1.0)

@@ -8,7 +8,7 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.live.messages.errors import CodecError
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import printable, shown_fields
-from jausml.runtime.services.list_manager import ELEMENTS_OF_DRIVERS
+from jausml.runtime.services.definitions import ELEMENTS_OF_DRIVERS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,8 +6,8 @@ from functools import partial
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from ...clients.exchanges import Unanswered
-from ...clients.peer_search import PeerBinding
+from ...clients.exchanges import Exchanges, Unanswered
+from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard
 from ...wire.message import DecodeError
 from ..connections.connection import NO_PEER, NOT_READY
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.address import JausAddress
-    from ...clients.peer_search import PeerSearch
+    from ...clients.peer_binding import Search
     from ...wire.message import Message
     from ..ends.ends import Ends
     from ..ends.topics import ServiceClient
@@ -61,7 +61,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         self,
         name: str,
         *,
-        peers: Sequence[JausAddress] | PeerSearch,
+        peers: Sequence[JausAddress] | Search,
         rejections: Sequence[type[Message]] = (),
         control: Guard = Guard.ANY,
         is_success_mapped: bool = False,
@@ -83,7 +83,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
         self._peers.open(
             ends, self.name, join=self._changed, leave=self._changed, changed=self._changed
         )
-        ends.exchanges.listen(self._answers)
+        ends.component.part(Exchanges).listen(self._answers)
         ends.ros.serve(self.service, self._serve)
 
     @property
@@ -126,7 +126,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
             self._send(payload, peer, acknowledge=True)
             self._succeed(call, self.service.response())
             return
-        call.forget = self._ends.exchanges.ask(
+        call.forget = self._ends.component.part(Exchanges).ask(
             peer,
             payload,
             self._answers,
@@ -237,7 +237,7 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         self,
         name: str,
         *,
-        peers: Sequence[JausAddress] | PeerSearch = (),
+        peers: Sequence[JausAddress] | Search = (),
         rejections: Sequence[type[Message]] = (),
         reason: tuple[str, int] | None = None,
         when: Guard | Callable[[Any], Guard] = Guard.ANY,
@@ -261,7 +261,7 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         """Makes the client, then takes what asks."""
         super().open(ends)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
-        self._peers.follow(ends.component.find_peers, lambda _: None, lambda _: None)
+        self._peers.follow(ends.component, lambda _: None, lambda _: None)
         self._client = ends.ros.service_client(self.service)
         asking = self._request
         message = asking.message if isinstance(asking, CallTranslation) else asking

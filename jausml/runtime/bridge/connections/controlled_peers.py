@@ -6,8 +6,9 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ...base.quirks import Quirk
+from ...clients.control_session import ControlClient
 from ...clients.control_state import ControlState
-from ...clients.peer_search import PeerBinding
+from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard
 from ..ends import parameters
 
@@ -16,14 +17,14 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...clients.control_session import ControlSession
-    from ...clients.peer_search import PeerSearch
+    from ...clients.peer_binding import Search
     from ..ends.ends import Ends
 
 
 class ControlledPeers:
     """Who gets the messages of a connection, and who of them obeys."""
 
-    def __init__(self, peers: Sequence[JausAddress] | PeerSearch, control: Guard) -> None:
+    def __init__(self, peers: Sequence[JausAddress] | Search, control: Guard) -> None:
         """Meets nobody before `open`.
 
         Args:
@@ -62,7 +63,7 @@ class ControlledPeers:
             self._leave(peer)
             leave(peer)
 
-        self._binding.follow(ends.component.find_peers, begin, end)
+        self._binding.follow(ends.component, begin, end)
 
     @property
     def demands_control(self) -> bool:
@@ -99,7 +100,7 @@ class ControlledPeers:
 
     def _join(self, peer: JausAddress) -> None:
         if self._control is not Guard.ANY:
-            self._sessions[peer] = self._ends.component.control(
+            self._sessions[peer] = self._ends.component.part(ControlClient).control(
                 peer,
                 authority=self._ends.settings.authority,
                 resume=self._control is Guard.READY,

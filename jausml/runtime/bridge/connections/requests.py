@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from ...clients.peer_search import PeerBinding
+from ...clients.event_client import EventClient
+from ...clients.peer_binding import PeerBinding
+from ...clients.query import QueryClient
 from ...services.definitions import Guard
 from ...transports.delivery import MESSAGE_CODE_SIZE
 from ..ends import parameters
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...clients.event_subscription import EventSubscription
-    from ...component.component import JausComponent
+    from ...services.host import Host
     from ...wire.message import Message
     from ..ends.ends import Ends
     from .connection import Take
@@ -54,7 +56,7 @@ class EventRequests:
 
     def begin(self, peer: JausAddress) -> None:
         """Asks a peer for the event."""
-        self._events[peer] = self._ends.component.subscribe(
+        self._events[peer] = self._ends.component.part(EventClient).subscribe(
             peer, self._query, self._message, self._take, rate=self._real_rate, payloads=True
         )
 
@@ -121,7 +123,7 @@ class QueryRequests:
         self._message = message
         self._take = take
         self._peers: PeerBinding
-        self._component: JausComponent
+        self._component: Host
         self._next = 0.0
         self._unanswered: set[JausAddress] = set()
         self._silent: set[JausAddress] = set()
@@ -152,7 +154,7 @@ class QueryRequests:
             (self._silent.add if peer in self._unanswered else self._silent.discard)(peer)
             self._unanswered.discard(peer)
             # Repetition is the next period's; a late answer counts as an answer.
-            self._component.query(
+            self._component.part(QueryClient).ask(
                 peer,
                 self._query,
                 self._message,
@@ -186,7 +188,7 @@ class CommandMemory:
         self._answer = answer
         self._payload: bytes | None = None
 
-    def provide(self, component: JausComponent) -> None:
+    def provide(self, component: Host) -> None:
         """Answers the query, and periodic events on it; nobody watches for changes."""
         self._payload = None
         answer = self._answer
@@ -272,18 +274,18 @@ class JoinedReport(Joined):
         if join.query is None:
             senders = None if self._peers.is_anybody else self._peers
             ends.shared_messages.accept(join.message, Taker(self.keep, senders, refuse), Guard.ANY)
-            self._peers.follow(ends.component.find_peers, _nothing, _nothing)
+            self._peers.follow(ends.component, _nothing, _nothing)
         elif join.is_asked and usual is not None:
             asked = QueryRequests(ends, join.query, join.message, self.keep, usual)
             asked.rate = ends.ros.parameter(parameters.RATE.of(usual, owner), asked.set_rate)
-            self._peers.follow(ends.component.find_peers, _nothing, _nothing)
+            self._peers.follow(ends.component, _nothing, _nothing)
             asked.start(self._peers)
         else:
             events = EventRequests(ends, join.query, join.message, self.keep, usual)
             if usual is not None:
                 rate = parameters.RATE.of(usual, owner)
                 events.rate = ends.ros.parameter(rate, events.set_rate)
-            self._peers.follow(ends.component.find_peers, events.begin, events.end)
+            self._peers.follow(ends.component, events.begin, events.end)
 
 
 def _nothing(_peer: JausAddress) -> None:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from typing import Concatenate
 
     from ...base.address import JausAddress
-    from ...clients.peer_search import PeerSearch
+    from ...clients.peer_binding import Search
     from ...guardian.ward import Content
     from ...wire.message import Message
     from ..ends.ends import Ends, ReportHolder
@@ -45,7 +45,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         name: str,
         translate: Callable[Concatenate[SourceT, ...], TargetT | None],
         *,
-        peers: Sequence[JausAddress] | PeerSearch,
+        peers: Sequence[JausAddress] | Search,
         control: Guard = Guard.ANY,
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...base.fast_path import FastPath, through
-from ...clients.peer_search import PeerBinding
+from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
 from ..ends.ends import Taker
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from typing import Concatenate
 
     from ...base.address import JausAddress
-    from ...clients.peer_search import PeerSearch
+    from ...clients.peer_binding import Search
     from ...guardian.ward import Content
     from ...wire.message import Message
     from ..ends.ends import Ends
@@ -59,7 +59,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         message: type[SourceT],
         type: type[TargetT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
-        peers: Sequence[JausAddress] | PeerSearch = (),
+        peers: Sequence[JausAddress] | Search = (),
         joins: Sequence[ReportJoin] = (),
         **when_lost: Any,
     ) -> None:
@@ -107,7 +107,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         self._take = self._through(partial(self.take))
         self.begin(ends)
         # At last: a peer may answer as soon as it is asked.
-        self._peers.follow(ends.component.find_peers, self._join, self._leave)
+        self._peers.follow(ends.component, self._join, self._leave)
 
     def begin(self, ends: Ends) -> None:
         """Prepares to meet the peers; by default nothing is to be done."""

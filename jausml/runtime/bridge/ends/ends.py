@@ -15,6 +15,7 @@ from ...base.settings import TransportSettings
 from ...component.base import COMPONENT_TYPE
 from ...messages import ClearEmergency, SetEmergency
 from ...services.definitions import ComponentSettings, Guard, ServiceIdentity
+from ...services.management import ManagementService
 from .topics import TopicCounts
 
 if TYPE_CHECKING:
@@ -25,14 +26,12 @@ if TYPE_CHECKING:
     from ...base.clocks import Timing
     from ...base.fast_path import FastPath, FastSending
     from ...base.loop import Loop
-    from ...clients.exchanges import Exchanges
-    from ...clients.peer_search import PeerBinding
-    from ...component.component import JausComponent
+    from ...clients.peer_binding import PeerBinding
+    from ...component.base import Component
     from ...conversions import Time
     from ...guardian.ward import Ward
     from ...wire.message import Message
     from ..messages.compiled import Compiled, Function
-    from .list_driver import ListDriver, ListMessages
     from .ros_side import FastSubscriber, RosPublisher, RosSide
     from .simulation import Simulation
     from .topics import Topic
@@ -219,7 +218,7 @@ class SharedFeed:
 class SharedMessages:
     """The messages of other components that a bridge takes, and the reports that it offers."""
 
-    def __init__(self, component: JausComponent) -> None:
+    def __init__(self, component: Component) -> None:
         self._component = component
         self._listeners: dict[type[Message], BySender] = {}
         self._commands: dict[type[Message], tuple[When, BySender]] = {}
@@ -253,7 +252,7 @@ class SharedMessages:
         """Begins to take the messages that were asked for."""
         for message, listeners in self._listeners.items():
             if message.CODE in (SetEmergency.CODE, ClearEmergency.CODE):
-                self._component.watch_emergency(message, listeners.taking())
+                self._component.part(ManagementService).watch_emergency(message, listeners.taking())
                 continue
             self._component.on_payload(
                 message,
@@ -301,12 +300,11 @@ class Ends(Protocol):
     """
 
     settings: BridgeSettings
-    exchanges: Exchanges
     clock: Timing
     simulation: Simulation | None
     ward: Ward | None
     ros: RosSide
-    component: JausComponent
+    component: Component
     shared_topics: SharedTopics
     shared_messages: SharedMessages
 
@@ -329,6 +327,3 @@ class Ends(Protocol):
 
     def at(self, moment: Time) -> AbstractContextManager[None]:
         """Lets translations take a moment for the present."""
-
-    def list_driver(self, messages: ListMessages) -> ListDriver:
-        """Returns the list driver that the bridge provides."""

@@ -13,15 +13,15 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...services.definitions import Completion, Guard
-from ...services.list_manager import NO_UID
+from ...services.list_manager import NO_UID, ListManagerService
 from ...transports.delivery import MESSAGE_CODE_SIZE
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.address import JausAddress
-    from ...component.component import JausComponent
     from ...services.definitions import ListElement
+    from ...services.host import Host
     from ...wire.message import Message
 
 
@@ -37,7 +37,7 @@ class ListMessages:
     query: type[Message]
     report: type[Message]
 
-    def driver(self, component: JausComponent) -> ListDriver:
+    def driver(self, component: Host) -> ListDriver:
         """Returns the driver of a component that executes its lists."""
         return ListDriver(component, self)
 
@@ -97,11 +97,13 @@ class ListDriver:
         speed: Metres per second of what is executed, as its controller has said; 0 for none.
     """
 
-    def __init__(self, component: JausComponent, messages: ListMessages) -> None:
+    def __init__(self, component: Host, messages: ListMessages) -> None:
         """Takes ExecuteList and answers QueryActiveElement."""
         self.active = NO_UID
         self.speed = 0.0
         self._component = component
+        self._list = component.part(ListManagerService)
+        self._list.drivers.append(self)
         self._messages = messages
         self._executors: list[ListExecutor] = []
         self._running: ListExecutor | None = None
@@ -149,7 +151,7 @@ class ListDriver:
 
     def elements_from(self, uid: int) -> list[ListElement]:
         """Returns the elements from one on, in their order; none when it is not there."""
-        elements = list(self._component.elements)
+        elements = list(self._list.elements)
         start = next(
             (at for at, element in enumerate(elements) if element.uid == uid), len(elements)
         )
@@ -158,7 +160,7 @@ class ListDriver:
     @property
     def first_again(self) -> int:
         """UID of the first element if it follows the last one; 0 if it does not."""
-        elements = self._component.elements
+        elements = self._list.elements
         return elements.first.uid if elements.circular and elements.first else NO_UID
 
     def reached(self, executor: ListExecutor, uid: int) -> None:
@@ -188,7 +190,7 @@ class ListDriver:
         if message.element_uid is None and speed is not None:
             return self._change_speed(speed)
         begun = Completion()
-        uid = message.element_uid or getattr(self._component.elements.first, "uid", NO_UID)
+        uid = message.element_uid or getattr(self._list.elements.first, "uid", NO_UID)
         elements = self.elements_from(uid)
         executor = self._executor_of(elements, uid, sender)
         if executor is None:
@@ -250,7 +252,7 @@ class ListDriver:
 
         None when there never was one of the kind: a place that nobody has said is no answer.
         """
-        first = self._component.elements.first
+        first = self._list.elements.first
         element = self._last.get(executor) or first
         if element is None or not executor.is_of(element):
             return None
@@ -274,7 +276,7 @@ class ListDriver:
             self._last[self._running] = element
 
     def _element(self, uid: int) -> ListElement | None:
-        return self._component.elements.get(uid)
+        return self._list.elements.get(uid)
 
     def _tell(self) -> None:
         for report in self._reports:

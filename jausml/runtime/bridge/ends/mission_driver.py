@@ -11,15 +11,17 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING, Any
 
+from ...services.access_control import AccessControlService
 from ...services.definitions import Completion, Guard, ListElement, Status
 from ...services.list_manager import NO_UID
+from ...services.management import ManagementService
 from .list_driver import ListDriver, ListMessages
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from ...base.address import JausAddress
-    from ...component.component import JausComponent
+    from ...services.host import Host
     from ...wire.message import Message
     from .list_driver import ListExecutor
 
@@ -36,7 +38,7 @@ class MissionMessages(ListMessages):
     pause: type[Message]
     resume: type[Message]
 
-    def driver(self, component: JausComponent) -> MissionDriver:
+    def driver(self, component: Host) -> MissionDriver:
         """Returns the spooler of a component."""
         return MissionDriver(component, self)
 
@@ -122,7 +124,7 @@ class Mission:
 class MissionDriver(ListDriver):
     """Executes the mission of a bridge, as its controller says."""
 
-    def __init__(self, component: JausComponent, messages: MissionMessages) -> None:
+    def __init__(self, component: Host, messages: MissionMessages) -> None:
         """Takes what a mission spooler takes, and answers QueryMissionStatus."""
         super().__init__(component, messages)
         self._mission: Mission | None = None
@@ -184,8 +186,9 @@ class MissionDriver(ListDriver):
         self._tell_of_mission()
 
     def _is_controlled(self) -> bool:
-        component = self._component
-        return component.status == Status.READY and component.controller == self._commander
+        status = self._component.part(ManagementService).status
+        controller = self._component.part(AccessControlService).controller
+        return status == Status.READY and controller == self._commander
 
     def _element(self, uid: int) -> ListElement | None:
         return next(iter(self.elements_from(uid)), None)

@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 from ...base.address import JausAddress
 from ...base.api import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
-from ...clients.peer_search import PeerBinding
-from ...messages.discovery import server_type
-from ...services.definitions import MAX_EVENT_RATE
+from ...clients.peer_binding import PeerBinding
+from ...services.definitions import MAX_EVENT_RATE, server_type
 from .topics import Parameter
 
 if TYPE_CHECKING:

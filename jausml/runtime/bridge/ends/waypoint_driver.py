@@ -15,7 +15,7 @@ from .list_driver import ListDriver, ListMessages
 
 if TYPE_CHECKING:
     from ...base.address import JausAddress
-    from ...component.component import JausComponent
+    from ...services.host import Host
     from ...wire.message import Message
 
 ONLY = 1
@@ -29,7 +29,7 @@ class WaypointMessages(ListMessages):
     The query and the report, laid out as that is, tell the waypoint.
     """
 
-    def driver(self, component: JausComponent) -> WaypointDriver:
+    def driver(self, component: Host) -> WaypointDriver:
         """Returns the driver of a component that goes to its waypoints."""
         return WaypointDriver(component, self)
 
@@ -37,7 +37,7 @@ class WaypointMessages(ListMessages):
 class WaypointDriver(ListDriver):
     """Executes the waypoint of a bridge, as its controller says."""
 
-    def __init__(self, component: JausComponent, messages: WaypointMessages) -> None:
+    def __init__(self, component: Host, messages: WaypointMessages) -> None:
         """Takes the waypoint, and tells the last one to whoever asks."""
         super().__init__(component, messages)
         self._waypoint: ListElement | None = None

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...base.fast_path import FastPath
     from ...base.settings import Endpoint
-    from ...component.component import JausComponent
+    from ...component.base import Component
     from ...transports.address_book import Entry
     from ...transports.packets.duplicates import Numbers
     from ...transports.udp.judp import JudpTransport
@@ -89,7 +89,7 @@ class FastReceiver:
     """
 
     def __init__(
-        self, library: Library, core: int, transport: JudpTransport, component: JausComponent
+        self, library: Library, core: int, transport: JudpTransport, component: Component
     ) -> None:
         self._library = library
         self._core = core

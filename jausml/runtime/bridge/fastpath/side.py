@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from ...base.fast_path import FastSending
-    from ...component.component import JausComponent
+    from ...component.base import Component
     from ..ends.topics import TopicCounts
 
 
@@ -170,7 +170,7 @@ class FastSide:
     turn.
     """
 
-    def __init__(self, code: ctypes.CDLL, component: JausComponent) -> None:
+    def __init__(self, code: ctypes.CDLL, component: Component) -> None:
         """Begins to wait with the core.
 
         Args:

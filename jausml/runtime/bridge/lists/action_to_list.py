@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.address import JausAddress
-    from ...clients.peer_search import PeerSearch
+    from ...clients.peer_binding import Search
     from ...wire.message import Message
     from ..ends.ends import Ends
     from ..ends.list_driver import ListMessages
@@ -58,7 +58,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         *,
         action: ListAction,
         driver: ListMessages,
-        peers: Sequence[JausAddress] | PeerSearch,
+        peers: Sequence[JausAddress] | Search,
         speed: float = 0.0,
         speed_of: Callable[[Any], float] | None = None,
         control: Guard = Guard.READY,

@@ -13,6 +13,10 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...base.clocks import Alarm
+from ...clients.command_client import CommandClient
+from ...clients.event_client import EventClient
+from ...clients.list_client import ListClient, deletion, replacement
+from ...clients.query import QueryClient
 from ...services.list_manager import ALL_UIDS, NO_UID, chain
 from ..ends.ros_side import Outcome
 
@@ -23,7 +27,7 @@ if TYPE_CHECKING:
     from ...clients.command_client import PendingCommand
     from ...clients.event_subscription import EventSubscription
     from ...clients.list_client import ListRequest
-    from ...component.component import JausComponent
+    from ...services.host import Host
     from ...wire.message import Message
     from ..connections.controlled_peers import RepeatedStops
     from ..ends.list_driver import ListMessages
@@ -67,7 +71,7 @@ class Run:
 
     def __init__(
         self,
-        component: JausComponent,
+        component: Host,
         peer: JausAddress,
         watcher: RunWatcher,
         timeout: float,
@@ -187,7 +191,7 @@ class Run:
         """Asks how it goes: what a peer tells by itself may be lost, and the peer may die."""
         on_failure: Any = self._silent
         for query, report in self._queries():
-            self._component.query(
+            self._component.part(QueryClient).ask(
                 self.peer,
                 query,
                 report,
@@ -220,7 +224,7 @@ class ListRun(Run):
 
     def __init__(
         self,
-        component: JausComponent,
+        component: Host,
         peer: JausAddress,
         messages: ListMessages,
         watcher: RunWatcher,
@@ -247,9 +251,9 @@ class ListRun(Run):
         self._uids = list(range(first, first + len(payloads)))
         self._speed = speed
         contents = ((uid, data, 0) for uid, data in zip(self._uids, payloads, strict=True))
-        self._request = self._component.set_list(
+        self._request = self._component.part(ListClient).change(
             self.peer,
-            chain(contents),
+            replacement(list(chain(contents))),
             on_done=self._execute,
             on_refused=self._refused,
             timeout=self._pause,
@@ -287,9 +291,9 @@ class ListRun(Run):
             if on_settled is not None:
                 on_settled(code, confirmed=confirmed)
 
-        component.delete_elements(
+        component.part(ListClient).change(
             self.peer,
-            [ALL_UIDS],
+            [deletion([ALL_UIDS])],
             on_done=partial(settled, confirmed=True),
             on_refused=settled,
             timeout=self._pause,
@@ -304,7 +308,7 @@ class ListRun(Run):
     def _execute(self) -> None:
         component, messages = self._component, self._messages
         self._is_followed = True
-        self._events = component.subscribe(
+        self._events = component.part(EventClient).subscribe(
             self.peer,
             messages.query(),
             messages.report,
@@ -312,7 +316,7 @@ class ListRun(Run):
         )
         self._begun = component.loop.now()
         # A peer of core v1.0 knows no command events, and executes the plain command.
-        self._command = component.command(
+        self._command = component.part(CommandClient).command(
             self.peer,
             self._execution(),
             on_done=self._command_done,

@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...base.clocks import Alarm
-from ...clients.peer_search import PeerBinding
+from ...clients.peer_binding import PeerBinding
 from ..connections.connection import NOT_READY
 from ..connections.translations import ros_encoder
 from ..ends import parameters
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.address import JausAddress
-    from ...clients.peer_search import PeerSearch
+    from ...clients.peer_binding import Search
     from ...services.definitions import ListElement
     from ...wire.message import Message
     from ..ends.ends import Ends
@@ -62,7 +62,7 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         driver: ListMessages,
         answers: ListAnswers = NO_ANSWERS,
         fill: Callable[[Any, float | None], object] | None = None,
-        peers: Sequence[JausAddress] | PeerSearch = (),
+        peers: Sequence[JausAddress] | Search = (),
         timeout: float = 1.0,
     ) -> None:
         """Prepares the connection.
@@ -103,9 +103,9 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         self._check = Alarm(ends.loop)
         self._action = parameters.action(ends.ros, self.name, self._action)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
-        self._peers.follow(ends.component.find_peers, lambda _: None, lambda _: None)
+        self._peers.follow(ends.component, lambda _: None, lambda _: None)
         self._client = ends.ros.action_client(self._action)
-        self._driver = ends.list_driver(self._messages)
+        self._driver = ends.component.part(self._messages.driver)
         self._driver.add(self, self._answers)
 
     def decoder(self) -> Callable[[bytes], SourceT]:

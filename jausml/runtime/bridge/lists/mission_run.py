@@ -11,6 +11,7 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from ...clients.query import QueryClient
 from ..ends.mission_driver import Kind, State
 from ..ends.ros_side import Outcome
 from .list_run import RETRIES, Run
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.address import JausAddress
-    from ...component.component import JausComponent
+    from ...services.host import Host
     from ...wire.message import Message
     from ..connections.controlled_peers import RepeatedStops
     from ..ends.mission_driver import MissionMessages
@@ -46,7 +47,7 @@ class MissionRun(Run):
 
     def __init__(
         self,
-        component: JausComponent,
+        component: Host,
         peer: JausAddress,
         messages: MissionMessages,
         watcher: RunWatcher,
@@ -221,7 +222,7 @@ class MissionRun(Run):
             pause = self._pause if self._going else 0.0
             self._component.loop.call_later(pause, partial(self._see, then, left - 1))
 
-        self._component.query(
+        self._component.part(QueryClient).ask(
             self.peer,
             self._status_query(mission_id=min(going)),
             self._messages.report,

@@ -1,0 +1,85 @@
+"""Reports of those that a search finds, subscribed to or asked for."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
+
+from ..wire.message import Message
+from .event_client import EventSubscriber
+from .peer_binding import PeerBinding
+from .query import Querier
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..base.address import JausAddress
+    from .event_subscription import EventSubscription
+    from .peer_search import PeerSearch
+
+R = TypeVar("R", bound=Message)
+
+
+class PeerSubscriber(EventSubscriber):
+    """A component that subscribes to reports of those that it finds."""
+
+    def subscribe_to_found(
+        self,
+        search: PeerSearch,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None],
+        *,
+        rate: float | None = None,
+        silence_timeout: float = 0.0,
+        on_silence: Callable[[JausAddress], None] | None = None,
+        stands_by: bool = False,
+    ) -> None:
+        """Receive a report of what a search finds, as ``subscribe`` does of one provider.
+
+        Args:
+            rate: Reports each second of each provider; None means every change.
+            silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
+            on_silence: Told a provider each time that it falls silent.
+            stands_by: Whether the component leaves Ready for Standby then, before that call, and
+                when a provider is gone.
+        """
+        subscriptions: dict[JausAddress, EventSubscription] = {}
+
+        def join(peer: JausAddress) -> None:
+            silent = None if on_silence is None else partial(on_silence, peer)
+            subscriptions[peer] = self.subscribe(
+                peer,
+                query,
+                report_class,
+                on_report,
+                rate=rate,
+                silence_timeout=silence_timeout,
+                on_silence=silent,
+                stands_by=stands_by,
+            )
+
+        def leave(peer: JausAddress) -> None:
+            subscriptions.pop(peer).cancel()
+            if stands_by:
+                self._jaus_stand_by(peer, None)
+
+        PeerBinding(search).follow(self, join, leave)
+
+
+class PeerQuerier(Querier):
+    """A component that asks those that it finds."""
+
+    def query_found(
+        self,
+        search: PeerSearch,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None],
+    ) -> None:
+        """Ask each component that a search finds for a report once, when it is found."""
+
+        def join(peer: JausAddress) -> None:
+            self.query(peer, query, report_class, on_report)
+
+        PeerBinding(search).follow(self, join, lambda _peer: None)
