@@ -124,10 +124,7 @@ class Index:
     """
 
     def __init__(
-        self,
-        root: Path,
-        contents: Mapping[str, bytes] | None = None,
-        models: Models | None = None,
+        self, root: Path, contents: Mapping[str, bytes] | None = None, models: Models | None = None
     ) -> None:
         self.root = root
         self.contents = stored_files(root) if contents is None else contents
@@ -230,10 +227,7 @@ _ADDRESS = re.compile(r"\d+\.\d+\.\d+")
 
 
 def read_project(
-    paths: Iterable[str | os.PathLike[str]],
-    reading: Reading | None = None,
-    *,
-    is_one: bool = False,
+    paths: Iterable[str | os.PathLike[str]], reading: Reading | None = None, *, is_one: bool = False
 ) -> ReadResult:
     """Reads models with all that they refer to: files, and those below folders.
 

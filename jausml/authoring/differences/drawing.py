@@ -80,11 +80,7 @@ class _Comparison:
     """Works out the union of two graphs, from frames inwards to rows, and then the lines."""
 
     def __init__(
-        self,
-        old: Graph,
-        new: Graph,
-        same: Mapping[Ref, Ref],
-        texts: Mapping[Ref, Sequence[str]],
+        self, old: Graph, new: Graph, same: Mapping[Ref, Ref], texts: Mapping[Ref, Sequence[str]]
     ) -> None:
         self._old, self._new = old, new
         self._same, self._texts = same, texts

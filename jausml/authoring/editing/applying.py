@@ -196,10 +196,7 @@ class Applying:
             pending += self._orphaned(gone, going)
         # What stands in something else that goes needs no mention.
         inner = {
-            part
-            for removed_copy in self.removed
-            for part in removed_copy.everything()
-            if part is not removed_copy
+            part for removed in self.removed for part in removed.everything() if part is not removed
         }
         self.removed = [removed_copy for removed_copy in self.removed if removed_copy not in inner]
         self._unlink(going)

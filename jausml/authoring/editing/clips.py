@@ -19,15 +19,7 @@ from jausml.language.model.names import name_of
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.printing import UnwritableError
 from jausml.language.text.notation import NOTATIONS, Ros2Jaus
-from jausml.language.text.tree import (
-    Element,
-    Feature,
-    Import,
-    Name,
-    SyntaxTree,
-    Text,
-    snake_case,
-)
+from jausml.language.text.tree import Element, Feature, Import, Name, SyntaxTree, Text, snake_case
 from jausml.language.text.writing.references import ROOT, STANDING
 from jausml.language.text.writing.unparsing import to_clip
 
@@ -172,11 +164,7 @@ class _Notation(Ros2Jaus):
                 imports.append(item)
             else:
                 items.append(self._standing(item))
-        named = [
-            import_statement
-            for import_statement in imports
-            if isinstance(import_statement.target, Text)
-        ]
+        named = [statement for statement in imports if isinstance(statement.target, Text)]
         # One that is not here would hide all else that is not.
         gone = [
             import_statement
@@ -204,6 +192,4 @@ class _Notation(Ros2Jaus):
         return Feature(span=item.span, documentation=item.documentation, name=ROOT, values=[block])
 
 
-_STANDING_WORDS = frozenset(
-    snake_case(qualified_name.rpartition(".")[2]) for qualified_name in STANDING
-)
+_STANDING_WORDS = frozenset(snake_case(kind.rpartition(".")[2]) for kind in STANDING)

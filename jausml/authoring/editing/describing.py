@@ -41,9 +41,7 @@ class _Describing:
     """Descriptions of some elements, part by part."""
 
     def __init__(
-        self,
-        elements: Sequence[tuple[EObject, Model]],
-        ref_of: Callable[[EObject, Model], Ref],
+        self, elements: Sequence[tuple[EObject, Model]], ref_of: Callable[[EObject, Model], Ref]
     ) -> None:
         self._ref_of = ref_of
         self._elements: dict[_Path, tuple[EObject, Model]] = {}

@@ -44,11 +44,7 @@ class Draft:
     """The files of a project with changes that nobody else sees yet."""
 
     def __init__(
-        self,
-        root: Path,
-        files: Mapping[str, Stored],
-        reader: Reader,
-        revision: int,
+        self, root: Path, files: Mapping[str, Stored], reader: Reader, revision: int
     ) -> None:
         self.root = root
         self.files = dict(files)

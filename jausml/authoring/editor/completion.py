@@ -26,15 +26,7 @@ from jausml.language.semantics.conversions import CONVERSIONS
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.text.reading.imports import library_files, library_maps
 from jausml.language.text.reading.parsing import parsed_text
-from jausml.language.text.tree import (
-    Assignment,
-    Direction,
-    Element,
-    End,
-    Feature,
-    Name,
-    snake_case,
-)
+from jausml.language.text.tree import Assignment, Direction, Element, End, Feature, Name, snake_case
 from jausml.language.text.writing.spelling import path as written_path
 from jausml.language.text.writing.spelling import word as written_word
 
@@ -114,8 +106,7 @@ def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
         yield from (Completion(map_word, Kind.Keyword) for map_word in _MAP_WORDS)
     if context.table is not None:
         yield from (
-            _keyword(snake_case(contained_class.name))
-            for contained_class in contained_classes(context.table)
+            _keyword(snake_case(contained.name)) for contained in contained_classes(context.table)
         )
     yield from map(_feature, features_of(context.item, context.table).values())
 
@@ -132,9 +123,7 @@ def _feature(feature: FeatureTable) -> Completion:
 
 
 def _import(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    yield from (
-        Completion(written_word(library_file), Kind.File) for library_file in library_files()
-    )
+    yield from (Completion(written_word(library), Kind.File) for library in library_files())
 
 
 def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -241,11 +230,7 @@ def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completio
 def _reference(candidate: Candidate) -> Completion:
     name = written_path(candidate.name)
     return Completion(
-        name,
-        Kind.Reference,
-        candidate.detail,
-        module=candidate.module,
-        is_first=candidate.fits,
+        name, Kind.Reference, candidate.detail, module=candidate.module, is_first=candidate.fits
     )
 
 
@@ -257,10 +242,7 @@ def _literals(feature: FeatureTable) -> Iterator[Completion]:
         literal = data_type.literals[word] if data_type is not None else None
         default = " (default)" if literal is not None and literal == feature.default else ""
         yield Completion(
-            written_word(word),
-            Kind.EnumMember,
-            default.strip(),
-            documentation(literal),
+            written_word(word), Kind.EnumMember, default.strip(), documentation(literal)
         )
 
 

@@ -155,9 +155,7 @@ class _Collector:
                 self._declare(item.name, table("bridge.ValueTable"), item, owners)
             elif isinstance(item, Vector):
                 self._declare(item.name, table("bridge.TestVector"), item, owners)
-                self._joins(
-                    [vector_entry.path for vector_entry in item.given], owners, to_ros=item.to_ros
-                )
+                self._joins([entry.path for entry in item.given], owners, to_ros=item.to_ros)
             elif isinstance(item, Direction):
                 self.items(item.assignments, item, None, (*owners, item))
             elif isinstance(item, Assignment):

@@ -22,12 +22,7 @@ from jausml.authoring.editor.completion import Completion, CompletionList, compl
 from jausml.authoring.editor.definition import Symbol, define, outline
 from jausml.authoring.editor.hover import hover
 from jausml.authoring.editor.places import Columns, Place
-from jausml.authoring.editor.workbench import (
-    Problem,
-    Workbench,
-    all_problems,
-    syntax_problems,
-)
+from jausml.authoring.editor.workbench import Problem, Workbench, all_problems, syntax_problems
 from jausml.authoring.editor.workspace_edits import Fix, RenameError, fixes, rename, renamed_span
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.diagnostics import Severity

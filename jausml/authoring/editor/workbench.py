@@ -167,10 +167,7 @@ class Workbench:
 
     def imports(self, path: Path) -> list[Path]:
         """Returns the files that a text imports, whether they are there or not."""
-        files = (
-            imported_file(import_statement, path)
-            for import_statement in imports_of(self.tree(path))
-        )
+        files = (imported_file(statement, path) for statement in imports_of(self.tree(path)))
         return [file for file in files if file is not None]
 
     def related(self, path: Path) -> list[Path]:

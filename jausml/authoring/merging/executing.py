@@ -186,11 +186,7 @@ class Execution:
     # -- Changing --------------------------------------------------------------------------------
 
     def _set(
-        self,
-        element: EObject,
-        feature: FeatureTable,
-        values: tuple[Value, ...],
-        place: EObject,
+        self, element: EObject, feature: FeatureTable, values: tuple[Value, ...], place: EObject
     ) -> None:
         if feature.kind is FeatureKind.ATTRIBUTE:
             texts = tuple(text for text in values if isinstance(text, str))

@@ -154,8 +154,7 @@ class _Merge:
             files = {**files, **{name: stored(name, data, 0) for name, data in names.items()}}
         names_of = ("the base", "our side", "their side")
         was, _, other = (
-            _whole(name, read_result, root, others)
-            for name, read_result in zip(names_of, results, strict=True)
+            _whole(name, read, root, others) for name, read in zip(names_of, results, strict=True)
         )
         self.before = files
         self.mine = self._reader.read(file, files).model

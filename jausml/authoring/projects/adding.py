@@ -106,10 +106,10 @@ def add_connections(
 
 def _carries(owner: bridge.Bridge, crossing: Crossing) -> bool:
     return any(
-        name_of(bridge_connection.map) == name_of(crossing.map)
-        and crossing.topic.name in [topic.name for topic in bridge_connection.topics]
-        for bridge_connection in owner.bridgeConnections
-        if bridge_connection.map is not None
+        name_of(connection.map) == name_of(crossing.map)
+        and crossing.topic.name in [topic.name for topic in connection.topics]
+        for connection in owner.bridgeConnections
+        if connection.map is not None
     )
 
 
@@ -164,10 +164,7 @@ def scope_of(place: Place) -> Scope:
 def ready_maps(scope: Scope) -> list[bridge.AttributeMap]:
     """Returns the maps of a project, and those of the library that it has no copies of."""
     ready = library().instances(bridge.AttributeMap)
-    own = {
-        _identity(attribute_map): attribute_map
-        for attribute_map in reversed(scope.own(bridge.AttributeMap))
-    }
+    own = {_identity(used): used for used in reversed(scope.own(bridge.AttributeMap))}
     return [
         *reversed(own.values()),
         *(attribute_map for attribute_map in ready if _identity(attribute_map) not in own),
@@ -186,16 +183,12 @@ def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Cros
         return crossing
     shipped = library().document_of(crossing.map)
     is_copied = shipped is not None and any(copy.stem == shipped.path.stem for copy in copies)
-    for attribute_map in scope.instances(bridge.AttributeMap):
-        if is_copied and library().document_of(attribute_map) is not None:
+    for used in scope.instances(bridge.AttributeMap):
+        if is_copied and library().document_of(used) is not None:
             break
-        offer = (
-            offer_of(attribute_map.message, to_ros=crossing.offer.to_ros)
-            if attribute_map.message
-            else None
-        )
-        if _identity(attribute_map) == _identity(crossing.map) and offer is not None:
-            return replace(crossing, map=attribute_map, offer=offer)
+        offer = offer_of(used.message, to_ros=crossing.offer.to_ros) if used.message else None
+        if _identity(used) == _identity(crossing.map) and offer is not None:
+            return replace(crossing, map=used, offer=offer)
     files = ", ".join(str(copy) for copy in copies)
     place = f"{files}: " if is_copied else ""
     raise ProjectError(f"{place}there is no map {name_of(crossing.map)}")

@@ -61,7 +61,7 @@ def difference(a: Interval, b: Interval) -> Interval:
 
 def product(a: Interval, b: Interval) -> Interval:
     """Product."""
-    return _around(_product(x, y) for x in a for y in b)
+    return _around((0.0 if x == 0.0 or y == 0.0 else x * y) for x in a for y in b)
 
 
 def quotient(a: Interval, b: Interval) -> Interval:
@@ -248,10 +248,6 @@ def _power(base: float, exponent: float) -> float:
         return math.pow(base, exponent)
     except OverflowError:
         return math.inf
-
-
-def _product(x: float, y: float) -> float:
-    return 0.0 if x == 0.0 or y == 0.0 else x * y
 
 
 def _quotient(x: float, y: float, sign: float) -> float:

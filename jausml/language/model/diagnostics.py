@@ -115,13 +115,9 @@ _RULES = {
         "A document type declaration can name other files and define entities that grow without "
         "bound. Models need none, so none is accepted.",
     ),
-    "JML008": RuleInfo(
-        "nested too deeply",
-        "Elements are nested deeper than any model needs.",
-    ),
+    "JML008": RuleInfo("nested too deeply", "Elements are nested deeper than any model needs."),
     "JML009": RuleInfo(
-        "merge conflict markers",
-        "A merge left lines of <<<<<<<, ======= or >>>>>>>.",
+        "merge conflict markers", "A merge left lines of <<<<<<<, ======= or >>>>>>>."
     ),
     "JML010": RuleInfo(
         "schemaLocation names another file",
@@ -130,11 +126,7 @@ _RULES = {
         "Eclipse may check it against something else.",
         Severity.INFO,
     ),
-    "JML011": RuleInfo(
-        "no model element",
-        "The document is an empty xmi:XMI.",
-        Severity.WARNING,
-    ),
+    "JML011": RuleInfo("no model element", "The document is an empty xmi:XMI.", Severity.WARNING),
     "JML012": RuleInfo(
         "text without meaning",
         "Text stands between child elements. Eclipse drops it on the next save: documentation "
@@ -154,8 +146,7 @@ _RULES = {
     ),
     "JML102": RuleInfo("unknown class", "The metamodel has no class of this name."),
     "JML103": RuleInfo(
-        "unknown feature",
-        "The class of the element has no attribute or reference of this name.",
+        "unknown feature", "The class of the element has no attribute or reference of this name."
     ),
     "JML104": RuleInfo(
         "abstract class",
@@ -203,8 +194,7 @@ _RULES = {
     ),
     "JML201": RuleInfo("duplicate id", "Two elements of a document have the same id."),
     "JML202": RuleInfo(
-        "unresolved reference",
-        "The document has no element of this id or at this fragment.",
+        "unresolved reference", "The document has no element of this id or at this fragment."
     ),
     "JML203": RuleInfo(
         "referenced file missing",
@@ -238,8 +228,7 @@ _RULES = {
         "of the model; then among the names of folders. --project NAME=FOLDER states where it is.",
     ),
     "JML211": RuleInfo(
-        "unsupported URI",
-        "The scheme of the href does not name a file, or the href is not a URI.",
+        "unsupported URI", "The scheme of the href does not name a file, or the href is not a URI."
     ),
     "JML212": RuleInfo("no such library model", "The shipped library has no file of this name."),
     "JML213": RuleInfo(

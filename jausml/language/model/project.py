@@ -79,9 +79,7 @@ def _raise(error: OSError) -> None:
 
 
 def walk(
-    folder: str,
-    suffixes: tuple[str, ...],
-    onerror: Callable[[OSError], None] | None = _raise,
+    folder: str, suffixes: tuple[str, ...], onerror: Callable[[OSError], None] | None = _raise
 ) -> Iterator[str]:
     """Yields the files with certain endings below a folder, in order: not hidden, not of builds.
 

@@ -98,8 +98,7 @@ _RULES = {
         "again. Bad: `JAUS SetWrenchEffort { code: 0x0405 }`. Good: `JAUS SetWrenchEffort`.",
     ),
     "JML714": RuleInfo(
-        "no text",
-        "The file is not UTF-8 text, or is empty. Good: save it as UTF-8.",
+        "no text", "The file is not UTF-8 text, or is empty. Good: save it as UTF-8."
     ),
     "JML715": RuleInfo(
         "connection that may mean several things",
@@ -150,9 +149,7 @@ class Ros2Jaus:
     """
 
     def __init__(
-        self,
-        bridge: BridgeOfMaps | None = None,
-        parse: Callable[[str], Parsed] | None = None,
+        self, bridge: BridgeOfMaps | None = None, parse: Callable[[str], Parsed] | None = None
     ) -> None:
         self._bridge = bridge
         self._parse = parse

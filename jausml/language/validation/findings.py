@@ -6,11 +6,7 @@ from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections.limits import LONGEST_TIME
-from jausml.language.semantics.jaus.services import (
-    is_known,
-    provides_access_control,
-    query_name,
-)
+from jausml.language.semantics.jaus.services import is_known, provides_access_control, query_name
 from jausml.language.validation.rule import Finding, Note
 
 if TYPE_CHECKING:

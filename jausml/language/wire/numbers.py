@@ -70,9 +70,7 @@ def legal_integers(value_set: jaus.ValueSet | None, lower: int, upper: int) -> L
     listed, intervals = listed_in(value_set), intervals_of(value_set)
     offset = offset_of(value_set)
     lower, upper = lower + offset, upper + offset
-    pairs: list[tuple[float, float]] = [
-        (listed_value.value, listed_value.value) for listed_value in listed
-    ]
+    pairs: list[tuple[float, float]] = [(value.value, value.value) for value in listed]
     pairs += [
         (interval.first, interval.last)
         for interval in intervals

@@ -279,9 +279,7 @@ def _fixed_text(field: jaus.FixedLengthString) -> FixedText:
 
 
 def _formatted(field: jaus.VariableFormatField) -> FormattedOctets:
-    formats = tuple(
-        Format(int(data_format.index), str(data_format.name)) for data_format in field.formats
-    )
+    formats = tuple(Format(int(form.index), str(form.name)) for form in field.formats)
     _check_indices("formats", (data_format.index for data_format in formats))
     return FormattedOctets(formats, _length(field))
 

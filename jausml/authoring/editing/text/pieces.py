@@ -10,15 +10,7 @@ from collections import Counter
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, cast
 
-from jausml.language.text.tree import (
-    Assignment,
-    Call,
-    Direction,
-    Element,
-    Feature,
-    Item,
-    lists_of,
-)
+from jausml.language.text.tree import Assignment, Call, Direction, Element, Feature, Item, lists_of
 from jausml.language.text.writing.layout import space
 
 if TYPE_CHECKING:

@@ -95,9 +95,7 @@ class _Plan:
             if not self._is_so(obj, command):
                 self._change(copy, command.feature, is_said=bool(command.values))
         elif isinstance(command, Add):
-            [new_copy] = [
-                owned_copy for owned_copy in copy.owned[command.feature] if owned_copy.obj is None
-            ]
+            [new_copy] = [owned for owned in copy.owned[command.feature] if owned.obj is None]
             self._place(new_copy)
         elif isinstance(command, Move):
             self._move(copy, obj, command)

@@ -5,16 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.language.metamodel import FeatureKind
-from jausml.language.text.tree import (
-    Direction,
-    Element,
-    End,
-    Feature,
-    Import,
-    Item,
-    Table,
-    Vector,
-)
+from jausml.language.text.tree import Direction, Element, End, Feature, Import, Item, Table, Vector
 from jausml.language.text.writing.unparsing import MAP
 
 if TYPE_CHECKING:

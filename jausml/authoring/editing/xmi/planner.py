@@ -371,12 +371,7 @@ class _Printer(DocumentPrinter[Target]):
         return comments
 
     def _commented(
-        self,
-        node: Node,
-        file: str,
-        lines: Iterable[str],
-        indent: str,
-        inner: Iterable[str] = (),
+        self, node: Node, file: str, lines: Iterable[str], indent: str, inner: Iterable[str] = ()
     ) -> Iterator[str]:
         """Yields lines of an element with its comments.
 

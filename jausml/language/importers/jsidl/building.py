@@ -7,10 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.metamodel.filling import assign, new_object
-from jausml.language.model.diagnostics import (
-    RuleInfo,
-    Severity,
-)
+from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
 
@@ -28,13 +25,9 @@ _RULES = {
         "AS5684 has no such element, or not at this place. Elements of the editors' namespace "
         "urn:jaus:jsidl:plus are skipped.",
     ),
-    "JML603": RuleInfo(
-        "unknown JSIDL attribute",
-        "The element has no such attribute in AS5684.",
-    ),
+    "JML603": RuleInfo("unknown JSIDL attribute", "The element has no such attribute in AS5684."),
     "JML604": RuleInfo(
-        "missing in JSIDL",
-        "An attribute or a child element that AS5684 requires is missing.",
+        "missing in JSIDL", "An attribute or a child element that AS5684 requires is missing."
     ),
     "JML605": RuleInfo(
         "wrong value in JSIDL",

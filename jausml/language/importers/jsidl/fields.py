@@ -338,11 +338,7 @@ class FieldBuilder:
             self._findings.report("JML604", choices, f"{_name(place)} has no format")
         features = self._count(scope, place, "Length")
         said = joined(documentation(choices.node if choices else None), features["documentation"])
-        return jaus.VariableFormatField, {
-            **features,
-            "formats": formats,
-            "documentation": said,
-        }
+        return jaus.VariableFormatField, {**features, "formats": formats, "documentation": said}
 
     def _count(self, scope: Scope, place: NodePlace, what: str) -> dict[str, Any]:
         """Returns the features of a count: its type and its bounds."""

@@ -106,10 +106,7 @@ class ServiceBuilder:
 
 
 def _definitions(
-    scope: Scope,
-    path: Iterable[str],
-    kind: str,
-    make: Callable[[Scope, NodePlace], MadeT | None],
+    scope: Scope, path: Iterable[str], kind: str, make: Callable[[Scope, NodePlace], MadeT | None]
 ) -> list[MadeT]:
     places = [scope.place]
     for tag in path:
@@ -120,10 +117,7 @@ def _definitions(
 
 
 def find_inherited(
-    service: ImportedService,
-    imported: ByUrn,
-    library: Callable[[], ByUrn],
-    findings: Findings,
+    service: ImportedService, imported: ByUrn, library: Callable[[], ByUrn], findings: Findings
 ) -> jaus.Service | None:
     """Returns the service that a service inherits, None without one or after a report.
 

@@ -79,9 +79,7 @@ def package_sources(paths: Iterable[str]) -> list[PackageSource]:
 
 def installed_source(name: str, folder: Path) -> PackageSource:
     """Returns an installed package."""
-    return PackageSource(
-        name, [load(definition_file) for definition_file in definition_files(folder)]
-    )
+    return PackageSource(name, [load(definition) for definition in definition_files(folder)])
 
 
 def load(path: Path) -> InterfaceFile:
@@ -273,8 +271,7 @@ _RULES = {
         "package.xml or the folder, in lower case with single underscores (winch_msgs).",
     ),
     "JML642": RuleInfo(
-        "text that no model can hold",
-        "A definition is UTF-8 text without control characters.",
+        "text that no model can hold", "A definition is UTF-8 text without control characters."
     ),
     "JML643": RuleInfo(
         "neither field nor constant",

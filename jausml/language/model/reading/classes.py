@@ -129,9 +129,7 @@ class ClassFinder:
         prefix, _, name = written.strip().rpartition(":")
         namespace = place.node.prefixes.get(prefix)
         if not namespace:
-            known = sorted(
-                package_table.name for package_table in self._metamodels.packages.values()
-            )
+            known = sorted(table.name for table in self._metamodels.packages.values())
             message = f"prefix '{prefix}' of {show(written)} is not declared"
             hint = f'declare xmlns:{prefix}="..." on the root element'
             if not prefix:

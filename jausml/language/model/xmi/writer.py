@@ -150,9 +150,7 @@ class _DocumentWriter(DocumentPrinter["EObject"]):
             return ()
         value = getattr(element, feature.name)
         values = value if feature.many else [value]
-        return [
-            None if inner_value is None else lexical(inner_value, feature) for inner_value in values
-        ]
+        return [None if inner is None else lexical(inner, feature) for inner in values]
 
     def targets_of(self, element: EObject, feature: FeatureTable) -> Sequence[EObject]:
         if feature.kind is FeatureKind.CONTAINER or not is_written(element, feature):

@@ -140,12 +140,7 @@ def of_an_angle(taken: str, target_frame: str) -> Conversion | None:
 
 
 def _shape(conversion: Conversion) -> tuple[tuple[str, ...], ...]:
-    return (
-        conversion.inputs,
-        conversion.outputs,
-        conversion.takes_axes,
-        conversion.gives_axes,
-    )
+    return (conversion.inputs, conversion.outputs, conversion.takes_axes, conversion.gives_axes)
 
 
 def direction(axis: Axis) -> tuple[str, int]:

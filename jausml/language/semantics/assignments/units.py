@@ -158,9 +158,7 @@ def _source_fault(placed: Placed[bridge.FieldAssignment], known: list[Measure]) 
 def _common(measures: list[Measure | None]) -> Measure | None:
     """The unit of several sources, when all have the same."""
     first = measures[0] if measures else None
-    same = first is not None and all(
-        source_measure and source_measure.unit == first.unit for source_measure in measures
-    )
+    same = first is not None and all(source and source.unit == first.unit for source in measures)
     return first if same else None
 
 

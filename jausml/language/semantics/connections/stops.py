@@ -97,10 +97,7 @@ def stop_assignments(connection: bridge.Connection) -> tuple[bridge.Assignment, 
 
 
 def with_constants(
-    attribute_map: bridge.AttributeMap,
-    values: Iterable[bridge.ConstantAssignment],
-    *,
-    to_ros: bool,
+    attribute_map: bridge.AttributeMap, values: Iterable[bridge.ConstantAssignment], *, to_ros: bool
 ) -> tuple[bridge.Assignment, ...]:
     """Returns the values of a stop behind what the map fills without a source.
 

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from jausml.language.attributes import expressions, intervals
-from jausml.language.attributes.expressions import (
-    EvaluationError,
-    evaluate,
-    interval,
-    variables,
-)
+from jausml.language.attributes.expressions import EvaluationError, evaluate, interval, variables
 from jausml.language.attributes.intervals import EVERYTHING, Interval
 from jausml.language.semantics.conversions.conversion import (
     ANY,

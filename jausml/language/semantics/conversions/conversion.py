@@ -9,9 +9,7 @@ from enum import Enum
 from itertools import zip_longest
 from typing import Any, ClassVar
 
-from jausml.language.attributes.expressions import (
-    EvaluationError,
-)
+from jausml.language.attributes.expressions import EvaluationError
 from jausml.language.attributes.intervals import (
     EMPTY,
     EVERYTHING,
@@ -21,14 +19,7 @@ from jausml.language.attributes.intervals import (
     total,
 )
 from jausml.language.semantics.conversions.definition import PARTS, Definition, NoArithmetic
-from jausml.language.semantics.paths.attributes import (
-    BOOL,
-    LIST,
-    NUMBER,
-    NUMBERS,
-    TEXT,
-    TIME_STAMP,
-)
+from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, TIME_STAMP
 
 FLU, FRD = "forwardLeftUp", "forwardRightDown"
 ENU, NED = "eastNorthUp", "northEastDown"

@@ -36,13 +36,7 @@ if TYPE_CHECKING:
 
 # Set in Standby too (AS6009, protocol behaviour of the waypoint, list and velocity drivers).
 _STANDBY_MESSAGES = frozenset(
-    [
-        "SetGlobalWaypoint",
-        "SetLocalWaypoint",
-        "SetElement",
-        "DeleteElement",
-        "SetAccelerationLimit",
-    ]
+    ["SetGlobalWaypoint", "SetLocalWaypoint", "SetElement", "DeleteElement", "SetAccelerationLimit"]
 )
 _WITHOUT_CONTROL = frozenset(["ClearEmergency", "ReleaseControl", "RequestControl", "SetEmergency"])
 _EMERGENCIES = frozenset(["SetEmergency", "ClearEmergency"])
@@ -174,9 +168,7 @@ def guard_of_executors(peers: Iterable[jaus.Component], search: jaus.PeerSearch 
 
     A mission spooler inherits no Management, but its component may have it for others.
     """
-    has_states = all(
-        _has(_MANAGEMENT, service_list) for service_list in _provided_by(peers, search)
-    )
+    has_states = all(_has(_MANAGEMENT, service) for service in _provided_by(peers, search))
     return "READY" if has_states else "CONTROLLED"
 
 

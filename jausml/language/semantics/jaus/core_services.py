@@ -137,14 +137,7 @@ def with_standard(component: jaus.Component) -> list[jaus.Service]:
     if component.external or component.coreServices.name == "none":
         return named
     urns = {core_urn(service) for service in _closure(named)}
-    return [
-        *named,
-        *(
-            standard_service
-            for standard_service in standard_services()
-            if str(standard_service.urn) not in urns
-        ),
-    ]
+    return [*named, *(service for service in standard_services() if str(service.urn) not in urns)]
 
 
 def is_discovered(component: jaus.Component) -> bool:

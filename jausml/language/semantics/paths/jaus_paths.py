@@ -178,9 +178,7 @@ def message_place(message: jaus.MessageDef) -> JausPlace:
     body = wire.target_of(message.body)
     if is_group(body):
         stated = [field.frame.name for field in (message.body, body) if field is not None]
-        frame = next(
-            (literal_type for literal_type in stated if literal_type != UNSTATED), UNSTATED
-        )
+        frame = next((name for name in stated if name != UNSTATED), UNSTATED)
     return JausPlace(f"message {message.name}", message=message, frame=frame)
 
 
@@ -278,9 +276,5 @@ def _integer(legal: wire.LegalIntegers, lower: int, upper: int) -> Attribute:
         step=1,
         values=legal.ranges if legal.is_stated else (),
         named=bool(legal.listed),
-        constants=tuple(
-            (listed_value.name, str(listed_value.value))
-            for listed_value in legal.listed
-            if listed_value.name
-        ),
+        constants=tuple((value.name, str(value.value)) for value in legal.listed if value.name),
     )

@@ -63,12 +63,7 @@ class NodeMaker:
         return self._placed(node, span, source)
 
     def element(
-        self,
-        owner: Node,
-        feature: str,
-        table: ClassTable,
-        span: Span,
-        source: Source | None = None,
+        self, owner: Node, feature: str, table: ClassTable, span: Span, source: Source | None = None
     ) -> Node:
         """Returns the node of an element that another one owns.
 

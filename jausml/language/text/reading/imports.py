@@ -92,9 +92,7 @@ def explain(qualified_class: str, name: str, service: OwnService) -> Explanation
     """Returns what to write where a name means nothing."""
     if qualified_class == "bridge.AttributeMap":
         wanted = name.rpartition(".")[2]
-        modules = [
-            library_map.module for library_map in library_maps() if library_map.name == wanted
-        ]
+        modules = [library.module for library in library_maps() if library.name == wanted]
         imports = " or ".join(f"import {module}" for module in modules)
         # A map has one way to be known, so with an import found nothing else is suggested.
         return Explanation(f"the library has it: {imports}" if imports else "", bool(imports))

@@ -171,9 +171,7 @@ class ReferenceNames(DocumentNames):
             reference for reference in self._references() if reference[1] not in self._fragments
         ]
         uses = Counter(self._model.document_of(target) for _, target, _ in outside)
-        documents = [
-            used_document for used_document in self._model.documents if used_document in uses
-        ]
+        documents = [used for used in self._model.documents if used in uses]
         imports = self._document.imports
         imports += [own_document for own_document in documents if not own_document.is_library]
         shipped = [reference for reference in outside if self._model.is_library(reference[1])]

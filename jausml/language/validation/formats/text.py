@@ -46,11 +46,7 @@ def one_line(text: str) -> str:
     """Returns text with everything that could move a terminal's cursor escaped."""
     if text.isprintable():
         return text
-    return "".join(char if char.isprintable() else _escape(char) for char in text)
-
-
-def _escape(char: str) -> str:
-    return ascii(char)[1:-1]
+    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
 def _count(number: int, noun: str) -> str:

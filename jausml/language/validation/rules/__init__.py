@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 def all_rules() -> tuple[Rule, ...]:
     """Returns all rules, ordered by id."""
     modules = (
-        import_module(walk_package.name)
-        for walk_package in pkgutil.walk_packages(__path__, f"{__name__}.")
+        import_module(package.name) for package in pkgutil.walk_packages(__path__, f"{__name__}.")
     )
     members = (member for module in modules for member in vars(module).values())
     return tuple(

@@ -12,11 +12,7 @@ from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import sent_reports, unanswered
 from jausml.language.semantics.connections.limits import LONGEST_TIME, SHORTEST_TIME
 from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
-from jausml.language.semantics.jaus.commands import (
-    is_emergency,
-    is_steering,
-    told_by_command,
-)
+from jausml.language.semantics.jaus.commands import is_emergency, is_steering, told_by_command
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
 from jausml.language.semantics.jaus.services import (
     attributes,
@@ -289,14 +285,12 @@ def served_once(subject: Subject) -> Iterator[Finding]:
         for owner in group:
             if not isinstance(owner, bridge.Bridge):
                 continue
-            for service_connection in owner.serviceConnections:
-                if subject.is_read(
-                    service_connection, ("name", "service", "direction")
-                ) and calls.serves(service_connection):
-                    name = resolve_topic(
-                        service_connection.service, owner.namespace or "", owner.name or ""
-                    )
-                    served[name].append(service_connection)
+            for service in owner.serviceConnections:
+                if subject.is_read(service, ("name", "service", "direction")) and calls.serves(
+                    service
+                ):
+                    name = resolve_topic(service.service, owner.namespace or "", owner.name or "")
+                    served[name].append(service)
         for name, connections in served.items():
             first, *others = connections
             for other in others:

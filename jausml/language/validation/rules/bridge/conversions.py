@@ -230,14 +230,10 @@ def _expression_findings(
     if unknown is not None:
         yield Finding(
             conversion,
-            f"expression: '{unknown.name}' is no source{_at(unknown)}",
+            f"expression: '{unknown.name}' is no source{f' at column {unknown.column}'}",
             "expression",
             _nearest(unknown.name, known),
         )
-
-
-def _at(variable: Variable) -> str:
-    return f" at column {variable.column}"
 
 
 def _nearest(name: str, known: Iterable[str]) -> str:
@@ -335,9 +331,7 @@ def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:
         *owner.maps,
         *(attribute_map for attribute_map in referred if attribute_map is not None),
     ]
-    return {
-        quantity.name: quantity for attribute_map in maps for quantity in attribute_map.quantities
-    }
+    return {quantity.name: quantity for used in maps for quantity in used.quantities}
 
 
 def _override_findings(

@@ -252,9 +252,7 @@ def _silent_loss(placed: Placed[bridge.FieldAssignment], end: _End, error: float
     if end.attribute.is_single and angle is not None and end_measure.unit.is_compatible(angle.unit):
         if any(attribute.frame == _GEODETIC for attribute in ends):
             return f"{error * end_measure.unit.factor * _EARTH_RADIUS:.2g} m on the ground"
-    elif end.attribute.integral and not any(
-        source_attribute.integral for source_attribute in placed.source_attributes
-    ):
+    elif end.attribute.integral and not any(source.integral for source in placed.source_attributes):
         return f"{error:g} {end_measure.text}" if end_measure.unit.dimension else ""
     return ""
 

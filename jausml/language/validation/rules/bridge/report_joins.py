@@ -8,12 +8,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
 from jausml.language.semantics.connections.reports import joined_reports
-from jausml.language.semantics.jaus.services import (
-    attributes,
-    find_output,
-    is_known,
-    query_name,
-)
+from jausml.language.semantics.jaus.services import attributes, find_output, is_known, query_name
 from jausml.language.validation.findings import provider_name, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.bridge.joins import join_findings, used_joins
@@ -86,9 +81,7 @@ def report_sources(subject: Subject, connection: bridge.Connection) -> Iterator[
         return
     yield from _source_findings(connection)
     reports = joined_reports(connection)
-    if len(connection.peers) > 1 and any(
-        not joined_report.has_own_peers for joined_report in reports
-    ):
+    if len(connection.peers) > 1 and any(not joined.has_own_peers for joined in reports):
         message = f"'{connection.name}' has several peers, whose reports would be mixed"
         hint = "make a connection for each peer, or give the joined reports peers"
         yield Finding(connection, message, "peers", hint)

@@ -75,19 +75,17 @@ def _sources(
     ]
 ]:
     """Yields what answers a query: its code, the source in words, and the elements that say it."""
-    for bridge_connection in owner.bridgeConnections:
+    for connection in owner.bridgeConnections:
         if not (
-            subject.is_read(bridge_connection, _ENDS)
-            and is_sound(subject, bridge_connection)
-            and is_report(bridge_connection)
+            subject.is_read(connection, _ENDS)
+            and is_sound(subject, connection)
+            and is_report(connection)
         ):
             continue
-        query = find_query(bridge_connection, owner)
-        main = [topic for topic in bridge_connection.topics if topic.join is None and topic.name]
+        query = find_query(connection, owner)
+        main = [topic for topic in connection.topics if topic.join is None and topic.name]
         if query is not None:
-            yield from (
-                (code(query), f"topic {topic.name}", bridge_connection, topic) for topic in main
-            )
+            yield from ((code(query), f"topic {topic.name}", connection, topic) for topic in main)
     for call in owner.serviceConnections:
         asking = calls.asking(call) if subject.is_intact(call) else None
         if asking is not None and subject.is_intact(asking) and not calls.serves(call):

@@ -264,11 +264,7 @@ def _is_guarded(owner: bridge.Bridge) -> bool:
         for bridge_connection in owner.bridgeConnections
         if bridge_connection.map and bridge_connection.map.message
     ]
-    goals = [
-        action_connection
-        for action_connection in owner.actionConnections
-        if action_connection.direction.name == "jausToRos"
-    ]
+    goals = [action for action in owner.actionConnections if action.direction.name == "jausToRos"]
     return bool(goals) or any(
         stops.carries_commands(connection) and stops.has_stop(connection)
         for connection in connections

@@ -18,11 +18,7 @@ from jausml.language.semantics.jaus.services import (
     provides_access_control,
     with_inherited,
 )
-from jausml.language.validation.findings import (
-    missing_query,
-    time_findings,
-    unprovided,
-)
+from jausml.language.validation.findings import missing_query, time_findings, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:
@@ -147,9 +143,7 @@ def degraded_state(subject: Subject, component: jaus.Component) -> Iterator[Find
     """
     if component.external or not is_known(subject, component):
         return
-    has_state = any(
-        provided_service.name == "Management" for provided_service in provided_services(component)
-    )
+    has_state = any(service.name == "Management" for service in provided_services(component))
     for connection in component.connections:
         if connection.whenSilent.name == "stay":
             continue
@@ -311,11 +305,9 @@ def services_unique(_: Subject, component: jaus.Component) -> Iterator[Finding]:
         if len(services) > 1:
             versions = ", ".join(str(service.version) for service in services)
             message = f"'{component.name}' provides {urn} more than once (versions {versions})"
-            second = [
-                at
-                for at, provided_service in enumerate(component.provides)
-                if provided_service.urn == urn
-            ][1]
+            second = [at for at, provided in enumerate(component.provides) if provided.urn == urn][
+                1
+            ]
             yield Finding(component, message, "provides", position=second)
 
 
@@ -342,9 +334,7 @@ def bridges(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
             yield Finding(owner, f"{text} '{service.name}'", "provides", related=(note,))
 
 
-def rate_finding(
-    connection: jaus.ServiceConnection | bridge.Connection,
-) -> Iterator[Finding]:
+def rate_finding(connection: jaus.ServiceConnection | bridge.Connection) -> Iterator[Finding]:
     """Yields a finding when an event cannot have the rate of a connection."""
     if not LEAST_RATE <= connection.rate <= MAXIMUM_RATE:
         message = f"rate {connection.rate:g} of '{connection.name}' is out of range"

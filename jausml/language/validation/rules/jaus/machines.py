@@ -15,16 +15,8 @@ from jausml.language.semantics.jaus.inherited_machines import (
     core_machine,
     event_name,
 )
-from jausml.language.semantics.jaus.machines import (
-    Behaviour,
-    behaviours_of,
-    described,
-    trigger,
-)
-from jausml.language.semantics.jaus.services import (
-    find_same,
-    lineage,
-)
+from jausml.language.semantics.jaus.machines import Behaviour, behaviours_of, described, trigger
+from jausml.language.semantics.jaus.services import find_same, lineage
 from jausml.language.validation.rule import Finding, Note, rule
 
 if TYPE_CHECKING:

@@ -285,9 +285,7 @@ def _kind_findings(
 
 
 def _vector_hint(count: int) -> str:
-    fitting = next(
-        (name for name, integer_type in wire.UNSIGNED.items() if integer_type.bits >= count), ""
-    )
+    fitting = next((name for name, integer in wire.UNSIGNED.items() if integer.bits >= count), "")
     return f'presenceVector="{fitting}"' if fitting else "split the group"
 
 

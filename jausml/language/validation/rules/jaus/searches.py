@@ -304,9 +304,7 @@ def _hears(owner: bridge.Bridge, host: str) -> bool:
         return True
     address = ipaddress.IPv4Address(host)
     try:
-        return any(
-            address in ipaddress.IPv4Network(allowed_host) for allowed_host in owner.allowedHosts
-        )
+        return any(address in ipaddress.IPv4Network(allowed) for allowed in owner.allowedHosts)
     except ValueError:
         return True
 

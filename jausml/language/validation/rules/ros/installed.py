@@ -21,11 +21,7 @@ if TYPE_CHECKING:
     Use = tuple[EObject, str | None]
 
 
-@rule(
-    "JML409",
-    "ROS type that is installed with other fields",
-    severity=Severity.WARNING,
-)
+@rule("JML409", "ROS type that is installed with other fields", severity=Severity.WARNING)
 def installed_types(subject: Subject) -> Iterator[Finding]:
     """The ROS types that a model uses are those of the installed packages.
 

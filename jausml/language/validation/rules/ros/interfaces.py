@@ -7,11 +7,7 @@ import re
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from jausml.language.attributes.expressions import (
-    ExpressionError,
-    parse_expression,
-    variables,
-)
+from jausml.language.attributes.expressions import ExpressionError, parse_expression, variables
 from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
 from jausml.language.metamodel.classes import ros
 from jausml.language.model.values import show
