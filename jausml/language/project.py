@@ -13,9 +13,10 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from jausml.language.metamodel import load_jaus_metamodel
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import (
     SUFFIXES,
@@ -42,10 +43,6 @@ from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import file_of
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import NOTATIONS, SUFFIX, Ros2Jaus
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-
 
 ElementT = TypeVar("ElementT", bound="EObject")
 

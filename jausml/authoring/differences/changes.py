@@ -6,16 +6,14 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.authoring.differences.matching import address, values
 from jausml.language.metamodel import ClassTable, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.diagnostics import Location
 from jausml.language.semantics.conversions import Effect, conversion_of
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import Location
 
 _PEERS = {
     "jaus.Component": {"address", "provides", "coreServices"},

@@ -10,17 +10,15 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from jausml.authoring.differences.changes import Change, Kind
 from jausml.authoring.differences.matching import Matching
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import refs
+from jausml.language.model.model import Model
 from jausml.language.model.refs import Ref
 from jausml.views.diagrams.graph import ADDED, CHANGED, REMOVED, Edge, End, Graph, Group, Node, Port
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
 
 PartT = TypeVar("PartT", Node, Port, Group)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.authoring.differences.changes import (
     Change,
@@ -21,11 +21,9 @@ from jausml.authoring.differences.changes import (
 from jausml.authoring.differences.matching import Matching, address, values
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.reading.reader import LostReference
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.model import Model
+from jausml.language.model.reading.reader import LostReference
 
 _ORDERED = {"jaus.Record.fields", "jaus.Sequence.fields", "jaus.Variant.options"}
 """Owned parts whose order is that on the wire."""

@@ -6,15 +6,12 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Hashable, Iterator, Sequence
 from itertools import zip_longest
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.metamodel import FeatureKind, FeatureTable
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model
-
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
 
 _KEYS = ("target", "path", "jaus", "value", "index", "text")
 """Attributes that tell elements without a name apart, the first that a class has."""

@@ -2,22 +2,38 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeVar, cast
 
-from jausml.authoring.editing.commands import IDENTIFIER, Add, EditError, Move, Remove, Rename, Set
+from jausml.authoring.editing.commands import (
+    IDENTIFIER,
+    Add,
+    Child,
+    EditError,
+    ElementCommand,
+    Move,
+    Remove,
+    Rename,
+    Set,
+    Values,
+)
 from jausml.authoring.editing.following import orphaned_transitions, paths_through, targets_through
-from jausml.authoring.editing.working_copy import ElementCopy, default_text, open_features
-from jausml.language.metamodel import FeatureKind
+from jausml.authoring.editing.working_copy import (
+    ElementCopy,
+    WorkingCopy,
+    default_text,
+    open_features,
+)
+from jausml.language.metamodel import (
+    ClassTable,
+    DataTypeTable,
+    FeatureKind,
+    FeatureTable,
+    Metamodels,
+)
+from jausml.language.model.refs import Ref
 from jausml.language.model.values import convert, suggest
 from jausml.language.model.xmi.writer import lexical
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Child, ElementCommand, Values
-    from jausml.authoring.editing.working_copy import WorkingCopy
-    from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureTable, Metamodels
-    from jausml.language.model.refs import Ref
 
 NAME = "name"
 ValuesT = TypeVar("ValuesT", bound="Sequence[object]")

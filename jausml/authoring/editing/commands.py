@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 # The types of commands are asked for at run time, where commands come as JSON.
-from collections.abc import Mapping  # noqa: TC003
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 
-from jausml.language.model.refs import Ref  # noqa: TC001
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
+from jausml.language.model.refs import Ref
 
 LayoutKey: TypeAlias = str
 """Name of a box of a view that survives shifts of positions, such as `bridge:main/velocity`."""

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
-from jausml.authoring.editing.commands import NEW, Add, Child, EditError, Set
+from jausml.authoring.editing.commands import NEW, Add, Child, EditError, Set, Values
 from jausml.authoring.editing.working_copy import attribute_values
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import FeatureKind, FeatureTable
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import contents
+from jausml.language.model.model import Model
 from jausml.language.model.names import name_of
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from jausml.authoring.editing.commands import Values
-    from jausml.language.metamodel import FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.refs import Ref
+from jausml.language.model.refs import Ref
 
 _NAME = "name"
 _NUMBERED = re.compile(r"(.*?)_?(\d+)")

@@ -3,41 +3,47 @@
 from __future__ import annotations
 
 import posixpath
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 from urllib.parse import quote
 
 from jausml.authoring.editing.applying import converted, feature_of
-from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.commands import Create, EditError, Values
 from jausml.authoring.editing.layout import is_layout
-from jausml.authoring.editing.reading import can_be_parsed, digest, is_library, is_text, stored
+from jausml.authoring.editing.reading import (
+    Reader,
+    can_be_parsed,
+    digest,
+    is_library,
+    is_text,
+    stored,
+)
 from jausml.authoring.editing.records import FileChange, Stored
-from jausml.authoring.editing.splices import difference
-from jausml.language.metamodel import FeatureKind, load_metamodels
+from jausml.authoring.editing.splices import Splice, difference
+from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
+from jausml.language.metamodel import (
+    ClassTable,
+    FeatureKind,
+    FeatureTable,
+    Metamodels,
+    load_metamodels,
+)
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import new_object, set_value, set_values
 from jausml.language.model import refs
+from jausml.language.model.documents import Document
 from jausml.language.model.library import SUFFIXES
 from jausml.language.model.model import Model
 from jausml.language.model.project import is_model_file
+from jausml.language.model.reading.reader import ReadResult
+from jausml.language.model.refs import Ref
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.printing import UnwritableError
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import SUFFIX
 from jausml.language.text.writing.unparsing import to_text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-    from pathlib import Path
-
-    from jausml.authoring.editing.commands import Create, Values
-    from jausml.authoring.editing.reading import Reader
-    from jausml.authoring.editing.splices import Splice
-    from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
-    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.reading.reader import ReadResult
-    from jausml.language.model.refs import Ref
 
 
 class Draft:

@@ -3,44 +3,43 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.applying import Applying
 from jausml.authoring.editing.commands import (
     NEW,
     Add,
+    Command,
     Create,
     EditError,
+    ElementCommand,
     Move,
     Place,
     Rename,
     Set,
     with_created,
 )
-from jausml.authoring.editing.drafts import Context, new_document
-from jausml.authoring.editing.layout import followed, layout_file, placed, read_layout, write_layout
+from jausml.authoring.editing.drafts import Context, Draft, new_document
+from jausml.authoring.editing.layout import (
+    Layout,
+    followed,
+    layout_file,
+    placed,
+    read_layout,
+    write_layout,
+)
 from jausml.authoring.editing.reading import is_text
 from jausml.authoring.editing.records import Referrer
 from jausml.authoring.editing.text.planner import is_laid_out_text, print_text
-from jausml.authoring.editing.working_copy import WorkingCopy
+from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
 from jausml.authoring.editing.xmi.planner import is_laid_out_xmi, print_xmi
+from jausml.language.metamodel import ClassTable
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import refs
-from jausml.language.model.model import without_collector
+from jausml.language.model.model import Model, without_collector
+from jausml.language.model.refs import Ref
 from jausml.language.model.xmi.printing import UnwritableError
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command, ElementCommand
-    from jausml.authoring.editing.drafts import Draft
-    from jausml.authoring.editing.layout import Layout
-    from jausml.authoring.editing.working_copy import ElementCopy
-    from jausml.language.metamodel import ClassTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.refs import Ref
-
 
 _NAMING = ("name", "urn", "version")
 """The features by which texts find elements: of one service in several versions the newest."""

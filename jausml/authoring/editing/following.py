@@ -7,18 +7,12 @@ inherited services count as far as the working copy has them.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.working_copy import ElementCopy
+from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
+from jausml.language.model.refs import Ref
 from jausml.language.semantics.jaus.inherited_machines import CORE_MACHINE, Machine, canonical
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
-
-    from jausml.authoring.editing.working_copy import WorkingCopy
-    from jausml.language.model.refs import Ref
-
 
 _STATE = "jaus.State"
 _TARGET = "target"

@@ -7,21 +7,17 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable, Mapping
 from pathlib import PurePosixPath
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
+from jausml.authoring.editing.commands import LayoutKey
+from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.model.library import SUFFIXES as MODEL_SUFFIXES
+from jausml.language.model.model import Model
 from jausml.language.model.refs import Keys
 from jausml.language.text.notation import SUFFIX as TEXT_SUFFIX
 from jausml.views.diagrams.views import view_names
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from jausml.authoring.editing.commands import LayoutKey
-    from jausml.authoring.editing.working_copy import WorkingCopy
-    from jausml.language.model.model import Model
-
 
 SUFFIX = ".layout.json"
 SUFFIXES = (*MODEL_SUFFIXES, SUFFIX)

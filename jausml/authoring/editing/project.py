@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.clips import clip_text, read_clip
-from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.clips import Clip, clip_text, read_clip
+from jausml.authoring.editing.commands import Add, Command, EditError, LayoutKey, Set
 from jausml.authoring.editing.describing import pasted
 from jausml.authoring.editing.drafts import Draft, check_new_file
 from jausml.authoring.editing.executing import execute, referrers
@@ -25,25 +25,18 @@ from jausml.authoring.editing.records import (
     Log,
     Preview,
     Referrer,
+    Stored,
     takes_back,
 )
 from jausml.authoring.editing.splices import applied, difference, unified_diff
 from jausml.authoring.editing.working_copy import WorkingCopy
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import refs
 from jausml.language.model.inputs import read_input
+from jausml.language.model.model import Model
 from jausml.language.model.project import is_model_file, model_files
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from jausml.authoring.editing.clips import Clip
-    from jausml.authoring.editing.commands import Add, Command, LayoutKey, Set
-    from jausml.authoring.editing.records import Stored
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.reading.reader import ReadResult
-    from jausml.language.model.refs import Ref
-
+from jausml.language.model.reading.reader import ReadResult
+from jausml.language.model.refs import Ref
 
 _ATTEMPTS = 3
 """How often commands are planned again when files change beneath them."""

@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 from collections import OrderedDict, defaultdict
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 from jausml.authoring.editing.commands import (
+    Command,
     Create,
     EditError,
+    ElementCommand,
     Place,
     Remove,
     Rename,
     Set,
     with_created,
 )
+from jausml.authoring.editing.records import Entry
+from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
 from jausml.language.model import refs
+from jausml.language.model.refs import Ref
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command, ElementCommand
-    from jausml.authoring.editing.records import Entry
-    from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
-    from jausml.language.model.refs import Ref
-
-    Shift = Mapping[Ref, Ref]
-    """New refs by old ones where they differ; empty for what is gone."""
+Shift: TypeAlias = "Mapping[Ref, Ref]"
+"""New refs by old ones where they differ; empty for what is gone."""
 
 
 _KEPT, _KEPT_OUTSIDE = 256, 32

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from time import monotonic
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from jausml.authoring.editing.layout import is_layout
-from jausml.authoring.editing.splices import applied, inverted
-
-if TYPE_CHECKING:
-    from jausml.authoring.editing.splices import Splice
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.model.refs import Ref
+from jausml.authoring.editing.splices import Splice, applied, inverted
+from jausml.language.model.diagnostics import Diagnostic
+from jausml.language.model.refs import Ref
 
 
 @dataclass(frozen=True, slots=True)

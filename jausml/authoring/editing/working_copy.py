@@ -6,25 +6,20 @@ command means is done to the copies first; what is then read of the changed file
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import contents, is_set
-from jausml.language.model.refs import file_of, find, fragment_of, ref_of, split
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
+from jausml.language.model.refs import Ref, file_of, find, fragment_of, ref_of, split
 from jausml.language.model.xmi.writer import lexical
 from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES
 from jausml.language.text.notation import SUFFIX
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
-
-    from jausml.language.metamodel import ClassTable, FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model
-    from jausml.language.model.refs import Ref
 
 
 class ElementCopy:

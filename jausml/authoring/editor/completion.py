@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from lsprotocol.types import CompletionItemKind as Kind
 
 from jausml.authoring.editor.context import (
+    Context,
     Part,
     contained_classes,
     context_at,
@@ -16,29 +18,20 @@ from jausml.authoring.editor.context import (
     table,
 )
 from jausml.authoring.editor.definition import facts, fields_of, sides_at
+from jausml.authoring.editor.names import Declaration
 from jausml.authoring.editor.places import Place, start_of
-from jausml.authoring.editor.workbench import imports_of, names_in
+from jausml.authoring.editor.workbench import Workbench, imports_of, names_in
 from jausml.language.metamodel import ClassTable, FeatureTable, ValueKind, documentation
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.model.names import qualified_name
 from jausml.language.model.values import show
-from jausml.language.semantics.conversions import CONVERSIONS
+from jausml.language.semantics.conversions import CONVERSIONS, Conversion
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.text.reading.imports import library_files, library_maps
 from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.tree import Assignment, Direction, Element, End, Feature, Name, snake_case
 from jausml.language.text.writing.spelling import path as written_path
 from jausml.language.text.writing.spelling import word as written_word
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from pathlib import Path
-
-    from jausml.authoring.editor.context import Context
-    from jausml.authoring.editor.names import Declaration
-    from jausml.authoring.editor.workbench import Workbench
-    from jausml.language.semantics.conversions import Conversion
-
 
 UNITS = (
     *("m", "mm", "km", "s", "ms", "Hz", "kg", "N", "N m", "Pa", "K", "V", "A", "W", "J"),

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editor.context import class_of, class_of_value, feature_named, table
-from jausml.authoring.editor.places import is_within
+from jausml.authoring.editor.places import Place, is_within
+from jausml.language.metamodel import ClassTable
 from jausml.language.semantics.conversions import CONVERSIONS, Argument
 from jausml.language.text.tree import (
     Assignment,
@@ -21,12 +22,6 @@ from jausml.language.text.tree import (
     Table,
     Vector,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.authoring.editor.places import Place
-    from jausml.language.metamodel import ClassTable
 
 _JOINS = {True: ("report_join", "bridge.ReportJoin"), False: ("join", "bridge.Join")}
 """Keyword and class of what source paths may begin with, by whether they lead to ROS."""

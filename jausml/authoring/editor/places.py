@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 from jausml.language.text.reading.scanning import with_line_feeds
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping
-
-    from jausml.language.text.tree import Span
+from jausml.language.text.tree import Span
 
 UTF_16 = "utf-16"
 """The units that editors count in unless they ask for others."""

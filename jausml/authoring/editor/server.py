@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
+from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 from urllib.parse import unquote
 
 from lsprotocol import types
@@ -23,7 +24,14 @@ from jausml.authoring.editor.definition import Symbol, define, outline
 from jausml.authoring.editor.hover import hover
 from jausml.authoring.editor.places import Columns, Place
 from jausml.authoring.editor.workbench import Problem, Workbench, all_problems, syntax_problems
-from jausml.authoring.editor.workspace_edits import Fix, RenameError, fixes, rename, renamed_span
+from jausml.authoring.editor.workspace_edits import (
+    Edit,
+    Fix,
+    RenameError,
+    fixes,
+    rename,
+    renamed_span,
+)
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.diagnostics import Severity
 from jausml.language.text.notation import SUFFIX
@@ -32,11 +40,6 @@ from jausml.language.text.reading.shaping import span_of
 from jausml.language.text.tree import Span
 from jausml.language.text.writing.layout import lay_out
 from jausml.language.text.writing.spelling import word
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
-    from jausml.authoring.editor.workspace_edits import Edit
 
 PAUSE = 0.3
 """Seconds without a change after which an open text is read as a model."""

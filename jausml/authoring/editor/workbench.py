@@ -5,14 +5,17 @@ from __future__ import annotations
 import os
 import re
 import threading
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from jausml.authoring.editor.names import Names, names_of
-from jausml.language.model.diagnostics import Severity
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.diagnostics import Diagnostic, Severity
 from jausml.language.model.inputs import read_input
 from jausml.language.model.library import LIBRARY_URI, library_root, module_of
+from jausml.language.model.model import Model
 from jausml.language.model.names import qualified_name
 from jausml.language.model.project import made_project
 from jausml.language.model.reading.library_cache import LibraryCache
@@ -21,17 +24,9 @@ from jausml.language.project import Index, Models, library, own_instances, store
 from jausml.language.text.notation import NOTATIONS, SUFFIX, decode
 from jausml.language.text.reading.imports import resolve
 from jausml.language.text.reading.parsing import parsed_text
-from jausml.language.text.tree import Import, Span, Text
+from jausml.language.text.tree import Import, Span, SyntaxTree, Text
 from jausml.language.text.writing.spelling import quoted
 from jausml.language.validation.engine import RuleError, check
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.model.model import Model
-    from jausml.language.text.tree import SyntaxTree
 
 ElementT = TypeVar("ElementT", bound="EObject")
 

@@ -3,40 +3,33 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
-from jausml.authoring.editing.commands import EditError, Rename
+from jausml.authoring.editing.commands import Command, EditError, Rename
 from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute
 from jausml.authoring.editing.reading import Reader, can_be_parsed, stored
 from jausml.authoring.editing.splices import common_ends
 from jausml.authoring.editor.definition import declaration_at
-from jausml.authoring.editor.places import is_within, start_of
-from jausml.authoring.editor.workbench import checked, names_in
+from jausml.authoring.editor.names import Declaration
+from jausml.authoring.editor.places import Place, is_within, start_of
+from jausml.authoring.editor.workbench import Workbench, checked, names_in
 from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import refs
+from jausml.language.model.diagnostics import Diagnostic
 from jausml.language.model.library import library_root
+from jausml.language.model.model import Model
+from jausml.language.model.reading.reader import ReadResult
+from jausml.language.model.refs import Ref
 from jausml.language.text.reading.document import TextDocument
 from jausml.language.text.reading.parsing import parsed_text
-from jausml.language.text.tree import Href, Name, Number, Span, Text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import Command
-    from jausml.authoring.editor.names import Declaration
-    from jausml.authoring.editor.places import Place
-    from jausml.authoring.editor.workbench import Workbench
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.model.model import Model
-    from jausml.language.model.reading.reader import ReadResult
-    from jausml.language.model.refs import Ref
-    from jausml.language.text.tree import Item
+from jausml.language.text.tree import Href, Item, Name, Number, Span, Text
 
 
 @dataclass(frozen=True, slots=True)

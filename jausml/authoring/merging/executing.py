@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.authoring.differences.changes import words
 from jausml.authoring.editing.commands import (
@@ -32,14 +31,12 @@ from jausml.authoring.merging.planning import (
     Order,
     Plan,
 )
+from jausml.authoring.merging.sides import Sides, Value
 from jausml.language.metamodel import FeatureKind, FeatureTable
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.model import Model
 from jausml.language.model.refs import Ref
-
-if TYPE_CHECKING:
-    from jausml.authoring.merging.sides import Sides, Value
-    from jausml.language.metamodel.classes.ecore import EObject
 
 
 class Execution:

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 from jausml.authoring.differences.changes import NOTHING, feature_text, words
 from jausml.authoring.differences.finding import is_ordered
+from jausml.authoring.merging.sides import Sides, Value
 from jausml.language.metamodel import FeatureKind, FeatureTable
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.diagnostics import RuleInfo
-
-if TYPE_CHECKING:
-    from jausml.authoring.merging.sides import Sides, Value
-    from jausml.language.metamodel.classes.ecore import EObject
 
 CHANGED_TWICE, GONE_HERE, LOST_TARGET, ELSEWHERE, AS_LINES, LEFT_OUT = (
     "JML811",

@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from jausml.authoring.differences.changes import element_words
 from jausml.authoring.differences.finding import changes
 from jausml.authoring.differences.matching import Matching
 from jausml.authoring.editing.working_copy import attribute_values
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import contents
 from jausml.language.model import refs
+from jausml.language.model.model import Model
 from jausml.language.model.refs import Ref
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
 
 _MOST_NAMED = 3
 """Changes of one element that a conflict tells."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Command, EditError
 from jausml.authoring.projects.creating import Wish, create
@@ -17,14 +16,12 @@ from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.new_elements import free_address, participant_name
 from jausml.authoring.proposals.system_parts import new_bridge, new_connections
 from jausml.authoring.proposals.topics import Crossing, TopicEnd
+from jausml.language.importers.jsidl import ImportResult
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.writer import replace_file, to_xmi
 from jausml.language.project import Index, library
 from jausml.language.semantics.names import is_identifier, snake_case, taken
-
-if TYPE_CHECKING:
-    from jausml.language.importers.jsidl import ImportResult
 
 
 def add(

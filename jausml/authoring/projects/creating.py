@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import jinja2
 
@@ -26,10 +26,6 @@ from jausml.language.model.inputs import read_input
 from jausml.language.model.library import XMI, library_paths, place_in_library
 from jausml.language.model.xmi.writer import replace_file
 from jausml.language.semantics.names import DEVICES
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
 
 _NAME = re.compile(r"[a-z][a-z0-9]*(?:_[a-z0-9]+)*")
 _LIBRARY = "library"

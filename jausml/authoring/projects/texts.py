@@ -6,18 +6,15 @@ import posixpath
 import re
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.library import LIBRARY_URI, copy_in_project, library_root
 from jausml.language.model.names import name_of, qualified_name
 from jausml.language.model.reading.reader import read_models
 from jausml.language.model.xmi.writer import name_identifiers, to_xmi
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.text.writing.unparsing import to_text
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 METAMODELS = "metamodels"
 MAPPINGS = "mappings"

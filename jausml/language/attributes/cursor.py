@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
-if TYPE_CHECKING:
-    import re
-    from collections.abc import Callable
-
-    T = TypeVar("T")
+T = TypeVar("T")
 
 
 class LanguageError(ValueError):

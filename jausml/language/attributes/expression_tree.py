@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from jausml.language.attributes import intervals as spans
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from jausml.language.attributes.intervals import Interval
+from jausml.language.attributes.intervals import Interval
 
 
 @dataclass(frozen=True)

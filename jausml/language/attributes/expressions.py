@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping, Sequence
 
 from jausml.language.attributes import intervals as spans
 from jausml.language.attributes.cursor import Language, LanguageError, Token, TokenCursor
@@ -25,11 +25,7 @@ from jausml.language.attributes.expression_tree import (
     source_names,
     variables,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
-
-    from jausml.language.attributes.intervals import Interval
+from jausml.language.attributes.intervals import Interval
 
 LONGEST = 1000
 """Characters of an expression; more is none that a person wrote."""

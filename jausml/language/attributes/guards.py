@@ -14,15 +14,12 @@ the condition is given the message and its sender.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import chain, product
 from math import prod
-from typing import TYPE_CHECKING
 
 from jausml.language.attributes.cursor import Language, LanguageError, TokenCursor
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 LONGEST = 1000
 """Characters of a guard; more is no guard that a person wrote."""

@@ -10,10 +10,7 @@ ends are exact; of the other functions the last bits are not known, and their en
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable
 
 Interval = tuple[float, float]
 

@@ -10,17 +10,14 @@ The value of an attribute stands in the element itself, without a holder, as Pyt
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from ordered_set import OrderedSet
 from pyecore.innerutils import InternalSet
 from pyecore.valuecontainer import ECollection, EList, EValue
 
 from jausml.language.metamodel.tables import ClassTable, FeatureKind, FeatureTable, ValueKind
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
 
 # The state behind the setters is private to pyecore.
 # ruff: noqa: SLF001

@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import re
 import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, wraps
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 from pyecore.ecore import EAttribute, EClass, EDataType, EEnum, EProxy
 from pyecore.resources import URI, ResourceSet
@@ -28,9 +29,6 @@ from jausml.language.metamodel.tables import (
     PackageTable,
     ValueKind,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
 
 GEN_MODEL = "http://www.eclipse.org/emf/2002/GenModel"
 EXTENDED_META_DATA = "http:///org/eclipse/emf/ecore/util/ExtendedMetaData"

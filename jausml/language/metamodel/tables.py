@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    import re
-    from collections.abc import Mapping
-
-    from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.metamodel.classes.ecore import EObject
 
 
 class FeatureKind(Enum):

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from jausml.language.metamodel import FeatureKind, FeatureTable
-
-if TYPE_CHECKING:
-    from collections.abc import Hashable, Iterator, Mapping
-
-    from jausml.language.metamodel import ClassTable, Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels
+from jausml.language.metamodel.classes.ecore import EObject
 
 NOTHING = "nothing"
 """How a difference shows that there is no value or no element."""

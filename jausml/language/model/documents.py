@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
+from jausml.language.metamodel.classes.ecore import EClass, EObject
 from jausml.language.model.diagnostics import Location
-from jausml.language.model.xmi.parsing import attribute_positions
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml.language.model.notation import Notation, Written
-    from jausml.language.model.xmi.parsing import Node
+from jausml.language.model.notation import Notation, Written
+from jausml.language.model.xmi.parsing import Node, attribute_positions
 
 _FEW = 8
 

@@ -12,11 +12,9 @@ import errno
 import os
 import re
 import stat
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, BinaryIO
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
+from typing import BinaryIO
 
 MOST_MIB = 64
 """The largest file that is read at once, in MiB, unless `LIMIT` says otherwise."""

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import gc
 import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from jausml.language.metamodel import FeatureTable, Metamodels
+from jausml.language.metamodel.classes.ecore import EClass, EObject
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.diagnostics import Location
 from jausml.language.model.documents import Document
 from jausml.language.model.xmi.parsing import Node
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping, Sequence
-
-    from jausml.language.metamodel import FeatureTable, Metamodels
-    from jausml.language.metamodel.classes.ecore import EClass, EObject
 
 ElementT = TypeVar("ElementT", bound="EObject")
 MadeT = TypeVar("MadeT")

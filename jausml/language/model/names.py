@@ -8,12 +8,14 @@ and actions of ROS go by what they are too: `std_srvs/SetBool.request`.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from functools import cache
-from typing import TYPE_CHECKING
 
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import ClassTable, FeatureKind, Metamodels
 from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.diagnostics import Location
 from jausml.language.model.documents import Document
 from jausml.language.model.library import (
     LIBRARY_URI,
@@ -22,15 +24,8 @@ from jausml.language.model.library import (
     module_of,
     place_in_library,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
-
-    from jausml.language.metamodel import ClassTable, Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import Location
-    from jausml.language.model.model import Model
-    from jausml.language.model.uris import UriFault
+from jausml.language.model.model import Model
+from jausml.language.model.uris import UriFault
 
 _CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
 _VERSION = re.compile(r"([0-9]{1,9})\.([0-9]{1,9})")

@@ -7,17 +7,15 @@ attribute of the namespace `NOTATION`: a reference by name.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from pathlib import Path
+from typing import Protocol
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
-
-    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import RuleInfo
-    from jausml.language.model.xmi.parsing import Node
+from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.diagnostics import RuleInfo
+from jausml.language.model.xmi.parsing import Node
 
 NOTATION = "http://www.jausml.org/notation"
 BY_NAME = f"{NOTATION} name"

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.language.model.inputs import leads_out, open_input
 from jausml.language.model.library import SUFFIXES, library_root, shipped_as
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 # Unlike pathlib, os.path says no where nothing may be looked at.
 # ruff: noqa: PTH110, PTH112, PTH113

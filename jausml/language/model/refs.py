@@ -16,20 +16,15 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING
+from pathlib import Path
 from urllib.parse import quote, unquote
 
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import FeatureKind, Metamodels
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.documents import Document
 from jausml.language.model.library import library_root
+from jausml.language.model.model import Model
 from jausml.language.model.xmi.parsing import Node
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
 
 Follow = Callable[[Document, Node], "Found | None"]
 """Steps from a child element with an href to the element of the document that it names."""

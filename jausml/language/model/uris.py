@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
+from jausml.language.model.documents import Document
 from jausml.language.model.inputs import open_input
 from jausml.language.model.library import (
     LIBRARY_URI,
@@ -26,11 +27,6 @@ from jausml.language.model.library import (
 from jausml.language.model.project import MARKER, enclosing_project
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import parse
-
-if TYPE_CHECKING:
-    from collections.abc import Container, Iterator, Mapping
-
-    from jausml.language.model.documents import Document
 
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+):")
 _WINDOWS = re.compile(r"[A-Za-z]:[\\/]|.*\\")

@@ -10,19 +10,17 @@ import os
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
 from jausml.language.interfaces import FieldDefinition, Installation, Section
 from jausml.language.interfaces.definitions import FieldType, is_type_name
 from jausml.language.interfaces.idl import SUFFIX as IDL
 from jausml.language.interfaces.idl import parse_interface
 from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.inputs import read_text
 
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-
-    InterfaceType = ros.MessageType | ros.ServiceType | ros.ActionType
+InterfaceType: TypeAlias = "ros.MessageType | ros.ServiceType | ros.ActionType"
 
 MOST_PARTS = 1 << 14
 """The most numbers, texts, arrays of numbers and sequences that code is generated for."""

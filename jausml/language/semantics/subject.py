@@ -12,19 +12,16 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import wraps
 from operator import itemgetter
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from jausml.language.metamodel.classes import jaus, ros
+from jausml.language.metamodel.classes.ecore import EClass, EObject
 from jausml.language.model.diagnostics import Diagnostic, Severity
+from jausml.language.model.model import Model
 
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml.language.model.model import Model
-
-    AskedT = TypeVar("AskedT", bound=Hashable)
-    AnswerT = TypeVar("AnswerT")
-
-ElementT = TypeVar("ElementT", bound="EObject")
+AskedT = TypeVar("AskedT", bound=Hashable)
+AnswerT = TypeVar("AnswerT")
+ElementT = TypeVar("ElementT", bound=EObject)
 Fact = TypeVar("Fact")
 
 _Unread = frozenset[str] | None

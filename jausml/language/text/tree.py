@@ -7,16 +7,12 @@ out anew without a loss. Names stand in it without back quotes, texts without qu
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
-from jausml.language.metamodel import FeatureKind
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.language.metamodel import ClassTable, Metamodels
+from jausml.language.metamodel import ClassTable, FeatureKind, Metamodels
 
 UNBOUNDED = "*"
 """The size of a member that is a sequence of any length."""

@@ -8,22 +8,17 @@ text both keep, and Eclipse too when it saves.
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import date
-from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Severity
+from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Location, Severity
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
 from jausml.language.model.values import show, suggest
 from jausml.language.text.notation import TEXT_RULES
 from jausml.language.validation.rule import Ground, SetAside
 from jausml.language.validation.rules import ALLOWANCE_RULES, PRODUCT_RULES, all_rules
-
-if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
-
-    from jausml.language.model.diagnostics import Location
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model
 
 _MARK = "@allow"
 _FORM = "write @allow <rule> until <year>-<month>-<day>: <reason>"

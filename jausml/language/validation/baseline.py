@@ -11,17 +11,12 @@ import os
 import re
 from collections import Counter
 from dataclasses import replace
-from pathlib import PurePath
-from typing import TYPE_CHECKING, TypeAlias
+from pathlib import Path, PurePath
+from typing import TypeAlias
 
+from jausml.language.model.diagnostics import Diagnostic
 from jausml.language.model.inputs import read_input
-from jausml.language.validation.rule import Ground, SetAside
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Ground, Report, SetAside
 
 SCHEMA = 1
 _POSITION = re.compile(r"\[\d+\]")

@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from operator import attrgetter
-from typing import TYPE_CHECKING
 
+from jausml.language.metamodel import Metamodels
 from jausml.language.metamodel.classes import bridge
-from jausml.language.model import Diagnostic, Related
-from jausml.language.model.model import without_collector
+from jausml.language.metamodel.classes.ecore import EClass, EObject
+from jausml.language.model import Diagnostic, Document, ReadResult, Related
+from jausml.language.model.model import Model, without_collector
+from jausml.language.model.project import Reading
 from jausml.language.project import read_project
 from jausml.language.semantics.paths.wholes import written
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.allowances import settled
-from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Finding, Part, Report, Rule
 from jausml.language.validation.rules import all_rules
-
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Callable, Iterable, Iterator, Sequence
-
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.metamodel.classes.ecore import EClass, EObject
-    from jausml.language.model import Document, ReadResult
-    from jausml.language.model.model import Model
-    from jausml.language.model.project import Reading
-    from jausml.language.validation.rule import Finding, Part, Rule
 
 
 class RuleError(Exception):

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.connections.limits import LONGEST_TIME
-from jausml.language.semantics.jaus.services import is_known, provides_access_control, query_name
+from jausml.language.semantics.jaus.services import (
+    Provider,
+    is_known,
+    provides_access_control,
+    query_name,
+)
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.jaus.services import Provider
-    from jausml.language.semantics.subject import Subject
-
-    AnyConnection = jaus.ServiceConnection | bridge.Connection
+AnyConnection: TypeAlias = "jaus.ServiceConnection | bridge.Connection"
 
 
 def provider_name(provider: Provider) -> str:

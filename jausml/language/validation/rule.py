@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
-from jausml.language.model.diagnostics import Diagnostic, Severity
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
+from jausml.language.model.model import Model
+from jausml.language.semantics.subject import Subject
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
-    from typing import TypeAlias
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import Location, RuleInfo
-    from jausml.language.model.model import Model
-    from jausml.language.semantics.subject import Subject
-
-    Kinds: TypeAlias = type[EObject] | tuple[type[EObject], ...]
+Kinds: TypeAlias = "type[EObject] | tuple[type[EObject], ...]"
 
 
 @dataclass(frozen=True, slots=True)

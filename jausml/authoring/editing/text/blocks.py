@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from jausml.authoring.editing.commands import EditError
+from jausml.authoring.editing.drafts import Context
 from jausml.authoring.editing.text.item_writer import ItemWriter
+from jausml.authoring.editing.text.naming import Naming
 from jausml.authoring.editing.text.pieces import (
+    Part,
     Piece,
     heading_of,
     in_place_of,
@@ -17,7 +21,11 @@ from jausml.authoring.editing.text.pieces import (
     set_apart,
 )
 from jausml.authoring.editing.text.ranks import rank, rank_of
+from jausml.authoring.editing.working_copy import ElementCopy
+from jausml.language.metamodel import ClassTable
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
+from jausml.language.text.reading.document import TextDocument
 from jausml.language.text.tree import (
     Assignment,
     Call,
@@ -37,17 +45,6 @@ from jausml.language.text.tree import (
 )
 from jausml.language.text.writing.spelling import IN_THE_HEAD, is_comment, is_name
 from jausml.language.text.writing.unparsing import IMPLIED_PARTS, MAP
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from jausml.authoring.editing.drafts import Context
-    from jausml.authoring.editing.text.naming import Naming
-    from jausml.authoring.editing.text.pieces import Part
-    from jausml.authoring.editing.working_copy import ElementCopy
-    from jausml.language.metamodel import ClassTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.text.reading.document import TextDocument
 
 _ENDS = {"message": True, "type": False}
 """The features of a map that its ends say, and whether each is the JAUS end."""

@@ -6,20 +6,17 @@ model knows nothing of them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, cast
+from collections.abc import Callable
+from typing import Any, cast
 
+from jausml.authoring.editing.working_copy import ElementCopy
+from jausml.language.metamodel import DataTypeTable
 from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import link, new_object, point, set_value, set_values
+from jausml.language.model.refs import Ref
 from jausml.language.model.values import convert
 from jausml.language.semantics.connections.exchanges import FEATURES, infer
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.authoring.editing.working_copy import ElementCopy
-    from jausml.language.metamodel import DataTypeTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.refs import Ref
 
 
 def detached(

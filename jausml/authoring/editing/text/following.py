@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from functools import cache
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
-from jausml.authoring.editing.commands import Rename
-from jausml.authoring.editing.text.naming import named_references
+from jausml.authoring.editing.commands import ElementCommand, Rename
+from jausml.authoring.editing.drafts import Context
+from jausml.authoring.editing.text.naming import Naming, named_references
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
 from jausml.language.model.notation import BY_NAME
+from jausml.language.model.xmi.parsing import Node
+from jausml.language.text.reading.document import TextDocument
 from jausml.language.text.tree import Call, Href, Item, Name
 from jausml.language.text.writing.spelling import is_name
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-    from jausml.authoring.editing.commands import ElementCommand
-    from jausml.authoring.editing.drafts import Context
-    from jausml.authoring.editing.text.naming import Naming
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.document import TextDocument
 
 _PARTING = re.compile("([./])")
 

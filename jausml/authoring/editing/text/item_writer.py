@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
+from jausml.authoring.editing.drafts import Context
 from jausml.authoring.editing.text.detached import detached, settle_new
+from jausml.authoring.editing.text.naming import Naming
+from jausml.authoring.editing.text.pieces import Part
+from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import hang
-from jausml.language.text.tree import Assignment, Call, Element, Table, Vector
+from jausml.language.model.refs import Ref
+from jausml.language.text.tree import (
+    Assignment,
+    Call,
+    Element,
+    Feature,
+    Ignored,
+    Item,
+    Table,
+    Vector,
+)
 from jausml.language.text.writing.references import ElementWriter
 from jausml.language.text.writing.unparsing import MAP, MapWriter, table_entry, vector_entry
-
-if TYPE_CHECKING:
-    from jausml.authoring.editing.drafts import Context
-    from jausml.authoring.editing.text.naming import Naming
-    from jausml.authoring.editing.text.pieces import Part
-    from jausml.authoring.editing.working_copy import ElementCopy
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.refs import Ref
-    from jausml.language.text.tree import Feature, Ignored, Item
 
 
 class ItemWriter:

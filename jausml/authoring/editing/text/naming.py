@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import copy
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
+from jausml.authoring.editing.drafts import Context
+from jausml.language.metamodel import ClassTable, FeatureTable
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
 from jausml.language.model.notation import BY_NAME
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.writer import external_href
-from jausml.language.text.tree import Href, Name
+from jausml.language.text.tree import Href, Name, Text
 from jausml.language.text.writing.references import DocumentNames
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.authoring.editing.drafts import Context
-    from jausml.language.metamodel import ClassTable, FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.tree import Text
 
 
 class Naming(DocumentNames):

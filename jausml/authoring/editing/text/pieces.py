@@ -7,17 +7,14 @@ brackets. Taken apart, each may go, come or change by itself.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, cast
+from typing import TypeAlias, cast
 
 from jausml.language.text.tree import Assignment, Call, Direction, Element, Feature, Item, lists_of
 from jausml.language.text.writing.layout import space
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-    from typing import TypeAlias
-
-    Part: TypeAlias = Item | Call
+Part: TypeAlias = "Item | Call"
 
 
 @dataclass(slots=True)

@@ -6,34 +6,37 @@ does it, and keeps its comments.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from jausml.authoring.editing.applying import converted
-from jausml.authoring.editing.commands import Add, EditError, Move, Remove, Rename, Set
+from jausml.authoring.editing.commands import (
+    Add,
+    EditError,
+    ElementCommand,
+    Move,
+    Remove,
+    Rename,
+    Set,
+)
+from jausml.authoring.editing.drafts import Context
 from jausml.authoring.editing.reading import encoded
 from jausml.authoring.editing.text.blocks import Blocks
 from jausml.authoring.editing.text.following import with_words, words_for
 from jausml.authoring.editing.text.naming import Naming
 from jausml.authoring.editing.text.pieces import heading_of
+from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import contents
 from jausml.language.model.names import name_of
+from jausml.language.model.refs import Ref
 from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES
 from jausml.language.semantics.names import snake_case
-from jausml.language.text.tree import Element, Import, Name, SyntaxTree
+from jausml.language.text.reading.document import TextDocument
+from jausml.language.text.tree import Element, Import, Item, Name, SyntaxTree
 from jausml.language.text.writing.layout import lay_out
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.authoring.editing.commands import ElementCommand
-    from jausml.authoring.editing.drafts import Context
-    from jausml.authoring.editing.working_copy import ElementCopy
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.refs import Ref
-    from jausml.language.text.reading.document import TextDocument
-    from jausml.language.text.tree import Item
 
 
 def print_text(commands: Sequence[ElementCommand], context: Context) -> bytes | None:

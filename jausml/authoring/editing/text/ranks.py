@@ -2,15 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from jausml.language.metamodel import FeatureKind
+from jausml.authoring.editing.text.pieces import Part
+from jausml.language.metamodel import ClassTable, FeatureKind
 from jausml.language.text.tree import Direction, Element, End, Feature, Import, Item, Table, Vector
 from jausml.language.text.writing.unparsing import MAP
-
-if TYPE_CHECKING:
-    from jausml.authoring.editing.text.pieces import Part
-    from jausml.language.metamodel import ClassTable
 
 _MAP_ORDER = (
     *("openDecisions", "tables", "quantities", "joins", "reportJoins", "stopRos", "stopJaus"),

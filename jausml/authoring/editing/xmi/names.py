@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import posixpath
-from typing import TYPE_CHECKING
 from urllib.parse import quote
 
+from jausml.authoring.editing.drafts import Context
 from jausml.authoring.editing.reading import is_library
 from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.language.model import refs
+from jausml.language.model.documents import Document
 from jausml.language.model.library import LIBRARY_URI, copy_in_project, library_root
-from jausml.language.model.refs import FragmentFinder
+from jausml.language.model.refs import FragmentFinder, Ref
 from jausml.language.model.uris import UriFault, UriResolver
-
-if TYPE_CHECKING:
-    from jausml.authoring.editing.drafts import Context
-    from jausml.language.model.documents import Document
-    from jausml.language.model.refs import Ref
-    from jausml.language.model.xmi.parsing import Node
+from jausml.language.model.xmi.parsing import Node
 
 
 class Names:

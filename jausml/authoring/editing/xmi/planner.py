@@ -7,16 +7,19 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TypeAlias
 
-from jausml.authoring.editing.commands import Add, EditError, Rename, Set
+from jausml.authoring.editing.commands import Add, EditError, ElementCommand, Rename, Set
+from jausml.authoring.editing.drafts import Context
 from jausml.authoring.editing.working_copy import ElementCopy, attribute_values
 from jausml.authoring.editing.xmi.comments import Comments
 from jausml.authoring.editing.xmi.names import Names
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable
 from jausml.language.model.names import name_of
 from jausml.language.model.reading.classes import is_xmi
 from jausml.language.model.refs import Ref
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.printing import (
     XSI,
     DocumentPrinter,
@@ -25,14 +28,6 @@ from jausml.language.model.xmi.printing import (
     element_text,
 )
 from jausml.language.text.reading.scanning import line_end
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
-
-    from jausml.authoring.editing.commands import ElementCommand
-    from jausml.authoring.editing.drafts import Context
-    from jausml.language.metamodel import ClassTable, FeatureTable
-    from jausml.language.model.xmi.parsing import Node
 
 Target: TypeAlias = ElementCopy | Ref
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
+from xml.etree.ElementTree import Element
 
 from jausml.language.attributes.guards import LONGEST, alternatives, parse_guard
 from jausml.language.exporters.jsidl.elements import element, explained
@@ -19,9 +20,6 @@ from jausml.language.semantics.jaus.inherited_machines import (
     machine_with,
 )
 from jausml.language.semantics.jaus.services import lineage
-
-if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
 
 _MESSAGE = "msg"
 _SENDER = "transportData"

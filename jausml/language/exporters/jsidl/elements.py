@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TypeAlias, cast
 from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 from jausml.language.importers.jsidl.vocabulary import NUMERIC_TYPES, folded, largest
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.names import snake_case
 
-if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
-
-    Documented: TypeAlias = jaus.NamedElement | jaus.Value | jaus.Transition | jaus.Action
+Documented: TypeAlias = "jaus.NamedElement | jaus.Value | jaus.Transition | jaus.Action"
 
 NAMESPACE = "urn:jaus:jsidl:1.1"
 

@@ -7,27 +7,29 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
+from xml.etree.ElementTree import Element
 
 from jausml.language.attributes.guards import alternatives, parse_guard
 from jausml.language.exporters.jsidl.behaviour import arguments_of, behaviour, reference_name
-from jausml.language.exporters.jsidl.elements import FieldWriter, document, element, text_element
+from jausml.language.exporters.jsidl.elements import (
+    Documented,
+    FieldWriter,
+    document,
+    element,
+    text_element,
+)
 from jausml.language.importers.jsidl import ImportResult, Source, import_sources
 from jausml.language.importers.jsidl.vocabulary import folded
 from jausml.language.metamodel import Metamodels
 from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.comparison import NOTHING, Difference, Policy, compare
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.language.model.model import Model
 from jausml.language.semantics.jaus.inherited_machines import Machine, machine_with, states_of
 from jausml.language.semantics.jaus.machines import described, is_core_trigger
 from jausml.language.semantics.jaus.services import with_inherited
-
-if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
-
-    from jausml.language.exporters.jsidl.elements import Documented
-    from jausml.language.metamodel.classes.ecore import EObject
 
 UNSAID = MappingProxyType({"frame": "unstated", "moves": "True", "documentation": NOTHING})
 """Features for which JSIDL has no place everywhere, and what an import says of them then.

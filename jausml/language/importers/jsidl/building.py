@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import assign, new_object
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _RULES = {
     "JML601": RuleInfo(

@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Container, Hashable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias, TypeVar, cast
+from typing import TypeAlias, TypeVar, cast
 
 from jausml.language.importers.jsidl.building import Builder
 from jausml.language.importers.jsidl.messages import MessageBuilder
@@ -19,6 +19,7 @@ from jausml.language.importers.jsidl.vocabulary import (
     joined,
 )
 from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import Findings, NodePlace
@@ -27,9 +28,6 @@ from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import Machine, core_events, machines_of
 from jausml.language.semantics.jaus.services import lineage
 from jausml.language.semantics.names import snake_case
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 MadeT = TypeVar("MadeT")
 

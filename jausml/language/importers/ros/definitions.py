@@ -7,23 +7,21 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from jausml.language.attributes.units import UnitError, parse_unit
 from jausml.language.interfaces import Definition, FieldDefinition, Section
 from jausml.language.interfaces.idl import SUFFIX as IDL
 from jausml.language.interfaces.parsing import PARTS, definition_files
 from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import assign, new_object
 from jausml.language.model.diagnostics import RuleInfo, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import read_input
 from jausml.language.model.model import Model
 from jausml.language.model.xmi.parsing import Node, parse
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.ros_types import InterfaceType
+from jausml.language.semantics.ros_types import InterfaceType
 
 SUFFIXES = (*(f".{kind}" for kind in PARTS), IDL)
 """Endings of the names of definition files."""

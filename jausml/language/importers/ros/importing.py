@@ -6,7 +6,6 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.language.importers.ros.definitions import (
     ROS_RULES,
@@ -21,6 +20,7 @@ from jausml.language.interfaces.idl import parse_interface
 from jausml.language.interfaces.parsing import PARTS, Installation
 from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
@@ -28,10 +28,7 @@ from jausml.language.model.reading.problems import Findings
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.project import library
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.ros_types import InterfaceType
+from jausml.language.semantics.ros_types import InterfaceType
 
 MOST_BYTES = 1024 * 1024
 """A definition file that is larger is none."""

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, cast
+from collections.abc import Iterable
+from typing import cast
 
-from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable
+from jausml.language.metamodel import (
+    ClassTable,
+    FeatureKind,
+    FeatureTable,
+    Metamodels,
+    PackageTable,
+)
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import count
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
 from jausml.language.model.reading.problems import NodePlace, Problems
 from jausml.language.model.values import show, suggest
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.printing import XSI
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.metamodel import Metamodels, PackageTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model
-    from jausml.language.model.xmi.parsing import Node
-
 
 ECORE = "http://www.eclipse.org/emf/2002/Ecore"
 _XMI_NAMESPACES = (

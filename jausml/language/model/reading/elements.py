@@ -6,8 +6,9 @@ be read yet.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from jausml.language.metamodel import (
     ClassTable,
@@ -16,23 +17,17 @@ from jausml.language.metamodel import (
     FeatureTable,
     Metamodels,
 )
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import holds, link, new_object, set_value, set_values
 from jausml.language.model.diagnostics import Related
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
 from jausml.language.model.notation import BY_NAME
 from jausml.language.model.reading.classes import ClassFinder, is_xmi, target_class
 from jausml.language.model.reading.problems import NodePlace, Problems, XmlAttribute
-from jausml.language.model.values import convert, nearest, show, suggest_or_list
+from jausml.language.model.values import ValueFault, convert, nearest, show, suggest_or_list
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.printing import XSI
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model
-    from jausml.language.model.values import ValueFault
-    from jausml.language.model.xmi.parsing import Node
-
 
 _TRUE = ("true", "1")
 

@@ -6,19 +6,17 @@ a model that somebody edits.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TypeAlias
 
-if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
-    from pathlib import Path
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model, Origins
+from jausml.language.model.uris import FileTarget
 
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model, Origins
-    from jausml.language.model.uris import FileTarget
-
-    Opened = Mapping[Document, Mapping[str, Document | None]]
-    """What the references of documents led to, by URI; None for nowhere."""
+Opened: TypeAlias = "Mapping[Document, Mapping[str, Document | None]]"
+"""What the references of documents led to, by URI; None for nowhere."""
 
 
 _MOST = 500

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import READER_RULES, Diagnostic, Location, Related, Severity
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.diagnostics import RuleInfo
-    from jausml.language.model.documents import Document
-    from jausml.language.model.model import Model
-    from jausml.language.model.xmi.parsing import Node
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.diagnostics import (
+    READER_RULES,
+    Diagnostic,
+    Location,
+    Related,
+    RuleInfo,
+    Severity,
+)
+from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
+from jausml.language.model.xmi.parsing import Node
 
 XmlAttribute = tuple[str, str]
 """Namespace URI and local name of an XML attribute."""

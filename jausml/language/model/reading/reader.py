@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import errno
 import os
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from jausml.language.metamodel import Metamodels, load_metamodels
+from jausml.language.metamodel import FeatureTable, Metamodels, load_metamodels
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import bounded, read_input
 from jausml.language.model.model import Model, without_collector
 from jausml.language.model.names import NameFinder
-from jausml.language.model.notation import Explanation
+from jausml.language.model.notation import Explanation, Fault, Notation, Written
 from jausml.language.model.project import find_project_root
 from jausml.language.model.reading.classes import check_bounds
-from jausml.language.model.reading.elements import ElementBuilder, Mention
-from jausml.language.model.reading.library_cache import NotShareableError
+from jausml.language.model.reading.elements import ElementBuilder, Mention, Reference
+from jausml.language.model.reading.library_cache import LibraryCache, NotShareableError
 from jausml.language.model.reading.problems import NodePlace, Problems
 from jausml.language.model.reading.references import (
     KnownNames,
@@ -28,15 +29,6 @@ from jausml.language.model.reading.references import (
 )
 from jausml.language.model.uris import FileTarget, UriFault, UriResolver
 from jausml.language.model.xmi.parsing import Node, parse
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from jausml.language.metamodel import FeatureTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.notation import Fault, Notation, Written
-    from jausml.language.model.reading.elements import Reference
-    from jausml.language.model.reading.library_cache import LibraryCache
 
 _BESIDE = "JML103"
 """The rule of what is written beside the features of an element, which are read all the same."""

@@ -5,34 +5,29 @@ What a document can refer to, so that a notation declares what nobody else knows
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.metamodel import FeatureKind, Metamodels
 from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import holds, link, point
 from jausml.language.model.diagnostics import Related
 from jausml.language.model.documents import Document
+from jausml.language.model.model import Model
 from jausml.language.model.names import NameFinder, depth, library_codes, qualified_name
 from jausml.language.model.notation import Explanation
 from jausml.language.model.reading.classes import target_class
-from jausml.language.model.reading.elements import Mention
+from jausml.language.model.reading.elements import Mention, Reference
 from jausml.language.model.reading.library_cache import NotShareableError
+from jausml.language.model.reading.problems import Problems
 from jausml.language.model.refs import Found, FragmentFinder
 from jausml.language.model.uris import UriFault
 from jausml.language.model.values import show
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.reading.elements import Reference
-    from jausml.language.model.reading.problems import Problems
-    from jausml.language.model.xmi.parsing import Node
+from jausml.language.model.xmi.parsing import Node
 
 Explain = Callable[[Document, str, str], Explanation]
 """Tells why a document may know no element of a class by a name."""

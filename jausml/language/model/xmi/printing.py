@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Generic, TypeVar
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Generic, TypeVar
 
-from jausml.language.metamodel import FeatureKind
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
+from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels
 
 _ESCAPES = {"&": "&amp;", "<": "&lt;", '"': "&quot;", "\n": "&#xA;", "\r": "&#xD;", "\t": "&#x9;"}
 _ESCAPED = re.compile('[&<"\n\r\t]')

@@ -14,23 +14,25 @@ import os
 import re
 import shutil
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 from urllib.parse import quote
 
-from jausml.language.metamodel import DataTypeTable, FeatureKind, FeatureTable, ValueKind
+from jausml.language.metamodel import (
+    ClassTable,
+    DataTypeTable,
+    FeatureKind,
+    FeatureTable,
+    ValueKind,
+)
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import count, is_set
 from jausml.language.model.library import LIBRARY_URI, library_root
+from jausml.language.model.model import Model
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.printing import DocumentPrinter, UnwritableError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.metamodel import ClassTable
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
 
 # Other texts mean something else, or nothing, where references stand side by side.
 _REFERABLE = re.compile(r"[^\s/#:?%][^\s#:?%]*")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.frames import axis_of, passage
@@ -22,6 +21,7 @@ from jausml.language.semantics.paths.attributes import (
     NUMBER,
     NUMBERS,
     Attribute,
+    Part,
     compared,
     is_real,
 )
@@ -34,10 +34,7 @@ from jausml.language.semantics.paths.scopes import (
     outer_scope,
     target_paths,
 )
-
-if TYPE_CHECKING:
-    from jausml.language.semantics.paths.attributes import Part
-    from jausml.language.semantics.paths.wholes import FoundPlace
+from jausml.language.semantics.paths.wholes import FoundPlace
 
 
 def unknown_targets(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[tuple[str, str]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.attributes.expressions import ExpressionError, parse_expression, source_names
 from jausml.language.attributes.intervals import EVERYTHING, Interval
@@ -20,13 +20,10 @@ from jausml.language.semantics.conversions import (
     NoValueError,
     conversion_of,
 )
-from jausml.language.semantics.conversions.authored import Expression, Formula
+from jausml.language.semantics.conversions.authored import Expression, Formula, Pairs, Scalar
 from jausml.language.semantics.paths.attributes import BOOL, LIST, NUMBER, NUMBERS, TEXT, Attribute
 from jausml.language.semantics.paths.scopes import COUNTERS, Placed
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from jausml.language.semantics.conversions.authored import Pairs, Scalar
 
 
 def value_of(quantity: bridge.Quantity, overrides: Mapping[str, bridge.Quantity]) -> float:

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 from jausml.language.attributes import intervals
 from jausml.language.attributes.intervals import EVERYTHING, Interval
 from jausml.language.attributes.units import Unit, UnitError, conversion_between, parse_unit
 from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.assignments.steps import steps_of
 from jausml.language.semantics.conversions import VALUE, NoValueError, UnitEffect, conversion_of
 from jausml.language.semantics.conversions.conversion import OWN, linear_interval
@@ -37,9 +37,6 @@ from jausml.language.semantics.paths.scopes import (
     target_paths,
 )
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _NUMERIC = (NUMBER, NUMBERS)
 _OF_ONE_UNIT = (UnitEffect.SAME, UnitEffect.SQUARE, UnitEffect.ROOT)

@@ -8,9 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.jaus.services import (
     inputs_by_name,
     provided_services,
@@ -19,9 +18,6 @@ from jausml.language.semantics.jaus.services import (
     with_inherited,
 )
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
 
 TO_ROS, TO_JAUS = "jausToRos", "rosToJaus"
 MESSAGE, EVENT = "message", "periodicEvent"

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
-from jausml.language.semantics.jaus.services import find_input, inputs, peers_of, query_name
+from jausml.language.semantics.jaus.services import (
+    Provider,
+    find_input,
+    inputs,
+    peers_of,
+    query_name,
+)
 from jausml.language.semantics.paths.scopes import source_paths
-
-if TYPE_CHECKING:
-    from jausml.language.semantics.jaus.services import Provider
 
 
 @dataclass(frozen=True)

@@ -7,15 +7,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.services import code
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes.ecore import EObject
 
 _TOKEN = re.compile("[A-Za-z_][A-Za-z0-9_]*")
 _LONGEST = 255

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
+from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import authored, numbers, octets, orientations, times
 from jausml.language.semantics.conversions.conversion import (
     ANY,
@@ -16,9 +16,6 @@ from jausml.language.semantics.conversions.conversion import (
     NoValueError,
     UnitEffect,
 )
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
 
 __all__ = [
     "ANY",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from jausml.language.attributes import expressions, intervals
 from jausml.language.attributes.expressions import EvaluationError, evaluate, interval, variables
@@ -21,9 +21,8 @@ from jausml.language.semantics.conversions.conversion import (
 )
 from jausml.language.semantics.conversions.definition import Definition, NoArithmetic
 
-if TYPE_CHECKING:
-    Scalar: TypeAlias = float | str
-    Pairs: TypeAlias = Sequence[tuple[Scalar, Scalar]]
+Scalar: TypeAlias = "float | str"
+Pairs: TypeAlias = "Sequence[tuple[Scalar, Scalar]]"
 
 _NOT_NEGATIVE = (0.0, float("inf"))
 

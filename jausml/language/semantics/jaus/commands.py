@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.jaus.core_services import CORE, is_core_message, standard_services
 from jausml.language.semantics.jaus.inherited_machines import states_of
 from jausml.language.semantics.jaus.services import (
@@ -28,11 +28,7 @@ from jausml.language.semantics.jaus.services import (
 )
 from jausml.language.semantics.subject import remembered
 
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import bridge
-
-    Guard = Literal["ANY", "CONTROLLED", "READY"]
-
+Guard = Literal["ANY", "CONTROLLED", "READY"]
 
 # Set in Standby too (AS6009, protocol behaviour of the waypoint, list and velocity drivers).
 _STANDBY_MESSAGES = frozenset(

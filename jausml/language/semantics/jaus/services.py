@@ -6,20 +6,18 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.language import wire
-from jausml.language.metamodel.classes import jaus
+from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.jaus.core_services import with_standard
 from jausml.language.semantics.subject import Subject, remembered
 
 if TYPE_CHECKING:
     from typing_extensions import TypeIs
 
-    from jausml.language.metamodel.classes import bridge
-    from jausml.language.metamodel.classes.ecore import EObject
-
-    Group: TypeAlias = jaus.Record | jaus.Sequence
-    Container: TypeAlias = Group | jaus.List | jaus.Variant
-    Provider = jaus.Component | jaus.PeerSearch
-    """Who provides services: a component, or whatever a search finds."""
+Group: TypeAlias = "jaus.Record | jaus.Sequence"
+Container: TypeAlias = "Group | jaus.List | jaus.Variant"
+Provider: TypeAlias = "jaus.Component | jaus.PeerSearch"
+"""Who provides services: a component, or whatever a search finds."""
 
 # What does not change the bytes of a legal message.
 _BESIDE_THE_WIRE = frozenset({"name", "documentation", "units", "legal"})

@@ -8,17 +8,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from itertools import takewhile
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
 from jausml.language.interfaces.definitions import INTEGER_RANGES, TEXTS
+from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.names import words
 from jausml.language.wire import REALS
 
-if TYPE_CHECKING:
-    from jausml.language.metamodel.classes import jaus, ros
-
-    JausPart: TypeAlias = jaus.Field | jaus.SubField | jaus.Alternative | jaus.Format
-    Part: TypeAlias = JausPart | ros.Field
+JausPart: TypeAlias = "jaus.Field | jaus.SubField | jaus.Alternative | jaus.Format"
+Part: TypeAlias = "JausPart | ros.Field"
 
 
 NUMBER = "number"

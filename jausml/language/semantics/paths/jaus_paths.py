@@ -6,7 +6,6 @@ import math
 import re
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
@@ -21,15 +20,12 @@ from jausml.language.semantics.paths.attributes import (
     TIME_STAMP,
     UNSTATED,
     Attribute,
+    JausPart,
     PathFault,
     count_of_elements,
     nearest_name,
 )
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from jausml.language.semantics.paths.attributes import JausPart
-
 
 _MOST_BITS = wire.UNSIGNED["uint64"].bits
 _NAMES = {"BitField": "bit field", "VariableField": "variable field"}

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.language.attributes.expressions import (
     EvaluationError,
@@ -16,9 +16,6 @@ from jausml.language.attributes.expressions import (
 )
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.subject import remembered
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 VALUE = "value"
 """How a condition calls the field itself, or an element of an array."""

@@ -5,26 +5,22 @@ The file has maps alone; address and frequency of the bridge are given on the co
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
 
+from jausml.language.metamodel import Metamodels
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.names import qualified_name
+from jausml.language.model.notation import Known
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.language.semantics.names import system_name
 from jausml.language.text.reading.declared_messages import message_feature
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.model.notation import Known
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.declarer import Declarer
-    from jausml.language.text.reading.elements import NodeMaker
-    from jausml.language.text.reading.maps import WrittenEnd
-    from jausml.language.text.tree import Span
+from jausml.language.text.reading.declarer import Declarer
+from jausml.language.text.reading.elements import NodeMaker
+from jausml.language.text.reading.maps import WrittenEnd
+from jausml.language.text.tree import Span
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
+from jausml.language.metamodel import Metamodels
 from jausml.language.model.library import LIBRARY_URI
+from jausml.language.model.notation import Known
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.names import service_name, snake_case, system_name
-from jausml.language.text.reading.declared_types import JausFields
-from jausml.language.text.tree import Element, Feature
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-    from pathlib import Path
-
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.model.notation import Known
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.declared_types import Types
-    from jausml.language.text.reading.elements import ElementReader, NodeMaker
-    from jausml.language.text.reading.maps import WrittenEnd
-    from jausml.language.text.tree import End, Span
+from jausml.language.text.reading.declared_types import JausFields, Types
+from jausml.language.text.reading.elements import ElementReader, NodeMaker
+from jausml.language.text.reading.maps import WrittenEnd
+from jausml.language.text.tree import Element, End, Feature, Span
 
 FIRST_CODE = 0xD000
 LAST_CODE = 0xFFFF

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+from jausml.language.metamodel import Metamodels
 from jausml.language.model.values import show, suggest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.elements import ElementReader, NodeMaker
-    from jausml.language.text.tree import End, Feature, Member, Name, Span
+from jausml.language.model.xmi.parsing import Node
+from jausml.language.text.reading.elements import ElementReader, NodeMaker
+from jausml.language.text.tree import End, Feature, Member, Name, Span
 
 ANY_SIZE = "*"
 BOOL = "bool"

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
+from jausml.language.metamodel import Metamodels
 from jausml.language.model.library import has_package
+from jausml.language.model.notation import Known
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.names import package_name, words
 from jausml.language.text.reading.declared_messages import OwnService
 from jausml.language.text.reading.declared_types import (
@@ -21,19 +25,9 @@ from jausml.language.text.reading.declared_types import (
     size_of,
     type_word,
 )
-from jausml.language.text.tree import Name
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from pathlib import Path
-
-    from jausml.language.metamodel import Metamodels
-    from jausml.language.model.notation import Known
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.reading.elements import ElementReader, NodeMaker
-    from jausml.language.text.reading.maps import WrittenEnd
-    from jausml.language.text.tree import End, Feature, Member
-
+from jausml.language.text.reading.elements import ElementReader, NodeMaker
+from jausml.language.text.reading.maps import WrittenEnd
+from jausml.language.text.tree import End, Feature, Member, Name
 
 _NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 

@@ -6,37 +6,37 @@ that leave them open.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, cast
+from pathlib import Path
+from typing import Any, cast
 
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureKind, Metamodels
 from jausml.language.metamodel.filling import set_value
-from jausml.language.model.notation import Fault, ImportedDocument
-from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES, infer
+from jausml.language.model.notation import Explanation, Fault, ImportedDocument, Known
+from jausml.language.model.xmi.parsing import Node
+from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES, Inferred, infer
 from jausml.language.semantics.names import package_name, system_name
 from jausml.language.semantics.subject import remembered, remembering
 from jausml.language.text.reading import imports
-from jausml.language.text.reading.bridge_of_maps import add_bridge
+from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps, add_bridge
 from jausml.language.text.reading.declarer import Declarer
-from jausml.language.text.reading.elements import ElementReader, NodeMaker
+from jausml.language.text.reading.elements import ElementReader, NodeMaker, Source
 from jausml.language.text.reading.imports import explain
 from jausml.language.text.reading.maps import MapReader
 from jausml.language.text.reading.members import MemberCheck
-from jausml.language.text.tree import Element, End, Feature, Import, Member, Span, is_map, lists_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-    from pathlib import Path
-    from typing import Any
-
-    from jausml.language.metamodel import ClassTable, DataTypeTable, Metamodels
-    from jausml.language.model.notation import Explanation, Known
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.semantics.connections.exchanges import Inferred
-    from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps
-    from jausml.language.text.reading.elements import Source
-    from jausml.language.text.tree import Item, SyntaxTree
-
+from jausml.language.text.tree import (
+    Element,
+    End,
+    Feature,
+    Import,
+    Item,
+    Member,
+    Span,
+    SyntaxTree,
+    is_map,
+    lists_of,
+)
 
 SERVICE = "service"
 """The keyword of services, one of which may take the messages that a text declares."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels, ValueKind
 from jausml.language.model.notation import BY_NAME, Fault
@@ -12,13 +13,16 @@ from jausml.language.model.xmi.parsing import MAX_DEPTH, Node
 from jausml.language.model.xmi.printing import XSI
 from jausml.language.text.tree import (
     KEYWORDS,
+    Call,
     Element,
     Feature,
     Href,
+    Item,
     Name,
     Number,
     Span,
     Text,
+    Value,
     classes_by_keyword,
     is_bare,
     is_map,
@@ -26,14 +30,9 @@ from jausml.language.text.tree import (
     snake_case,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from jausml.language.text.tree import Call, Item, Value
-
-    Source: TypeAlias = Item | Call
-    """What of a text may stand for an element."""
-    Special = Callable[[Node, Item], None]
+Source: TypeAlias = "Item | Call"
+"""What of a text may stand for an element."""
+Special: TypeAlias = "Callable[[Node, Item], None]"
 
 _TYPE = f"{XSI} type"
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from jausml.language.model.inputs import read_text
@@ -19,13 +19,8 @@ from jausml.language.model.library import (
 )
 from jausml.language.model.notation import Explanation, Fault, ImportedDocument
 from jausml.language.model.values import show, suggest
-from jausml.language.text.tree import Text
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.language.text.reading.declared_messages import OwnService
-    from jausml.language.text.tree import Import
+from jausml.language.text.reading.declared_messages import OwnService
+from jausml.language.text.tree import Import, Text
 
 
 def resolve(item: Import) -> ImportedDocument | Fault:

@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeGuard
+from typing import TypeGuard
 
-from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind
-from jausml.language.text.reading.elements import decimal
+from jausml.language.metamodel import ClassTable, Metamodels
+from jausml.language.model.xmi.parsing import Node
+from jausml.language.semantics.conversions import CONVERSIONS, Argument, ArgumentKind, Conversion
+from jausml.language.text.reading.elements import ElementReader, NodeMaker, Special, decimal
 from jausml.language.text.tree import (
     Assignment,
+    BlockItem,
+    Call,
     Clock,
     Direction,
     Element,
     End,
     Feature,
     Ignored,
+    Item,
     Name,
     Number,
     Table,
     Text,
     Vector,
+    VectorEntry,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.language.metamodel import ClassTable, Metamodels
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.semantics.conversions import Argument, Conversion
-    from jausml.language.text.reading.elements import ElementReader, NodeMaker, Special
-    from jausml.language.text.tree import BlockItem, Call, Item, VectorEntry
 
 MAP = "bridge.AttributeMap"
 LIST = "bridge.ListAssignment"

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import prod
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.notation import Fault
 from jausml.language.model.values import nearest, show
+from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.jaus.services import attributes, class_name
+from jausml.language.semantics.paths.attributes import JausPart, Part
 from jausml.language.text.reading.declared_types import (
     ANY,
     BOOL,
@@ -17,21 +19,14 @@ from jausml.language.text.reading.declared_types import (
     STRING,
     VALUE,
     Size,
+    Types,
     shown_type,
     size_of,
     type_word,
 )
-from jausml.language.text.tree import snake_case
+from jausml.language.text.reading.maps import WrittenEnd
+from jausml.language.text.tree import End, Member, Span, snake_case
 from jausml.language.wire import target_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.semantics.paths.attributes import JausPart, Part
-    from jausml.language.text.reading.declared_types import Types
-    from jausml.language.text.reading.maps import WrittenEnd
-    from jausml.language.text.tree import End, Member, Span
 
 _SIZES = {"fixedArray": True, "boundedSequence": False, "unboundedSequence": False}
 

@@ -8,8 +8,9 @@ and assignments do not. One empty line is kept where the text has any.
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.text.tree import (
     UNBOUNDED,
@@ -35,10 +36,6 @@ from jausml.language.text.tree import (
     VectorEntry,
 )
 from jausml.language.text.writing.spelling import documentation, feature_name, path, quoted, word
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
 
 WIDTH = 100
 """Columns within which a list may stand on the line of its item."""

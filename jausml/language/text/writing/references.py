@@ -7,17 +7,21 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
-from jausml.language.metamodel import FeatureKind
+from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Metamodels
 from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import count
 from jausml.language.model.documents import Document
 from jausml.language.model.library import LIBRARY_URI, library_root
+from jausml.language.model.model import Model
 from jausml.language.model.names import NameFinder, name_of
 from jausml.language.model.reading.reader import read_models
+from jausml.language.model.uris import UriFault
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.writer import external_href, is_written
 from jausml.language.semantics.connections.exchanges import FEATURES, unstated
@@ -43,16 +47,7 @@ from jausml.language.text.writing.spelling import (
     needs_feature,
 )
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-    from typing import Any
-
-    from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.model.uris import UriFault
-
-    Special = Callable[[Any], Iterator[BlockItem]]
+Special: TypeAlias = "Callable[[Any], Iterator[BlockItem]]"
 
 _Reference: TypeAlias = "tuple[EObject, EObject, FeatureTable]"
 """Who refers, to what, by which feature."""

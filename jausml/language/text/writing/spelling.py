@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
-from jausml.language.metamodel import FeatureTable, ValueKind
+from jausml.language.metamodel import DataTypeTable, FeatureTable, ValueKind
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.text.tree import (
     KEYWORDS,
     Href,
@@ -17,11 +18,6 @@ from jausml.language.text.tree import (
     documentation_text,
     is_documentation,
 )
-
-if TYPE_CHECKING:
-    from jausml.language.metamodel import DataTypeTable
-    from jausml.language.metamodel.classes.ecore import EObject
-
 
 _STEP = r"\w+(?:\[\d+\])*"
 _PATH = re.compile(rf"/?(?!\d){_STEP}(?:[./]{_STEP})*|\.")

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
+from jausml.language.metamodel import FeatureTable, Metamodels
 from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.model.model import Model
 from jausml.language.model.names import name_of
 from jausml.language.model.xmi.printing import UnwritableError
 from jausml.language.model.xmi.writer import is_written
@@ -39,7 +44,7 @@ from jausml.language.text.tree import (
 )
 from jausml.language.text.writing import layout
 from jausml.language.text.writing.layout import space_document
-from jausml.language.text.writing.references import ElementWriter, ReferenceNames
+from jausml.language.text.writing.references import DocumentNames, ElementWriter, ReferenceNames
 from jausml.language.text.writing.spelling import (
     IN_THE_HEAD,
     constant,
@@ -50,17 +55,7 @@ from jausml.language.text.writing.spelling import (
     word_or_constant,
 )
 
-if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterable, Iterator, Sequence
-    from typing import TypeAlias
-
-    from jausml.language.metamodel import FeatureTable, Metamodels
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model.model import Model
-    from jausml.language.text.writing.references import DocumentNames
-
-    Documented: TypeAlias = bridge.NamedElement | bridge.Assignment | bridge.TableEntry
+Documented: TypeAlias = "bridge.NamedElement | bridge.Assignment | bridge.TableEntry"
 
 
 MAP = "bridge.AttributeMap"

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 from jausml.language.validation.formats import github, json, junit, sarif, text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
-
-    from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Report
 
 RENDERERS: Mapping[str, Callable[[Report], str]] = MappingProxyType(
     {

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from jausml.language.model.diagnostics import Severity
+from jausml.language.model.diagnostics import Diagnostic, Severity
 from jausml.language.validation.formats.text import lines_of, one_line
-
-if TYPE_CHECKING:
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Report
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
 _MOST = 10  # annotations of one kind that GitHub shows of a step

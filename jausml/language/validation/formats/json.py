@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from jausml.language.model.diagnostics import Diagnostic, Location
-    from jausml.language.validation.rule import Report, SetAside
+from jausml.language.model.diagnostics import Diagnostic, Location
+from jausml.language.validation.rule import Report, SetAside
 
 SCHEMA = 1
 """Version of the layout; it changes when a reader of the present one would be misled."""

@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from operator import attrgetter
-from typing import TYPE_CHECKING
 
-from jausml.language.model.diagnostics import Severity
+from jausml.language.model.diagnostics import Diagnostic, Severity
 from jausml.language.validation.formats.text import lines_of, one_line
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
-
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.rule import Report
+from jausml.language.validation.rule import Report
 
 
 @dataclass(frozen=True, slots=True)

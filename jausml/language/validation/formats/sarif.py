@@ -6,21 +6,16 @@ import hashlib
 import json
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path, PurePath
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import quote
 
 from jausml import __version__
-from jausml.language.model.diagnostics import Severity
+from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.text.notation import TEXT_RULES
-from jausml.language.validation.rules import catalogue
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from jausml.language.model.diagnostics import Diagnostic, Location
-    from jausml.language.validation.rule import Report, SetAside
-    from jausml.language.validation.rules import CatalogueEntry
+from jausml.language.validation.rule import Report, SetAside
+from jausml.language.validation.rules import CatalogueEntry, catalogue
 
 SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"

@@ -2,14 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from jausml.language.model.diagnostics import Severity
-from jausml.language.validation.rule import Ground
-
-if TYPE_CHECKING:
-    from jausml.language.model.diagnostics import Diagnostic
-    from jausml.language.validation.rule import Report
+from jausml.language.model.diagnostics import Diagnostic, Severity
+from jausml.language.validation.rule import Ground, Report
 
 
 def render(report: Report) -> str:

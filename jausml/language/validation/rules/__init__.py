@@ -7,17 +7,14 @@ from __future__ import annotations
 
 import pkgutil
 import textwrap
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 from jausml.language.model.diagnostics import READER_RULES, RuleInfo, Severity
 from jausml.language.validation.rule import Rule
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 
 @cache

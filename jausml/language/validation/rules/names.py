@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
 
 from jausml.language.attributes.guards import GuardError, conditions, parse_guard
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.jaus.inherited_machines import DEEPEST, too_deep
-from jausml.language.semantics.jaus.machines import behaviours_of
+from jausml.language.semantics.jaus.machines import Behaviour, behaviours_of
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.semantics.names import DEVICES, is_identifier, package_key, snake_case, taken
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.jaus.machines import Behaviour
-    from jausml.language.semantics.subject import Subject
-
-    Inner = jaus.Record | jaus.Sequence | jaus.BitField | jaus.StateMachine | jaus.State
-    Named = jaus.NamedElement | ros.NamedElement | bridge.NamedElement | system.NamedElement
+Inner: TypeAlias = "jaus.Record | jaus.Sequence | jaus.BitField | jaus.StateMachine | jaus.State"
+Named: TypeAlias = (
+    "jaus.NamedElement | ros.NamedElement | bridge.NamedElement | system.NamedElement"
+)
 
 _LETTER = re.compile("[A-Za-z]")
 

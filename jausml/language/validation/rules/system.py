@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import ipaddress
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
 
 from jausml.language.metamodel.classes import jaus, ros, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.names import snake_case, taken
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.subject import Subject
 
 _VERSION = re.compile(r"(0|[1-9][0-9]*)(\.(0|[1-9][0-9]*)){2}")
 _EMAIL = re.compile(r"[A-Za-z0-9._%+-]+@[A-Za-z0-9-]+(\.[A-Za-z0-9-]+)+")

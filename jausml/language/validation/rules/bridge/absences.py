@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.steps import knows_unknown
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP, Attribute
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
+from jausml.language.semantics.paths.scopes import DIRECTED, Directed, Placed, directions_of
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.paths.scopes import Directed, Placed
-    from jausml.language.semantics.subject import Subject
 
 _UNSTATED = "unstated"
 

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge
-from jausml.language.semantics.connections.calls import driver_messages, knows_speed, takes
+from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.semantics.connections.calls import (
+    DriverMessages,
+    driver_messages,
+    knows_speed,
+    takes,
+)
 from jausml.language.semantics.connections.topics import topic_fault
-from jausml.language.semantics.jaus.services import is_known, lineage, peers_of, services_of
+from jausml.language.semantics.jaus.services import (
+    Provider,
+    is_known,
+    lineage,
+    peers_of,
+    services_of,
+)
 from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import provider_name
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes import jaus, ros
-    from jausml.language.semantics.connections.calls import DriverMessages
-    from jausml.language.semantics.jaus.services import Provider
-    from jausml.language.semantics.subject import Subject
 
 GREATEST_SPEED = 327.67
 """Metres per second that ExecuteList can say (AS6009)."""

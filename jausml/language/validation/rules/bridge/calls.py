@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING
 
-from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import sent_reports, unanswered
@@ -15,6 +15,7 @@ from jausml.language.semantics.connections.topics import resolve_topic, topic_fa
 from jausml.language.semantics.jaus.commands import is_emergency, is_steering, told_by_command
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
 from jausml.language.semantics.jaus.services import (
+    Provider,
     attributes,
     code,
     find_input,
@@ -25,16 +26,9 @@ from jausml.language.semantics.jaus.services import (
 from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.language.semantics.paths.scopes import source_paths
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import uncontrollable, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.jaus.services import Provider
-    from jausml.language.semantics.subject import Subject
-
 
 _ENDS = (
     *("name", "direction", "type", "request", "response", "message", "answer", "rejections"),

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
 from jausml.language.semantics.connections.limits import LEAST_RATE
-from jausml.language.semantics.connections.topics import find_loops, flow_of
+from jausml.language.semantics.connections.topics import Flow, find_loops, flow_of
 from jausml.language.semantics.jaus.commands import is_steering
 from jausml.language.semantics.jaus.services import (
+    Provider,
     attributes,
     find_input,
     find_output,
@@ -20,6 +21,7 @@ from jausml.language.semantics.jaus.services import (
     peers_of,
 )
 from jausml.language.semantics.paths.scopes import is_sound
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import (
     missing_query,
     provider_name,
@@ -29,13 +31,6 @@ from jausml.language.validation.findings import (
 )
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.jaus.components import rate_finding
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.connections.topics import Flow
-    from jausml.language.semantics.jaus.services import Provider
-    from jausml.language.semantics.subject import Subject
 
 _ENDS = ("name", "map", "direction", "exchange", "peers", "search", "query", "control")
 _TIMES = ("name", "direction", "exchange", "rate")

@@ -5,17 +5,14 @@ from __future__ import annotations
 import keyword
 import math
 import re
+from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
-from jausml.language.attributes.expressions import (
-    ExpressionError,
-    Variable,
-    occurrences,
-    parse_expression,
-)
+from jausml.language.attributes.expressions import ExpressionError, occurrences, parse_expression
 from jausml.language.attributes.units import UnitError, nearest_units, parse_unit
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, expression_names
 from jausml.language.semantics.assignments.units import (
@@ -25,24 +22,30 @@ from jausml.language.semantics.assignments.units import (
     measure,
     result_measure,
 )
-from jausml.language.semantics.conversions import CONVERSIONS, ArgumentKind, conversion_of
+from jausml.language.semantics.conversions import (
+    CONVERSIONS,
+    ArgumentKind,
+    Conversion,
+    conversion_of,
+)
 from jausml.language.semantics.conversions.authored import Expression, User
 from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import LIST, NUMBERS, Attribute
-from jausml.language.semantics.paths.scopes import DIRECTED, directed, directions_of
+from jausml.language.semantics.paths.scopes import (
+    DIRECTED,
+    Directed,
+    Placed,
+    directed,
+    directions_of,
+)
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.conversions import Conversion
-    from jausml.language.semantics.paths.scopes import Directed, Placed
-    from jausml.language.semantics.subject import Subject
-
-    WithChain = bridge.FieldAssignment | bridge.ListAssignment
-    WithUnits = jaus.FixedField | jaus.Alternative | ros.Field | bridge.Quantity | bridge.Conversion
+WithChain: TypeAlias = "bridge.FieldAssignment | bridge.ListAssignment"
+WithUnits: TypeAlias = (
+    "jaus.FixedField | jaus.Alternative | ros.Field | bridge.Quantity | bridge.Conversion"
+)
 
 
 MOST_CONVERSIONS = 16

@@ -3,25 +3,29 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TypeAlias
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.stops import with_constants
+from jausml.language.semantics.paths.attributes import JausPart
 from jausml.language.semantics.paths.jaus_paths import JausPlace
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, parse_path, target_paths
+from jausml.language.semantics.paths.scopes import (
+    DIRECTED,
+    Directed,
+    Direction,
+    Placed,
+    directions_of,
+    parse_path,
+    target_paths,
+)
+from jausml.language.semantics.paths.wholes import PathPlace
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.attributes import JausPart
-    from jausml.language.semantics.paths.scopes import Directed, Direction, Placed
-    from jausml.language.semantics.paths.wholes import PathPlace
-    from jausml.language.semantics.subject import Subject
-
-    Owner = bridge.AttributeMap | bridge.Stop | bridge.ListAssignment | bridge.Connection
+Owner: TypeAlias = "bridge.AttributeMap | bridge.Stop | bridge.ListAssignment | bridge.Connection"
 
 Steps = tuple[str, ...]
 _STOPS = {"safeValue": "safe value", "values": "stop"}

@@ -5,22 +5,16 @@ from __future__ import annotations
 import ipaddress
 import math
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.metamodel.classes import bridge, system
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_PACE
-from jausml.language.semantics.connections.topics import endpoints, policies
+from jausml.language.semantics.connections.topics import Endpoint, endpoints, policies
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.commands import is_steering
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.connections.topics import Endpoint
-    from jausml.language.semantics.subject import Subject
-
 
 PARAMETERS = frozenset(
     {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
@@ -18,19 +18,21 @@ from jausml.language.semantics.assignments.frames import (
 )
 from jausml.language.semantics.assignments.steps import steps_of
 from jausml.language.semantics.assignments.units import attribute_measure, units_clash
+from jausml.language.semantics.conversions import Conversion
 from jausml.language.semantics.conversions.conversion import DOWN, ENU, NED, UP
 from jausml.language.semantics.conversions.numbers import Negate
+from jausml.language.semantics.paths.attributes import Attribute, Found
 from jausml.language.semantics.paths.ros_paths import ros_name
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, parse_path, target_paths
+from jausml.language.semantics.paths.scopes import (
+    DIRECTED,
+    Directed,
+    Placed,
+    directions_of,
+    parse_path,
+    target_paths,
+)
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.semantics.conversions import Conversion
-    from jausml.language.semantics.paths.attributes import Attribute, Found
-    from jausml.language.semantics.paths.scopes import Directed, Placed
-    from jausml.language.semantics.subject import Subject
 
 _OPPOSITE = "have opposite signs"
 

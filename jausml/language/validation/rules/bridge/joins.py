@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
@@ -17,13 +17,9 @@ from jausml.language.semantics.connections.limits import (
 )
 from jausml.language.semantics.connections.reports import freshness_of, holds_state, is_report
 from jausml.language.semantics.paths.scopes import is_sound, source_paths
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import time_findings
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.semantics.subject import Subject
 
 
 @rule("JML442", "join used wrongly", kinds=bridge.AttributeMap)

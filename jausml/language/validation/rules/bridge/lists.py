@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.semantics.paths.attributes import LIST, TEXT, Attribute, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace, is_sequence, ros_name
 from jausml.language.semantics.paths.scopes import (
     DIRECTED,
+    Directed,
+    Direction,
     Placed,
     directions_of,
     is_many,
     target_paths,
 )
+from jausml.language.semantics.paths.wholes import FoundPlace
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.scopes import Directed, Direction
-    from jausml.language.semantics.paths.wholes import FoundPlace
-    from jausml.language.semantics.subject import Subject
 
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
@@ -17,6 +17,7 @@ from jausml.language.semantics.paths.attributes import (
     TIME,
     TIME_STAMP,
     Attribute,
+    Found,
     PathFault,
     constant_fault,
     octets_of,
@@ -24,20 +25,16 @@ from jausml.language.semantics.paths.attributes import (
 )
 from jausml.language.semantics.paths.scopes import (
     DIRECTED,
+    Directed,
     PathScope,
+    Placed,
     directions_of,
     outer_scope,
     parts_in,
 )
 from jausml.language.semantics.paths.wholes import ShapeError
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.paths.attributes import Found
-    from jausml.language.semantics.paths.scopes import Directed, Placed
-    from jausml.language.semantics.subject import Subject
 
 _MANY = (LIST, NUMBERS)
 

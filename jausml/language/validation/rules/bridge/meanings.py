@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
@@ -13,14 +13,16 @@ from jausml.language.semantics.assignments.meanings import (
     turns_unseen,
     unknown_targets,
 )
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of, target_paths
+from jausml.language.semantics.paths.scopes import (
+    DIRECTED,
+    Directed,
+    Direction,
+    Placed,
+    directions_of,
+    target_paths,
+)
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.paths.scopes import Directed, Direction, Placed
-    from jausml.language.semantics.subject import Subject
 
 
 @rule("JML515", "members that are crossed", severity=Severity.WARNING, kinds=DIRECTED)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.language.attributes import intervals
+from jausml.language.attributes.intervals import Interval
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.units import (
@@ -26,16 +27,15 @@ from jausml.language.semantics.paths.attributes import (
     Attribute,
     Found,
 )
-from jausml.language.semantics.paths.scopes import DIRECTED, direction_of, directions_of
+from jausml.language.semantics.paths.scopes import (
+    DIRECTED,
+    Directed,
+    Placed,
+    direction_of,
+    directions_of,
+)
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.attributes.intervals import Interval
-    from jausml.language.semantics.paths.scopes import Directed, Placed
-    from jausml.language.semantics.subject import Subject
-
 
 # The runtime takes as much for the last bits of a conversion.
 _ROUNDING = 2.0**-40

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.limits import LEAST_RATE, MAXIMUM_RATE
-from jausml.language.semantics.connections.reports import joined_reports
-from jausml.language.semantics.jaus.services import attributes, find_output, is_known, query_name
+from jausml.language.semantics.connections.reports import JoinedReport, joined_reports
+from jausml.language.semantics.jaus.services import (
+    Provider,
+    attributes,
+    find_output,
+    is_known,
+    query_name,
+)
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import provider_name, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.bridge.joins import join_findings, used_joins
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.connections.reports import JoinedReport
-    from jausml.language.semantics.jaus.services import Provider
-    from jausml.language.semantics.subject import Subject
 
 
 @rule("JML494", "report join used wrongly", kinds=bridge.AttributeMap)

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import math
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.units import sent_through, source_range, units_clash
 from jausml.language.semantics.conversions import Effect, NoValueError, UnitEffect, conversion_of
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
-from jausml.language.semantics.paths.attributes import NUMBER, Attribute
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
+from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found
+from jausml.language.semantics.paths.scopes import (
+    DIRECTED,
+    Directed,
+    Direction,
+    Placed,
+    directions_of,
+)
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.semantics.paths.attributes import Found
-    from jausml.language.semantics.paths.scopes import Directed, Direction, Placed
-    from jausml.language.semantics.subject import Subject
 
 # Where a field has no range, numbers of everyday size tell a wrong factor or sign.
 _SAMPLES = (-100.0, -1.5, -0.25, 0.0, 0.25, 1.0, 100.0)

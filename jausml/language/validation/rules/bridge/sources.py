@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.hold_reasons import is_reason
 from jausml.language.semantics.connections.reports import is_report
-from jausml.language.semantics.connections.topics import flow_of
+from jausml.language.semantics.connections.topics import Flow, flow_of
 from jausml.language.semantics.jaus.commands import is_command, is_emergency
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import (
@@ -21,15 +21,8 @@ from jausml.language.semantics.jaus.services import (
 )
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import is_sound
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes import jaus
-    from jausml.language.semantics.connections.topics import Flow
-    from jausml.language.semantics.subject import Subject
-
 
 _ENDS = ("name", "map", "direction", "exchange", "peers", "search", "query", "topics")
 _OF_MANY = (

@@ -4,23 +4,18 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.hold_reasons import is_reason
-from jausml.language.semantics.connections.topics import flow_of, resolve_topic, topic_fault
+from jausml.language.semantics.connections.topics import Flow, flow_of, resolve_topic, topic_fault
 from jausml.language.semantics.jaus.commands import is_emergency
 from jausml.language.semantics.paths.scopes import is_sound
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 from jausml.language.validation.rules.bridge.sources import is_same_source
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.connections.topics import Flow
-    from jausml.language.semantics.subject import Subject
 
 
 @rule(

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.conversions.authored import LookUp
 from jausml.language.semantics.paths.attributes import (
@@ -13,6 +14,8 @@ from jausml.language.semantics.paths.attributes import (
     NUMBER,
     TEXT,
     Attribute,
+    Comparison,
+    NamedValue,
     compared,
     constant_fault,
     is_real,
@@ -20,16 +23,9 @@ from jausml.language.semantics.paths.attributes import (
     table_text,
 )
 from jausml.language.semantics.paths.markers import VALUE, is_said, marks_of
-from jausml.language.semantics.paths.scopes import DIRECTED, directions_of
+from jausml.language.semantics.paths.scopes import DIRECTED, Directed, Placed, directions_of
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.paths.attributes import Comparison, NamedValue
-    from jausml.language.semantics.paths.scopes import Directed, Placed
-    from jausml.language.semantics.subject import Subject
 
 _VALUES = (NUMBER, BOOL, TEXT)
 _MOST_NAMES = 5

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.attributes.guards import GuardError, conditions, parse_guard
 from jausml.language.metamodel.classes import jaus
@@ -11,12 +11,8 @@ from jausml.language.semantics.jaus.commands import CONTROLLER, controlled_by_no
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.machines import behaviours_of
 from jausml.language.semantics.jaus.services import ACCESS_CONTROL, lineage
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.subject import Subject
 
 
 @rule("JML351", "command that anyone may give", severity=Severity.WARNING, kinds=jaus.Service)

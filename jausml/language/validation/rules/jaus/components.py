@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model.diagnostics import Severity
@@ -18,13 +18,9 @@ from jausml.language.semantics.jaus.services import (
     provides_access_control,
     with_inherited,
 )
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import missing_query, time_findings, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.subject import Subject
 
 _ENDS = ("name", "provider", "search", "message", "query")
 _LIMITS = (("subsystem", 65534), ("node", 254), ("component", 254))

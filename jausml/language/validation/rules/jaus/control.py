@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TypeAlias
 
 from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import is_set
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.values import show
@@ -21,19 +23,12 @@ from jausml.language.semantics.jaus.services import (
     with_inherited,
 )
 from jausml.language.semantics.names import urn_fault
-from jausml.language.semantics.subject import remembered
+from jausml.language.semantics.subject import Subject, remembered
 from jausml.language.validation.rule import Finding, Note, rule
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from typing import TypeAlias
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.subject import Subject
-
-    _Connection: TypeAlias = (
-        bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection
-    )
+_Connection: TypeAlias = (
+    "bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection"
+)
 
 
 @rule("JML364", "control that is never granted", kinds=jaus.Component)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
 
 from jausml.language.attributes.guards import Guard, GuardError, parse_guard
 from jausml.language.metamodel.classes import jaus
@@ -17,12 +17,8 @@ from jausml.language.semantics.jaus.inherited_machines import (
 )
 from jausml.language.semantics.jaus.machines import Behaviour, behaviours_of, described, trigger
 from jausml.language.semantics.jaus.services import find_same, lineage
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.semantics.subject import Subject
 
 
 @rule("JML341", "not exactly one initial state", kinds=jaus.Service)

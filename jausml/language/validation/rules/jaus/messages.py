@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.jaus.services import class_name, is_container, is_group
+from jausml.language.semantics.jaus.services import Group, class_name, is_container, is_group
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from typing import TypeAlias
-
-    from jausml.language.semantics.jaus.services import Group
-    from jausml.language.semantics.subject import Subject
-
-    Bytes: TypeAlias = (
-        jaus.VariableLengthString | jaus.VariableLengthField | jaus.VariableFormatField
-    )
-    Indexed: TypeAlias = jaus.Alternative | jaus.Format
+Bytes: TypeAlias = "jaus.VariableLengthString | jaus.VariableLengthField | jaus.VariableFormatField"
+Indexed: TypeAlias = "jaus.Alternative | jaus.Format"
 
 _PRESENCE_BITS = {
     "none": 0,

@@ -5,22 +5,18 @@ from __future__ import annotations
 import ipaddress
 import re
 from collections import defaultdict
-from typing import TYPE_CHECKING, TypeAlias
+from collections.abc import Iterator
+from typing import TypeAlias
 
 from jausml.language.metamodel.classes import bridge, jaus, system
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import is_discovered
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.subject import Subject
-
 
 _LIMITS = {"subsystem": 65534, "node": 254}
 

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TypeAlias
 
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from typing import TypeAlias
-
-    from jausml.language.semantics.subject import Subject
-
-    WithValues: TypeAlias = jaus.FixedField | jaus.Alternative | jaus.SubField
+WithValues: TypeAlias = "jaus.FixedField | jaus.Alternative | jaus.SubField"
 
 
 @rule("JML325", "impossible scaling", kinds=jaus.ScaleRange)

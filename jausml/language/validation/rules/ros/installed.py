@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from typing import TypeAlias
 
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.ros_types import InstalledTypes, package_of, parts_of
+from jausml.language.semantics.ros_types import InstalledTypes, InterfaceType, package_of, parts_of
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.ros_types import InterfaceType
-    from jausml.language.semantics.subject import Subject
-
-    User = ros.TopicEndpoint | ros.ServiceEndpoint | bridge.AttributeMap | bridge.Join
-    Use = tuple[EObject, str | None]
+User: TypeAlias = "ros.TopicEndpoint | ros.ServiceEndpoint | bridge.AttributeMap | bridge.Join"
+Use: TypeAlias = "tuple[EObject, str | None]"
 
 
 @rule("JML409", "ROS type that is installed with other fields", severity=Severity.WARNING)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import keyword
 import re
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from jausml.language.attributes.expressions import ExpressionError, parse_expression, variables
 from jausml.language.interfaces.definitions import TEXTS, FieldType, ValueTextError, write_value
@@ -24,12 +24,8 @@ from jausml.language.semantics.paths.attributes import (
 from jausml.language.semantics.paths.markers import VALUE, is_said
 from jausml.language.semantics.paths.ros_paths import RosPlace, is_sequence
 from jausml.language.semantics.ros_types import excesses
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.semantics.subject import Subject
 
 # The parts of services and actions are named SetBool_Request and the like.
 _TYPE_NAME = re.compile("[A-Z][A-Za-z0-9]*(_Request|_Response|_Goal|_Result|_Feedback)?")

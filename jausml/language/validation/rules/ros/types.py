@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml.language.metamodel.classes import bridge, ros
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.connections.topics import (
     Endpoint,
@@ -18,13 +19,8 @@ from jausml.language.semantics.connections.topics import (
 )
 from jausml.language.semantics.paths.attributes import is_integer, is_real
 from jausml.language.semantics.paths.ros_paths import ros_name
+from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.semantics.subject import Subject
 
 _DEEPEST = 10_000
 """Most messages that a quality of service keeps without a word."""
