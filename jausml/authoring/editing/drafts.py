@@ -20,8 +20,7 @@ from jausml.authoring.editing.reading import (
     is_text,
     stored,
 )
-from jausml.authoring.editing.records import FileChange, Stored
-from jausml.authoring.editing.splices import Splice, difference
+from jausml.authoring.editing.records import FileChange, Stored, data_of
 from jausml.authoring.editing.working_copy import ElementCopy, WorkingCopy
 from jausml.language.metamodel import (
     ClassTable,
@@ -57,7 +56,6 @@ class Draft:
         self._before = files
         self._reader = reader
         self._revision = revision
-        self._steps: dict[str, list[tuple[Splice, ...]]] = {}
 
     @property
     def models(self) -> list[str]:
@@ -112,26 +110,18 @@ class Draft:
 
     def apply(self, file: str, data: bytes) -> None:
         """Gives a file the bytes that commands have led to."""
-        step = difference(file, self.files[file].data, data)
-        if step:
+        if data != self.files[file].data:
             # Whether it can be parsed shows when it is read: see `check`.
             self.files[file] = Stored(
                 file, data, digest(data), self._revision, data, self._revision, is_printed=True
             )
-            self._steps.setdefault(file, []).append(tuple(step))
 
     def put(self, file: str, data: bytes | None) -> None:
         """Gives a file other bytes, or makes it; None deletes it."""
-        known = self.files.get(file)
-        if (known.data if known is not None else None) == data:
-            return
-        step = difference(file, known.data if known is not None else b"", data or b"")
-        self._steps.setdefault(file, []).append(tuple(step))
         if data is None:
-            del self.files[file]
-        else:
-            before = self._before.get(file)
-            self.files[file] = stored(file, data, self._revision, before)
+            self.files.pop(file, None)
+        elif data != data_of(self.files.get(file)):
+            self.files[file] = stored(file, data, self._revision, self._before.get(file))
 
     def check(self, file: str) -> None:
         """Sees to it that a file that was changed can be parsed."""
@@ -147,15 +137,14 @@ class Draft:
 
     def changes(self) -> tuple[FileChange, ...]:
         """Returns what was changed so far, in the order of the files."""
+        states = {
+            file: (self._before.get(file), self.files.get(file))
+            for file in sorted(self._before.keys() | self.files.keys())
+        }
         return tuple(
-            FileChange(
-                file,
-                tuple(steps),
-                self._before[file].digest if file in self._before else "",
-                self.files[file].digest if file in self.files else "",
-            )
-            for file, steps in sorted(self._steps.items())
-            if self._before.get(file) != self.files.get(file)
+            FileChange.between(file, before, after)
+            for file, (before, after) in states.items()
+            if data_of(before) != data_of(after)
         )
 
 

@@ -26,9 +26,10 @@ from jausml.authoring.editing.records import (
     Preview,
     Referrer,
     Stored,
+    data_of,
     takes_back,
 )
-from jausml.authoring.editing.splices import applied, difference, unified_diff
+from jausml.authoring.editing.splices import unified_diff
 from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import refs
@@ -373,11 +374,9 @@ class Project:
             if (known.digest if known is not None else "") != change.before:
                 message = f"{change.file} has changed since: its last edit cannot be taken back"
                 raise EditError(message, conflict=True)
-            data = self._data(change.file) or b""
-            for step in change.steps:
-                data = applied(data, step)
-            stored_file = stored(change.file, data, self._revision + 1, known)
-            new[change.file] = stored_file if change.after else None
+            data = change.applied(data_of(known) or b"")
+            state = stored(change.file, data, self._revision + 1, known)
+            new[change.file] = state if change.after else None
         files = dict(self._files)
         self._write(new)
         is_known = self._rebasing.note_again(self._revision, entry, back=back)
@@ -397,14 +396,11 @@ class Project:
         is_conflict = takes_back(self._log.last, known, content)
         self._revision += 1
         files = dict(self._files)
-        after = ""
         if content is None:
             del self._files[file]
         else:
             self._files[file] = stored(file, content, self._revision, known)
-            after = self._files[file].digest
-        step = tuple(difference(file, old, new))
-        change = FileChange(file, (step,), known.digest if known is not None else "", after)
+        change = FileChange.between(file, known, self._files.get(file))
         self._note_outside(file, files)
         self._log.add(f"{file} was changed by another program", (change,), is_outside=True)
         return Change(file, unified_diff(file, old, new), is_conflict)
@@ -424,5 +420,4 @@ class Project:
         self._rebasing.note_outside(self._revision, file, understood)
 
     def _data(self, file: str) -> bytes | None:
-        known = self._files.get(file)
-        return known.data if known is not None else None
+        return data_of(self._files.get(file))

@@ -7,7 +7,7 @@ from time import monotonic
 from typing import Literal
 
 from jausml.authoring.editing.layout import is_layout
-from jausml.authoring.editing.splices import Splice, applied, inverted
+from jausml.authoring.editing.splices import Splice, difference
 from jausml.language.model.diagnostics import Diagnostic
 from jausml.language.model.refs import Ref
 
@@ -33,21 +33,34 @@ class FileInfo:
 
 @dataclass(frozen=True, slots=True)
 class FileChange:
-    """A change of one file: steps of splices, each of the result of the one before.
+    """A change of one file: splices, each of the result of the one before.
 
     `before`: digest of the file before, empty when it was not there. `after`: digest of the file
     after, empty when it is not there any more.
     """
 
     file: str
-    steps: tuple[tuple[Splice, ...], ...]
+    splices: tuple[Splice, ...]
     before: str
     after: str
 
+    @classmethod
+    def between(cls, file: str, before: Stored | None, after: Stored | None) -> FileChange:
+        """Returns the change from one state of a file to another; None where it is not there."""
+        splice = difference(data_of(before) or b"", data_of(after) or b"")
+        digests = (held.digest if held is not None else "" for held in (before, after))
+        return cls(file, (splice,), *digests)
+
     def inverted(self) -> FileChange:
         """Returns the change that takes it back."""
-        steps = tuple(tuple(inverted(step)) for step in reversed(self.steps))
-        return FileChange(self.file, steps, self.after, self.before)
+        splices = tuple(splice.inverted() for splice in reversed(self.splices))
+        return FileChange(self.file, splices, self.after, self.before)
+
+    def applied(self, data: bytes) -> bytes:
+        """Returns what it makes of a file that has the digest before."""
+        for splice in self.splices:
+            data = splice.applied(data)
+        return data
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,6 +168,11 @@ class Stored:
         return self.good is not self.data
 
 
+def data_of(held: Stored | None) -> bytes | None:
+    """Returns the bytes of a file, None where it is not there."""
+    return held.data if held is not None else None
+
+
 class Log:
     """Entries in order, of which the first ones are done and the others undone."""
 
@@ -206,7 +224,7 @@ class Log:
         is_fluent = self.next is None and now - at <= pause
         if last is not None and (last.number, last.files) == (number, (new.file,)) and is_fluent:
             [old] = last.changes
-            change = replace(new, steps=(*old.steps, *new.steps), before=old.before)
+            change = replace(new, splices=(*old.splices, *new.splices), before=old.before)
             entry = self._entries[self._at - 1] = replace(last, changes=(change,))
         else:
             entry = self.add(label, changes)
@@ -224,9 +242,7 @@ def takes_back(entry: Entry | None, known: Stored | None, new: bytes | None) -> 
         return False
     for change in entry.changes:
         if change.file == known.file and change.after == known.digest:
-            before = known.data
-            for step in reversed(change.steps):
-                before = applied(before, inverted(step))
+            before = change.inverted().applied(known.data)
             old, own, now = (set(version.splitlines()) for version in (before, known.data, new))
             return old != own and old - own <= now and not (own - old) & now
     return False
