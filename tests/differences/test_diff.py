@@ -405,10 +405,7 @@ class TestAs:
 
     @pytest.mark.parametrize(
         ("states", "sign", "kind"),
-        [
-            (("/dev/null", "winch.xmi"), "+", "added"),
-            (("winch.xmi", "/dev/null"), "-", "removed"),
-        ],
+        [(("/dev/null", "winch.xmi"), "+", "added"), (("winch.xmi", "/dev/null"), "-", "removed")],
     )
     def test_a_file_that_does_not_exist(self, tmp_path, states, sign, kind):
         words = ["diff", "--as", "winch.xmi", "--fail-on", "any", *states]

@@ -161,9 +161,7 @@ def test_a_difference_shows_the_edit_and_nothing_else(seed):
         own = lines_of_element(before, line)
         if isinstance(command, Add):
             # The tag of an owner of nothing is opened, and references by position shift.
-            own |= {at for at, text_line in enumerate(before, 1) if "@" in text_line} | namespaces(
-                before
-            )
+            own |= {at for at, text in enumerate(before, 1) if "@" in text} | namespaces(before)
         assert set(gone) <= own | namespaces(before), (command, [before[at - 1] for at in gone])
 
 

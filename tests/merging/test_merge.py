@@ -60,9 +60,7 @@ ADDRESS = ('address="10.1.1"', 'address="10.1.9"')
 
 def test_changes_of_different_features_of_one_element_go_together(merge):
     text, findings = merge(
-        MINIMAL,
-        replaced(MINIMAL, RATE),
-        replaced(MINIMAL, ("Ten times a second.", "Often.")),
+        MINIMAL, replaced(MINIMAL, RATE), replaced(MINIMAL, ("Ten times a second.", "Often."))
     )
     assert findings == ()
     assert text == replaced(MINIMAL, RATE, ("Ten times a second.", "Often."))
@@ -244,9 +242,7 @@ def test_lists_of_references_take_what_each_side_added(merge):
     assert findings == ()
     assert text.count("<uses ") == 3
     text, findings = merge(
-        MINIMAL,
-        replaced(MINIMAL, (line, line + first)),
-        replaced(MINIMAL, (line, first + second)),
+        MINIMAL, replaced(MINIMAL, (line, line + first)), replaced(MINIMAL, (line, first + second))
     )
     assert findings == ()
     assert [text.count(reference) for reference in (line, first, second)] == [0, 1, 1]

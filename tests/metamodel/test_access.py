@@ -11,10 +11,7 @@ from jausml.language.metamodel import load_metamodels, read_metamodels
 from jausml.language.metamodel.filling import new_object
 
 ZOO = Path(__file__).parents[1] / "model" / "emf" / "zoo.ecore"
-TABLES = [
-    *load_metamodels().classes.values(),
-    *read_metamodels([ZOO]).classes.values(),
-]
+TABLES = [*load_metamodels().classes.values(), *read_metamodels([ZOO]).classes.values()]
 CONCRETE = [table for table in TABLES if not table.abstract]
 
 

@@ -132,9 +132,5 @@ def test_a_class_knows_the_features_that_own_elements():
         owning = [
             feature.name for feature in table.features.values() if feature.feature.is_reference
         ]
-        expected = [
-            feature_name
-            for feature_name in owning
-            if table.features[feature_name].feature.containment
-        ]
+        expected = [name for name in owning if table.features[name].feature.containment]
         assert [feature.name for feature in table.contained] == expected

@@ -109,10 +109,7 @@ def dump(model, element):
         if feature.kind in (FeatureKind.CONTAINMENT, FeatureKind.CONTAINER) or not feature.settable:
             continue
         value = getattr(element, feature.name)
-        shown = [
-            show(model, document, single_value)
-            for single_value in (value if feature.many else [value])
-        ]
+        shown = [show(model, document, one) for one in (value if feature.many else [value])]
         joined = ", ".join(shown)
         text += f" {feature.name}=" + (f"[{joined}]" if feature.many else joined)
     return text

@@ -12,28 +12,21 @@ from pathlib import Path
 import emf_check
 import pytest
 import yaml
-from click.testing import CliRunner
 from lxml import etree
 from sweeps import sweep
 
 from jausml.authoring.editing.project import Project
-from jausml.cli import main
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 
 
-def run(*arguments):
-    return CliRunner().invoke(main, list(map(str, arguments)))
-
-
 @pytest.fixture
-def project(tmp_path):
+def project(tmp_path, jausml):
     """Makes a project with options; returns its folder."""
 
     def make(*options, name="rover"):
         folder = tmp_path / name
-        done = run("init", folder, *options)
-        assert done.exit_code == 0, done.output
+        jausml("init", folder, *options)
         return folder
 
     return make
@@ -41,29 +34,29 @@ def project(tmp_path):
 
 @pytest.mark.parametrize("notation", ["xmi", "text"])
 @pytest.mark.parametrize("origin", ["example", "empty"])
-def test_it_validates(project, notation, origin):
+def test_it_validates(project, notation, origin, jausml):
     folder = project("--notation", notation, "--from", origin)
-    done = run("validate", folder / "models", "--strict")
-    assert (done.exit_code, done.output) == (0, "no problems in 1 file\n")
+    done = jausml("validate", folder / "models", "--strict")
+    assert done.output == "no problems in 1 file\n"
 
 
 @pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
-def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch):
+def test_it_generates_and_its_ci_is_content(project, notation, monkeypatch, jausml):
     folder = project("--notation", notation)
     monkeypatch.chdir(folder)
     model = f"models/rover.{'xmi' if notation == 'xmi' else 'ros2jaus'}"
-    assert run("generate", model, "-o", "src").exit_code == 0
+    jausml("generate", model, "-o", "src")
     jobs = yaml.safe_load(Path(".github/workflows/models.yml").read_text(encoding="utf-8"))["jobs"]
     commands = [step.get("run", "") for step in jobs["check"]["steps"]]
     own = [command.split()[1:] for command in commands if command.startswith("jausml ")]
     assert [command_line[0] for command_line in own] == ["validate", "validate", "generate"]
     assert any(command.startswith("pip install wheels/jausml-") for command in commands)
     for command_line in own:
-        assert run(*command_line).exit_code == 0
+        jausml(*command_line)
     hooks = yaml.safe_load(Path(".pre-commit-config.yaml").read_text(encoding="utf-8"))
     for hook in hooks["repos"][0]["hooks"]:
         if re.search(hook["files"], model):
-            assert run(*hook["entry"].split()[1:], model).exit_code == 0
+            jausml(*hook["entry"].split()[1:], model)
 
 
 @pytest.mark.slow
@@ -111,15 +104,14 @@ def test_eclipse_opens_it_without_a_word(project):
     assert etree.parse(folder / ".project").findtext("name") == "rover"
 
 
-def test_again_is_nothing_and_own_files_stay(project):
+def test_again_is_nothing_and_own_files_stay(project, jausml):
     folder = project()
     before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
-    done = run("init", folder)
-    assert (done.exit_code, done.output.splitlines()[0]) == (0, f"0 files in {folder}; next:")
+    done = jausml("init", folder)
+    assert done.output.splitlines()[0] == f"0 files in {folder}; next:"
     (folder / "README.md").write_text("mine", encoding="utf-8")
     (folder / ".gitignore").unlink()
-    done = run("init", folder)
-    assert done.exit_code == 2
+    done = jausml("init", folder, status=2)
     assert "README.md is there already; nothing was written" in done.output
     assert not (folder / ".gitignore").exists()
     for key in before.keys() - {folder / "README.md", folder / ".gitignore"}:
@@ -144,11 +136,10 @@ def test_the_name(project, folder, options, name):
         ("rover/file/below", (), "cannot be written"),
     ],
 )
-def test_what_cannot_be_made(tmp_path, folder, options, words):
+def test_what_cannot_be_made(tmp_path, folder, options, words, jausml):
     (tmp_path / "rover").mkdir()
     (tmp_path / "rover" / "file").touch()
-    done = run("init", tmp_path / folder, *options)
-    assert done.exit_code == 2
+    done = jausml("init", tmp_path / folder, *options, status=2)
     assert words in done.output
 
 
@@ -161,36 +152,33 @@ def test_what_comes_next_can_be_pasted(tmp_path, monkeypatch, jausml):
 
 
 @pytest.mark.parametrize("arguments", [("con",), ("there", "--name", "con")])
-def test_a_device_of_windows_is_no_name(tmp_path, monkeypatch, arguments):
+def test_a_device_of_windows_is_no_name(tmp_path, monkeypatch, arguments, jausml):
     monkeypatch.chdir(tmp_path)
-    done = run("init", *arguments)
-    assert done.exit_code == 2
+    done = jausml("init", *arguments, status=2)
     assert "'con' is a device name on Windows" in done.output
     assert list(tmp_path.iterdir()) == []
 
 
-def test_the_command_that_enters_a_folder_named_like_an_option(tmp_path, monkeypatch):
+def test_the_command_that_enters_a_folder_named_like_an_option(tmp_path, monkeypatch, jausml):
     monkeypatch.chdir(tmp_path)
-    done = run("init", "--name", "x", "--", "-x")
-    assert done.exit_code == 0, done.output
+    done = jausml("init", "--name", "x", "--", "-x")
     assert "  cd ./-x\n" in done.output
 
 
-def test_copies_are_renewed_unless_somebody_changed_them(project):
+def test_copies_are_renewed_unless_somebody_changed_them(project, jausml):
     folder = project()
-    assert "0 copies" in run("init", folder, "--copies").output
+    assert "0 copies" in jausml("init", folder, "--copies").output
     (folder / "metamodels" / "ros.ecore").unlink()
     old, mine = folder / "library" / "ros" / "std_msgs.xmi", folder / "metamodels" / "jaus.ecore"
     present = old.read_bytes()
     _as_of_an_older_tool(old, folder / "library" / "SHA256SUMS")
     mine.write_bytes(mine.read_bytes() + b"<!-- mine -->")
-    done = run("init", folder, "--copies")
-    assert done.exit_code == 0, done.output
+    done = jausml("init", folder, "--copies")
     assert "metamodels/jaus.ecore stays: it was changed here" in done.output
     assert (folder / "metamodels" / "ros.ecore").is_file()
     assert old.read_bytes() == present
     assert mine.read_bytes().endswith(b"<!-- mine -->")
-    assert "0 copies" in run("init", folder, "--copies").output
+    assert "0 copies" in jausml("init", folder, "--copies").output
 
 
 def _as_of_an_older_tool(copy, sums):
@@ -201,26 +189,23 @@ def _as_of_an_older_tool(copy, sums):
     sums.write_text(sums.read_text("utf-8").replace(before, after), "utf-8")
 
 
-def test_a_project_of_the_first_metamodels_is_understood(tmp_path, monkeypatch):
+def test_a_project_of_the_first_metamodels_is_understood(tmp_path, monkeypatch, jausml):
     golden = tmp_path / "golden"
     shutil.copytree(Path(__file__).parent / "golden_1_0", golden)
     (golden / ".git").mkdir()
     monkeypatch.chdir(golden)
-    done = run("validate", "models")
-    assert done.exit_code == 0, done.output
+    done = jausml("validate", "models")
     # Their copies of ready maps do not say what becomes of what is absent.
     assert {*re.findall(r"warning: (JML\d+)", done.output)} == {"JML459"}
     for model in ("rover.xmi", "boat.ros2jaus"):
-        done = run("generate", f"models/{model}", "-o", f"src/{model}")
-        assert done.exit_code == 0, done.output
+        done = jausml("generate", f"models/{model}", "-o", f"src/{model}")
 
 
 @pytest.mark.parametrize("version", ["0.1", "2.7"])
-def test_a_model_of_another_version_is_told_so(project, version):
+def test_a_model_of_another_version_is_told_so(project, version, jausml):
     model = project() / "models" / "rover.xmi"
     text = model.read_text("utf-8").replace("jausml.org/system/1.0", f"jausml.org/system/{version}")
     model.write_text(text, "utf-8")
-    done = run("validate", model)
-    assert done.exit_code == 1
+    done = jausml("validate", model, status=1)
     assert "JML101" in done.output
     assert f"system/{version}" in done.output

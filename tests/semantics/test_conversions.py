@@ -377,10 +377,7 @@ def test_absolute_figures_of_both(name, given_values, expected):
     conversion = CONVERSIONS[name]
     count = len(conversion.inputs)
     values, arguments = given_values[:count], given_values[count:]
-    for found in (
-        conversion.forward(*given_values),
-        computed(conversion, values, arguments, {}),
-    ):
+    for found in (conversion.forward(*given_values), computed(conversion, values, arguments, {})):
         assert (
             parts_of(found) == pytest.approx(expected, abs=1e-7, nan_ok=True) or found in expected
         )

@@ -142,9 +142,7 @@ def test_numbers_are_sent_through_to_the_unit_of_the_target(tmp_path):
     )
     model = read_models([path], notations=NOTATIONS).model
     (turn,) = [
-        attribute_map
-        for attribute_map in model.instances(bridge.AttributeMap)
-        if attribute_map.name == "turn"
+        used for used in model.instances(bridge.AttributeMap) if used.name == "turn"
     ]
     assert sent_through(place(turn, turn.toRos[0], to_ros=True), 180.0) == pytest.approx(math.pi)
 

@@ -31,9 +31,7 @@ def test_of_ready_maps(tmp_path: Path, name: str, expected: bool) -> None:
     )
     model = read_models([path], notations=NOTATIONS).model
     used = next(
-        attribute_map
-        for attribute_map in model.instances(bridge.AttributeMap)
-        if attribute_map.name == name
+        used for used in model.instances(bridge.AttributeMap) if used.name == name
     )
     assert fills_rates_alone(used, to_ros=True) is expected
 
@@ -62,9 +60,7 @@ def test_a_speed_beside_other_numbers_is_not_alone(
     )
     model = read_models([path], notations=NOTATIONS).model
     [used] = [
-        attribute_map
-        for attribute_map in model.instances(bridge.AttributeMap)
-        if attribute_map.name == "own"
+        used for used in model.instances(bridge.AttributeMap) if used.name == "own"
     ]
     assert fills_rates_alone(used, to_ros=True) is expected
 
@@ -79,8 +75,6 @@ def test_a_number_of_no_unit_is_what_its_source_is(tmp_path: Path) -> None:
     )
     model = read_models([path], notations=NOTATIONS).model
     [used] = [
-        attribute_map
-        for attribute_map in model.instances(bridge.AttributeMap)
-        if attribute_map.name == "speed"
+        used for used in model.instances(bridge.AttributeMap) if used.name == "speed"
     ]
     assert fills_rates_alone(used, to_ros=True)

@@ -48,11 +48,7 @@ def connection(tmp_path):
 
 
 def sent(connection):
-    return [
-        path
-        for stop_assignment in stops.stop_assignments(connection)
-        for path in target_paths(stop_assignment)
-    ]
+    return [path for stop in stops.stop_assignments(connection) for path in target_paths(stop)]
 
 
 def test_a_constant_speed_of_a_map_does_not_fill_its_stop(connection):

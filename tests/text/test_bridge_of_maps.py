@@ -48,15 +48,13 @@ def connections(result):
     """Returns what each connection is: direction, exchange, whom it searches, its topic."""
     [found] = result.model.instances(bridge.Bridge)
     return found, {
-        bridge_connection.name: (
-            bridge_connection.direction.name,
-            bridge_connection.exchange.name,
-            []
-            if bridge_connection.search is None
-            else [one.name for one in bridge_connection.search.services],
-            [topic.name for topic in bridge_connection.topics],
+        connection.name: (
+            connection.direction.name,
+            connection.exchange.name,
+            [] if connection.search is None else [one.name for one in connection.search.services],
+            [topic.name for topic in connection.topics],
         )
-        for bridge_connection in found.bridgeConnections
+        for connection in found.bridgeConnections
     }
 
 
@@ -108,9 +106,7 @@ def test_a_file_with_a_system_has_its_own_bridge(read):
 def test_maps_of_imported_files_have_no_bridge(read, texts):
     texts.write("other.ros2jaus", LIBRARY)
     result = read(f'import "other.ros2jaus"\n{FIGURE_5}')
-    assert [bridge_element.name for bridge_element in result.model.instances(bridge.Bridge)] == [
-        "maps_bridge"
-    ]
+    assert [element.name for element in result.model.instances(bridge.Bridge)] == ["maps_bridge"]
 
 
 def run(*arguments):

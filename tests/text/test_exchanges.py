@@ -161,8 +161,7 @@ def test_wrong_way_is_answered_with_what_to_write(texts):
 def test_xmi_keeps_its_defaults_and_is_told_the_attributes(texts):
     """Where XMI says nothing, it says the default; Eclipse shows it so."""
     text = FRAME.format(
-        bridge="provides: VelocityStateSensor",
-        connection=braced("map: velocity_state topic odom"),
+        bridge="provides: VelocityStateSensor", connection=braced("map: velocity_state topic odom")
     )
     model = texts.good(text)
     xmi = to_xmi(model.documents[0].roots, model, texts.folder / "demo.xmi")

@@ -201,8 +201,7 @@ block_items = st.recursive(
 imports = st.builds(Import, names.filter(lambda name: "[" not in name.text) | texts)
 documents = closed(
     st.builds(
-        SyntaxTree,
-        listed(imports | elements_of(block_items) | simple_features | arrays | structs),
+        SyntaxTree, listed(imports | elements_of(block_items) | simple_features | arrays | structs)
     )
 )
 

@@ -294,21 +294,19 @@ def test_unknown_name_tells_what_makes_it_known(texts, text, hint):
 
 def test_every_map_of_the_library_is_found_by_its_name(texts):
     of_modules = defaultdict(list)
-    for library_map in library_maps():
-        of_modules[library_map.module].append(library_map)
+    for library in library_maps():
+        of_modules[library.module].append(library)
     for module, maps in of_modules.items():
-        lines = [
-            f"connection c{i} {{ map: {library_map.name} }}" for i, library_map in enumerate(maps)
-        ]
+        lines = [f"connection c{i} {{ map: {library.name} }}" for i, library in enumerate(maps)]
         text = f"import {module}\nbridge b {{ {' '.join(lines)} }}"
         connections = list(texts.one(text).model.instances(bridge.Connection))
-        for library_map, connection in zip(maps, connections, strict=True):
+        for library, connection in zip(maps, connections, strict=True):
             used = connection.map
-            assert (used.name, used.message.name) == (library_map.name, library_map.message)
+            assert (used.name, used.message.name) == (library.name, library.message)
             owner, name = used.type.eContainer(), used.type.name
             if not isinstance(owner, ros.InterfacePackage):  # a half of a service or action
                 owner, name = owner.eContainer(), owner.name
-            assert library_map.type == f"{owner.name}/{name}"
+            assert library.type == f"{owner.name}/{name}"
 
 
 def test_index_of_the_library_has_all_its_maps(texts):

@@ -50,10 +50,7 @@ MessageName {
 
 def faults(text):
     found = parse(text).faults
-    return [
-        f"{syntax_fault.span.line}:{syntax_fault.span.column}: {syntax_fault.message}"
-        for syntax_fault in found
-    ]
+    return [f"{fault.span.line}:{fault.span.column}: {fault.message}" for fault in found]
 
 
 def names(items):
@@ -73,10 +70,7 @@ def test_figure_5_of_the_paper():
     assert not to_jaus.to_ros
     assert [
         (names(assignment.sources), names(assignment.targets)) for assignment in to_jaus.assignments
-    ] == [
-        (["membername2"], ["membername"]),
-        (["secondmembername2"], ["secondmembername"]),
-    ]
+    ] == [(["membername2"], ["membername"]), (["secondmembername2"], ["secondmembername"])]
 
 
 def test_values_of_all_kinds():
@@ -353,8 +347,7 @@ def test_marks_and_line_ends_of_other_systems():
 @given(
     st.text(max_size=60)
     | st.lists(
-        st.sampled_from([*"{}()[]:,;a1\n", "->", "<->", "=>", *KEYWORDS, '"t"', "/*"]),
-        max_size=30,
+        st.sampled_from([*"{}()[]:,;a1\n", "->", "<->", "=>", *KEYWORDS, '"t"', "/*"]), max_size=30
     ).map(" ".join)
 )
 def test_it_never_raises_and_places_each_fault_in_the_text(text):

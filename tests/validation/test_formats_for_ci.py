@@ -169,10 +169,7 @@ def test_sarif_has_every_attribute():
 def test_sarif_knows_a_finding_again_on_another_line():
     moved = replace(ERROR, location=Location("models/a.xmi", 99, 1))
     other = replace(ERROR, element="robot/b1")
-    prints = [
-        sarif_result["partialFingerprints"]
-        for sarif_result in run_of(ERROR, moved, other)["results"]
-    ]
+    prints = [result["partialFingerprints"] for result in run_of(ERROR, moved, other)["results"]]
     assert prints[0] == prints[1] != prints[2]
 
 

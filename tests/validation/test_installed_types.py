@@ -98,10 +98,6 @@ def test_the_shipped_library_is_what_is_installed():
     model = check_project(sorted((library_root() / "ros").glob("*.xmi"))).model
     kinds = (ros.MessageType, ros.ServiceType)
     types = [named_element for kind in kinds for named_element in model.instances(kind)]
-    tops = [
-        named_element
-        for named_element in types
-        if isinstance(named_element.eContainer(), ros.InterfacePackage)
-    ]
+    tops = [element for element in types if isinstance(element.eContainer(), ros.InterfacePackage)]
     assert len(tops) > 100
     assert [difference.message for top in tops for difference in installed.differences(top)] == []

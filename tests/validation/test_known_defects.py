@@ -206,9 +206,7 @@ def test_the_right_maps_are_clean(tmp_path):
 def test_a_ratio_becomes_percent_by_itself(tmp_path):
     path = tmp_path / "model.xmi"
     copied = attribute_map(
-        EFFORT,
-        "sensor_msgs.xmi#BatteryState",
-        to_jaus("ResistiveLinearEffortX", "percentage"),
+        EFFORT, "sensor_msgs.xmi#BatteryState", to_jaus("ResistiveLinearEffortX", "percentage")
     )
     path.write_text(library(copied), encoding="utf-8")
     result = read_models([path])

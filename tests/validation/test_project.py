@@ -41,9 +41,7 @@ def test_what_is_read_alone_is_not_judged(folder):
 
 def test_the_frequency_of_all_bridges(folder):
     report = check_project([str(folder / "good.xmi")], frequency=7.0)
-    assert {
-        bridge_instance.frequency for bridge_instance in report.model.instances(bridge.Bridge)
-    } == {7.0}
+    assert {instance.frequency for instance in report.model.instances(bridge.Bridge)} == {7.0}
 
 
 @pytest.mark.parametrize(

@@ -213,11 +213,7 @@ class Commands:
             for structural_feature in self._table(obj).features.values()
             if structural_feature.settable and structural_feature.kind in plain
         ]
-        features = [
-            structural_feature
-            for structural_feature in features
-            if structural_feature.name != "name"
-        ]
+        features = [feature for feature in features if feature.name != "name"]
         if not features:
             return None
         feature = self._random.choice(features)

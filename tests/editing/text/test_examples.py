@@ -147,11 +147,7 @@ def test_a_direction_comes_with_its_first_assignment_and_goes_with_its_last(robo
     command = Add(MAP, "toJaus", "bridge.ConstantAssignment", values)
     assert lines(robot, command) == ["+ROS->JAUS (", '+"x" -> TimeStamp', "+)"]
     robot.do(command)
-    assert lines(robot, Remove(f"{MAP}/@toJaus.0")) == [
-        "-ROS->JAUS (",
-        '-"x" -> TimeStamp',
-        "-)",
-    ]
+    assert lines(robot, Remove(f"{MAP}/@toJaus.0")) == ["-ROS->JAUS (", '-"x" -> TimeStamp', "-)"]
 
 
 def test_tables_and_vectors(robot):
@@ -215,10 +211,7 @@ def test_what_is_referred_to_is_imported(robot):
     command = Set(f"{BRIDGE}/@bridgeConnections.0", "map", (ready,))
     before = robot.data
     robot.do(command)
-    assert (
-        next(changed_line.strip() for changed_line in robot.changed_lines(before))
-        == "+import mappings.odometry"
-    )
+    assert next(line.strip() for line in robot.changed_lines(before)) == "+import mappings.odometry"
 
 
 @pytest.mark.parametrize("start", [b"", b"\xef\xbb\xbf"])

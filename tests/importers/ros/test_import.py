@@ -89,9 +89,7 @@ def test_a_package_that_the_library_lacks_is_imported_along(prefix):
     ]
     assert [diagnostic.rule for diagnostic in result.diagnostics] == ["JML662", "JML662"]
     assert not result.has_errors
-    places = {
-        f"{imported_package.name}.xmi": [imported_package] for imported_package in result.packages
-    }
+    places = {f"{imported.name}.xmi": [imported] for imported in result.packages}
     model = placed(result, places)
     written = to_xmi(result.packages[:1], model, "winch_msgs.xmi")
     assert '<messageType href="rope_msgs.xmi#Rope"/>' in written

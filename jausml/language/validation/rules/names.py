@@ -188,8 +188,13 @@ def message_names(subject: Subject, component: jaus.Component) -> Iterator[Findi
             yield Finding(component, text, related=notes)
 
 
-@rule("JML506", "names in a state machine that no code can have", kinds=jaus.State, needs=("name",))
-def machine_names(_: Subject, state: jaus.State) -> Iterator[Finding]:
+@rule(
+    "JML506",
+    "names in a state machine that no code can have",
+    kinds=(jaus.State, jaus.Action),
+    needs=("name",),
+)
+def machine_names(_: Subject, element: jaus.State | jaus.Action) -> Iterator[Finding]:
     """States, actions and guards have names of letters, digits and underscores, joined by dots.
 
     Actions and guards become methods of one class: what differs in the model differs in code. An
@@ -200,12 +205,11 @@ def machine_names(_: Subject, state: jaus.State) -> Iterator[Finding]:
 
     Good: setSpeed in both places
     """
-    yield from _dotted(state, "state")
-
-
-@machine_names.also(jaus.Action, needs=("name",))
-def _machine_names_action(_: Subject, action: jaus.Action) -> Iterator[Finding]:
-    yield from _dotted(action, "action")
+    name = element.name
+    if name is not None and not all(is_identifier(part) for part in name.split(".")):
+        hint = "letters, digits and underscores, with a letter first, joined by dots"
+        message = f"{element.eClass.name.lower()} name {name!a} is no identifier"
+        yield Finding(element, message, "name", hint)
 
 
 @machine_names.also(jaus.StateMachine)
@@ -224,13 +228,6 @@ def _machine_names_service(subject: Subject, service: jaus.Service) -> Iterator[
                 text = f"{kind} '{name}' has the name of the {first_kind} '{written}' in code"
                 note = Note(first, f"{first_kind} '{written}'")
                 yield Finding(element, text, feature, related=(note,))
-
-
-def _dotted(element: jaus.State | jaus.Action, noun: str) -> Iterator[Finding]:
-    name = element.name
-    if name is not None and not all(is_identifier(part) for part in name.split(".")):
-        hint = "letters, digits and underscores, with a letter first, joined by dots"
-        yield Finding(element, f"{noun} name {name!a} is no identifier", "name", hint)
 
 
 def _methods(behaviour: Behaviour) -> Iterator[tuple[str, str, EObject, str]]:

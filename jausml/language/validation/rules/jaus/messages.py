@@ -53,29 +53,20 @@ def member_kinds(_: Subject, message: jaus.MessageDef) -> Iterator[Finding]:
     yield from _kind_findings([message.body], "the body of a message", containers=True)
 
 
-@member_kinds.also(jaus.Record)
-def _member_kinds_record(_: Subject, record: jaus.Record) -> Iterator[Finding]:
-    yield from _kind_findings(record.fields, _IN_RECORD, containers=False)
+_ROLES = {
+    "Record": (_IN_RECORD, False),
+    "Sequence": ("a member of a sequence", True),
+    "List": ("the element of a list", True),
+    "Variant": ("an option of a variant", True),
+    "Array": ("the element of an array", False),
+}
+"""What members are called, and whether they are containers, by the class of what has them."""
 
 
-@member_kinds.also(jaus.Sequence)
-def _member_kinds_sequence(_: Subject, sequence: jaus.Sequence) -> Iterator[Finding]:
-    yield from _kind_findings(sequence.fields, "a member of a sequence", containers=True)
-
-
-@member_kinds.also(jaus.List)
-def _member_kinds_list(_: Subject, counted_list: jaus.List) -> Iterator[Finding]:
-    yield from _kind_findings([counted_list.element], "the element of a list", containers=True)
-
-
-@member_kinds.also(jaus.Variant)
-def _member_kinds_variant(_: Subject, variant: jaus.Variant) -> Iterator[Finding]:
-    yield from _kind_findings(variant.options, "an option of a variant", containers=True)
-
-
-@member_kinds.also(jaus.Array)
-def _member_kinds_array(_: Subject, array: jaus.Array) -> Iterator[Finding]:
-    yield from _kind_findings([array.element], "the element of an array", containers=False)
+@member_kinds.also((jaus.Record, jaus.Sequence, jaus.List, jaus.Variant, jaus.Array))
+def _inner_kinds(_: Subject, field: jaus.Field) -> Iterator[Finding]:
+    role, containers = _ROLES[class_name(field)]
+    yield from _kind_findings(_parts(field), role, containers=containers)
 
 
 @rule("JML323", "optional member without a presence bit", kinds=(jaus.Record, jaus.Sequence))
@@ -202,14 +193,12 @@ def _sizes_array(_: Subject, array: jaus.Array) -> Iterator[Finding]:
         yield Finding(array, message, "dimensions")
 
 
-@sizes.also(jaus.VariableField)
-def _sizes_variable_field(_: Subject, field: jaus.VariableField) -> Iterator[Finding]:
-    yield from _index_findings(field.alternatives, field)
-
-
-@sizes.also(jaus.VariableFormatField)
-def _sizes_variable_format_field(_: Subject, blob: jaus.VariableFormatField) -> Iterator[Finding]:
-    yield from _index_findings(blob.formats, blob)
+@sizes.also((jaus.VariableField, jaus.VariableFormatField))
+def _indices(_: Subject, field: jaus.VariableField | jaus.VariableFormatField) -> Iterator[Finding]:
+    choices: Iterable[Indexed] = (
+        field.alternatives if isinstance(field, jaus.VariableField) else field.formats
+    )
+    yield from _index_findings(choices, field)
 
 
 @rule("JML360", "message beyond all bounds", kinds=jaus.MessageDef)

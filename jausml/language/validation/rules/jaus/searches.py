@@ -90,25 +90,20 @@ def control_of_all(_: Subject, connection: bridge.Connection) -> Iterator[Findin
     Good: the same with `choice="nearest"`, or with the subsystem of the vehicle
     """
     command = connection.map.message if connection.map is not None else None
-    if command is not None and command.isCommand and _controls_all(connection):
-        yield _control_of_all(connection)
+    if command is not None and command.isCommand:
+        yield from _control_of_all(connection)
 
 
 @control_of_all.also(bridge.RosServiceConnection)
-def _control_of_all_ros_service_connection(
-    _: Subject, called: bridge.RosServiceConnection
-) -> Iterator[Finding]:
+def _control_by_calls(_: Subject, called: bridge.RosServiceConnection) -> Iterator[Finding]:
     asking = calls.asking(called)
-    if asking is not None and is_command(asking) and _controls_all(called):
-        yield _control_of_all(called)
+    if asking is not None and is_command(asking):
+        yield from _control_of_all(called)
 
 
 @control_of_all.also(bridge.RosActionConnection)
-def _control_of_all_ros_action_connection(
-    _: Subject, action: bridge.RosActionConnection
-) -> Iterator[Finding]:
-    if _controls_all(action):
-        yield _control_of_all(action)
+def _control_by_goals(_: Subject, action: bridge.RosActionConnection) -> Iterator[Finding]:
+    yield from _control_of_all(action)
 
 
 @rule("JML357", "subsystem that nobody finds", severity=Severity.INFO)
@@ -191,16 +186,13 @@ _Connection: TypeAlias = (
 )
 
 
-def _controls_all(connection: _Connection) -> bool:
+def _control_of_all(connection: _Connection) -> Iterator[Finding]:
     search = connection.search
     if search is None or search.choice.name != "all" or search.subsystem:
-        return False
-    return bool(connection.direction.name == "rosToJaus" and connection.control)
-
-
-def _control_of_all(connection: _Connection) -> Finding:
-    message = f"'{connection.name}' takes control of all that its search finds"
-    return Finding(connection, message, "search", "search for one, or in one subsystem")
+        return
+    if connection.direction.name == "rosToJaus" and connection.control:
+        message = f"'{connection.name}' takes control of all that its search finds"
+        yield Finding(connection, message, "search", "search for one, or in one subsystem")
 
 
 _NUMBERS = re.compile(r"[0-9.]+")
