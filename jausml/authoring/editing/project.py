@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from jausml.authoring.editing import records
 from jausml.authoring.editing.clips import Clip, clip_text, read_clip
 from jausml.authoring.editing.commands import Add, Command, EditError, LayoutKey, Set
 from jausml.authoring.editing.describing import pasted
@@ -16,19 +17,6 @@ from jausml.authoring.editing.executing import execute, referrers
 from jausml.authoring.editing.layout import SUFFIXES, is_layout, layout_file, read_layout
 from jausml.authoring.editing.reading import Disk, Reader, encoded, is_library, is_text, stored
 from jausml.authoring.editing.rebasing import OutsideChange, Rebasing
-from jausml.authoring.editing.records import (
-    Change,
-    Entry,
-    FileChange,
-    FileInfo,
-    Freshness,
-    Log,
-    Preview,
-    Referrer,
-    Stored,
-    data_of,
-    takes_back,
-)
 from jausml.authoring.editing.splices import unified_diff
 from jausml.authoring.editing.working_copy import WorkingCopy
 from jausml.language.metamodel.classes.ecore import EObject
@@ -63,13 +51,13 @@ class Project:
         self._revision = 0
         self._reader = Reader(self.root)
         self._disk = Disk(self.root)
-        self._log = Log()
+        self._log = records.Log()
         self._rebasing = Rebasing()
         self.typing_pause = 2.0
         """Seconds without typing after which what is typed is another entry of the log."""
         self._working_copy: WorkingCopy | None = None
-        self._unreported: list[Change] = []
-        self._files: dict[str, Stored] = {}
+        self._unreported: list[records.Change] = []
+        self._files: dict[str, records.Stored] = {}
         named = [self.opened] if self.opened else []
         for file in dict.fromkeys([*model_files(self.root, SUFFIXES), *named]):
             data = self._disk.readable(file)
@@ -79,11 +67,13 @@ class Project:
             read_input(self.root / self.opened)
 
     @property
-    def files(self) -> tuple[FileInfo, ...]:
+    def files(self) -> tuple[records.FileInfo, ...]:
         """The model files, in order of their names."""
         with self._lock:
             return tuple(
-                FileInfo(name, "text" if is_text(name) else "xmi", entry.revision, entry.is_stale)
+                records.FileInfo(
+                    name, "text" if is_text(name) else "xmi", entry.revision, entry.is_stale
+                )
                 for name, entry in sorted(self._files.items())
                 if not is_layout(name)
             )
@@ -94,13 +84,13 @@ class Project:
         return self._revision
 
     @property
-    def log(self) -> tuple[Entry, ...]:
+    def log(self) -> tuple[records.Entry, ...]:
         """What was done and not undone, in order."""
         with self._lock:
             return self._log.done
 
     @property
-    def undone(self) -> tuple[Entry, ...]:
+    def undone(self) -> tuple[records.Entry, ...]:
         """What can be done again, the next first."""
         with self._lock:
             return self._log.undone
@@ -115,7 +105,7 @@ class Project:
             self._known(file)
             return self._reader.read(file, self._files)
 
-    def read(self, file: str) -> tuple[ReadResult, Freshness]:
+    def read(self, file: str) -> tuple[ReadResult, records.Freshness]:
         """Returns the model of a file as `model` does, and what it is worth at this moment."""
         with self._lock:
             return self.model(file), self._reader.freshness(file, self._files, self._revision)
@@ -149,7 +139,7 @@ class Project:
                     return element, model
         raise EditError(f"there is no element {ref}", conflict=True)
 
-    def preview(self, commands: Sequence[Command], base: int | None = None) -> Preview:
+    def preview(self, commands: Sequence[Command], base: int | None = None) -> records.Preview:
         """Returns what commands with refs of a revision would do; nothing is written."""
         with self._lock:
             commands = self._rebased(commands, base)
@@ -161,7 +151,7 @@ class Project:
                 unified_diff(file, self._data(file) or b"", new_file.data if new_file else b"")
                 for file, new_file in new.items()
             )
-            return Preview(changes, outcome.created, outcome.referrers, diff)
+            return records.Preview(changes, outcome.created, outcome.referrers, diff)
 
     def do(
         self,
@@ -170,7 +160,7 @@ class Project:
         base: int | None = None,
         *,
         is_first: bool = True,
-    ) -> Entry:
+    ) -> records.Entry:
         """Carries out commands, all or none, writes the files and logs it.
 
         Where another program has just changed a file, they are planned again with what it says.
@@ -198,7 +188,7 @@ class Project:
         rebased = self._rebasing.rebased
         return [rebased(command, base, now, is_first=is_first) for command in commands]
 
-    def _done(self, commands: Sequence[Command], label: str) -> Entry:
+    def _done(self, commands: Sequence[Command], label: str) -> records.Entry:
         draft = self._draft()
         # If the commands fail, the copy is worth nothing.
         working_copy, self._working_copy = self._working_copy, None
@@ -208,7 +198,7 @@ class Project:
             # Nothing is to be done only if the files say so, not what is known of them.
             self._check_unchanged(outcome.working_copy.models)
             self._working_copy = outcome.working_copy
-            return Entry(0, label, ())
+            return records.Entry(0, label, ())
         self._write({change.file: draft.files.get(change.file) for change in changes})
         # Only now: a working copy of what was not written would be one of nothing.
         self._working_copy = outcome.working_copy
@@ -218,7 +208,7 @@ class Project:
         self._rebasing.note(self._revision, entry, outcome.shifts)
         return entry
 
-    def write_text(self, file: str, text: str, base: int) -> Entry:
+    def write_text(self, file: str, text: str, base: int) -> records.Entry:
         """Writes what somebody typed; what cannot be parsed is written too, and its model stays."""
         with self._lock:
             known = self._known(file)
@@ -229,16 +219,16 @@ class Project:
                 raise EditError(message, conflict=True)
             changes = self._put(file, encoded(text, known.data))
             if not changes:
-                return Entry(0, f"Type in {file}", ())
+                return records.Entry(0, f"Type in {file}", ())
             return self._log.add_typing(f"Type in {file}", changes, self.typing_pause)
 
-    def add_file(self, file: str, data: bytes, label: str) -> Entry:
+    def add_file(self, file: str, data: bytes, label: str) -> records.Entry:
         """Makes a model file of bytes; one that is there is left alone."""
         with self._lock:
             check_new_file(file, self._draft())
             return self._log.add(label, self._put(file, data))
 
-    def _put(self, file: str, data: bytes) -> tuple[FileChange, ...]:
+    def _put(self, file: str, data: bytes) -> tuple[records.FileChange, ...]:
         """Gives a file bytes that no commands made."""
         draft = self._draft()
         draft.put(file, data)
@@ -249,7 +239,7 @@ class Project:
             self._note_outside(file, before)
         return changes
 
-    def undo(self) -> Entry | None:
+    def undo(self) -> records.Entry | None:
         """Takes the last entry back, if there is one and its files are as it left them."""
         with self._lock:
             entry = self._log.last
@@ -258,7 +248,7 @@ class Project:
                 self._log.step(-1)
             return entry
 
-    def redo(self) -> Entry | None:
+    def redo(self) -> records.Entry | None:
         """Does again what was undone last, if there is something and its files are as they were."""
         with self._lock:
             entry = self._log.next
@@ -267,7 +257,7 @@ class Project:
                 self._log.step(1)
             return entry
 
-    def refresh(self, paths: Iterable[str] = ()) -> tuple[Change, ...]:
+    def refresh(self, paths: Iterable[str] = ()) -> tuple[records.Change, ...]:
         """Takes over what other programs did to files, of all or of some relative to the root.
 
         Each change becomes an entry of the log; those that an edit has met are returned too.
@@ -277,7 +267,7 @@ class Project:
             known = (f for f in wanted if f in self._files or is_model_file(f, self.root, SUFFIXES))
             return (*self.unreported(), *filter(None, map(self._refreshed, list(known))))
 
-    def unreported(self) -> tuple[Change, ...]:
+    def unreported(self) -> tuple[records.Change, ...]:
         """Returns the files that edits found changed by other programs, each once."""
         with self._lock:
             met, self._unreported = self._unreported, []
@@ -306,13 +296,13 @@ class Project:
             held = {file: draft.files[file].data for file in draft.models}
             return read_clip(text, self.root, held, draft.documents(draft.editable(owner)))
 
-    def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> Entry:
+    def paste(self, commands: Sequence[Add | Set], owner: Ref, label: str) -> records.Entry:
         """Adds what a clip has, under names that are free."""
         with self._lock:
             obj, model = self._draft().element(owner)
             return self.do(pasted(commands, obj, model, self.ref), label)
 
-    def referrers(self, ref: Ref) -> tuple[Referrer, ...]:
+    def referrers(self, ref: Ref) -> tuple[records.Referrer, ...]:
         """Returns what refers to an element or to what it owns, in all files."""
         with self._lock:
             return referrers(ref, self._draft())
@@ -323,7 +313,7 @@ class Project:
             held = self._files.get(layout_file(file))
             return read_layout(held.data).get(view, {}) if held is not None else {}
 
-    def _known(self, file: str) -> Stored:
+    def _known(self, file: str) -> records.Stored:
         stored_file = self._files.get(file)
         if stored_file is None or is_layout(file):
             raise EditError(f"{file} is no model file of the opened folder")
@@ -332,7 +322,7 @@ class Project:
     def _draft(self) -> Draft:
         return Draft(self.root, self._files, self._reader, self._revision + 1)
 
-    def _write(self, changed: Mapping[str, Stored | None]) -> None:
+    def _write(self, changed: Mapping[str, records.Stored | None]) -> None:
         """Writes files, all or none, if they are still as this project knows them."""
         # Nobody may write between the check and the storing.
         with self._disk.alone():
@@ -345,7 +335,7 @@ class Project:
             else:
                 self._files[file] = new
 
-    def _store(self, changed: Mapping[str, Stored | None]) -> None:
+    def _store(self, changed: Mapping[str, records.Stored | None]) -> None:
         written: list[str] = []
         try:
             for file, new in changed.items():
@@ -367,14 +357,16 @@ class Project:
                 message = f"{file} was just changed by another program: look at it, and repeat"
                 raise ChangedBeneathError(message, conflict=True)
 
-    def _replay(self, entry: Entry, changes: Sequence[FileChange], *, back: bool) -> None:
-        new: dict[str, Stored | None] = {}
+    def _replay(
+        self, entry: records.Entry, changes: Sequence[records.FileChange], *, back: bool
+    ) -> None:
+        new: dict[str, records.Stored | None] = {}
         for change in changes:
             known = self._files.get(change.file)
             if (known.digest if known is not None else "") != change.before:
                 message = f"{change.file} has changed since: its last edit cannot be taken back"
                 raise EditError(message, conflict=True)
-            data = change.applied(data_of(known) or b"")
+            data = change.applied(records.data_of(known) or b"")
             state = stored(change.file, data, self._revision + 1, known)
             new[change.file] = state if change.after else None
         files = dict(self._files)
@@ -384,7 +376,7 @@ class Project:
             # What is not known of commands is the work of others, on one file each.
             self._note_outside(file, files)
 
-    def _refreshed(self, file: str) -> Change | None:
+    def _refreshed(self, file: str) -> records.Change | None:
         known = self._files.get(file)
         try:
             content = self._disk.read(file)
@@ -393,19 +385,19 @@ class Project:
         if content == self._data(file):
             return None
         old, new = self._data(file) or b"", content or b""
-        is_conflict = takes_back(self._log.last, known, content)
+        is_conflict = records.takes_back(self._log.last, known, content)
         self._revision += 1
         files = dict(self._files)
         if content is None:
             del self._files[file]
         else:
             self._files[file] = stored(file, content, self._revision, known)
-        change = FileChange.between(file, known, self._files.get(file))
+        change = records.FileChange.between(file, known, self._files.get(file))
         self._note_outside(file, files)
         self._log.add(f"{file} was changed by another program", (change,), is_outside=True)
-        return Change(file, unified_diff(file, old, new), is_conflict)
+        return records.Change(file, unified_diff(file, old, new), is_conflict)
 
-    def _note_outside(self, file: str, before: Mapping[str, Stored]) -> None:
+    def _note_outside(self, file: str, before: Mapping[str, records.Stored]) -> None:
         """Remembers a change that no commands made, with what is needed to understand it."""
         after = dict(self._files)
 
@@ -420,4 +412,4 @@ class Project:
         self._rebasing.note_outside(self._revision, file, understood)
 
     def _data(self, file: str) -> bytes | None:
-        return data_of(self._files.get(file))
+        return records.data_of(self._files.get(file))

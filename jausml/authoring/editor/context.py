@@ -15,20 +15,8 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editor.places import Place, end_of
 from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, load_metamodels
+from jausml.language.text import tree
 from jausml.language.text.reading.shaping import Items
-from jausml.language.text.tree import (
-    Assignment,
-    Direction,
-    Element,
-    End,
-    Feature,
-    Item,
-    Member,
-    SyntaxTree,
-    Vector,
-    classes_by_keyword,
-    lists_of,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -43,7 +31,7 @@ ASSIGNMENTS = ("bridge.FieldAssignment", "bridge.ListAssignment", "bridge.Messag
 @cache
 def keywords() -> Mapping[str, ClassTable]:
     """Returns the classes by their keywords."""
-    return classes_by_keyword(load_metamodels())
+    return tree.classes_by_keyword(load_metamodels())
 
 
 def table(qualified_class: str) -> ClassTable:
@@ -51,14 +39,14 @@ def table(qualified_class: str) -> ClassTable:
     return load_metamodels().classes[qualified_class]
 
 
-def class_of(element: Element, owner: ClassTable | None) -> ClassTable | None:
+def class_of(element: tree.Element, owner: ClassTable | None) -> ClassTable | None:
     """Returns the class of a block, None when nothing tells it.
 
     `owner`: the class of the block around it; None on top level.
     """
     if element.keyword is not None:
         return keywords().get(element.keyword.text)
-    if any(isinstance(item, (End, Direction)) for item in element.items):
+    if any(isinstance(item, (tree.End, tree.Direction)) for item in element.items):
         return table("bridge.AttributeMap")
     name = element.name.text if element.name is not None else ""
     if name in keywords():
@@ -68,33 +56,33 @@ def class_of(element: Element, owner: ClassTable | None) -> ClassTable | None:
     return attribute_map if holds_maps else None
 
 
-def class_of_value(element: Element, feature: FeatureTable | None) -> ClassTable | None:
+def class_of_value(element: tree.Element, feature: FeatureTable | None) -> ClassTable | None:
     """Returns the class of a block that is the value of a feature."""
     if element.keyword is not None:
         return keywords().get(element.keyword.text)
     return feature.target if feature is not None else None
 
 
-def features_of(container: Item | None, owner: ClassTable | None) -> dict[str, FeatureTable]:
+def features_of(container: tree.Item | None, owner: ClassTable | None) -> dict[str, FeatureTable]:
     """Returns the features that a block can state."""
-    if isinstance(container, Assignment):
+    if isinstance(container, tree.Assignment):
         tables = [table(assignment) for assignment in ASSIGNMENTS]
         return {
             name: feature
             for class_table in tables
             for name, feature in class_table.features.items()
         }
-    if isinstance(container, Member):
+    if isinstance(container, tree.Member):
         names = ("units", "frame", "minimum", "maximum", "optional")
         known = {**table("ros.PrimitiveField").features, **table("jaus.FixedField").features}
         return {name: known[name] for name in names if name in known}
-    if isinstance(container, End):
+    if isinstance(container, tree.End):
         return dict(table("jaus.MessageDef").features)
     return dict(owner.features) if owner is not None else {}
 
 
 def feature_named(
-    feature: Feature, container: Item | None, owner: ClassTable | None
+    feature: tree.Feature, container: tree.Item | None, owner: ClassTable | None
 ) -> FeatureTable | None:
     """Returns what the metamodels say of a feature; None when they do not know it."""
     return features_of(container, owner).get(feature.name.text)
@@ -140,9 +128,9 @@ class Level:
     `item`: what the list belongs to; None for the document itself.
     """
 
-    item: Item | None
+    item: tree.Item | None
     table: ClassTable | None
-    items: Sequence[Item]
+    items: Sequence[tree.Item]
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +153,7 @@ class Context:
     in_text: bool = False
 
     @property
-    def item(self) -> Item | None:
+    def item(self) -> tree.Item | None:
         """What the innermost list belongs to."""
         return self.levels[-1].item
 
@@ -174,24 +162,24 @@ class Context:
         """The class of the innermost block."""
         return self.levels[-1].table
 
-    def around(self, kind: type[Item]) -> Item | None:
+    def around(self, kind: type[tree.Item]) -> tree.Item | None:
         """Returns the innermost item of a kind around the place."""
         items = (level.item for level in reversed(self.levels) if isinstance(level.item, kind))
         return next(items, None)
 
     @property
-    def map(self) -> Element | None:
+    def map(self) -> tree.Element | None:
         """The attribute map around the place."""
         wanted = table("bridge.AttributeMap")
         for level in reversed(self.levels):
-            if level.table is wanted and isinstance(level.item, Element):
+            if level.table is wanted and isinstance(level.item, tree.Element):
                 return level.item
         return None
 
-    def end_of_map(self, *, is_jaus: bool) -> End | None:
+    def end_of_map(self, *, is_jaus: bool) -> tree.End | None:
         """Returns an end of the map around the place."""
         items = self.map.items if self.map is not None else []
-        ends = (item for item in items if isinstance(item, End) and item.is_jaus == is_jaus)
+        ends = (item for item in items if isinstance(item, tree.End) and item.is_jaus == is_jaus)
         return next(ends, None)
 
 
@@ -230,7 +218,7 @@ def _is_text_around(token: Token, place: Place) -> bool:
     return (token.column or 1) < place.column <= (token.end_column or 1)
 
 
-def _levels(document: SyntaxTree, place: Place) -> Iterable[Level]:
+def _levels(document: tree.SyntaxTree, place: Place) -> Iterable[Level]:
     """Yields the lists that hold a place."""
     level = Level(None, None, document.items)
     while True:
@@ -244,7 +232,7 @@ def _levels(document: SyntaxTree, place: Place) -> Iterable[Level]:
         level = inner[-1]
 
 
-def _holds(items: Sequence[Item], place: Place) -> bool:
+def _holds(items: Sequence[tree.Item], place: Place) -> bool:
     if not isinstance(items, Items) or items.start is None:
         return False
     return Place(*items.start) < place <= Place(*items.end)
@@ -253,14 +241,14 @@ def _holds(items: Sequence[Item], place: Place) -> bool:
 def _inner_levels(level: Level) -> Iterable[Level]:
     """Yields the lists of the items of a list."""
     for item in level.items:
-        if isinstance(item, Feature):
+        if isinstance(item, tree.Feature):
             known = feature_named(item, level.item, level.table)
             for value in item.values:
-                if isinstance(value, Element):
+                if isinstance(value, tree.Element):
                     yield Level(value, class_of_value(value, known), value.items)
         else:
-            own = class_of(item, level.table) if isinstance(item, Element) else None
-            for items, _ in lists_of(item):
+            own = class_of(item, level.table) if isinstance(item, tree.Element) else None
+            for items, _ in tree.lists_of(item):
                 yield Level(item, own, items)
 
 
@@ -291,14 +279,16 @@ def _part(level: Level, statement: Sequence[Token]) -> tuple[Part, str]:
     item = level.item
     types = [token.type for token in statement]
     last = types[-1] if types else ""
-    if isinstance(item, (Direction, Assignment)) and (part := _assignment_part(statement)):
+    if isinstance(item, (tree.Direction, tree.Assignment)) and (
+        part := _assignment_part(statement)
+    ):
         return part
     if "COLON" in types and last in ("COLON", "COMMA"):
         return Part.VALUE, str(statement[types.index("COLON") - 1])
-    if isinstance(item, Vector):
+    if isinstance(item, tree.Vector):
         side = Part.SOURCE if level.items is item.given else Part.TARGET
         return (Part.NOTHING if last == "EQUAL" else side), ""
-    if isinstance(item, End) and not types:
+    if isinstance(item, tree.End) and not types:
         return Part.MEMBER, ""
     if last in ("JAUS", "ROS", "IMPORT"):
         parts = {"JAUS": Part.JAUS_TYPE, "ROS": Part.ROS_TYPE, "IMPORT": Part.IMPORT}

@@ -13,18 +13,9 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.paths.attributes import UNSTATED, Attribute
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
+from jausml.language.text import tree
 from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.reading.shaping import span_of, word_text
-from jausml.language.text.tree import (
-    Assignment,
-    Direction,
-    Element,
-    Feature,
-    Name,
-    Span,
-    Vector,
-    snake_case,
-)
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,8 +56,8 @@ def sides_at(bench: Workbench, path: Path, context: Context) -> Sides:
     kind = _at_end(bench, path, context, ros.MessageType)
     from_jaus = message_place(message) if message is not None else None
     from_ros = RosPlace(type=kind) if kind is not None else None
-    way = context.around(Direction) or context.around(Vector)
-    if isinstance(way, (Direction, Vector)) and way.to_ros:
+    way = context.around(tree.Direction) or context.around(tree.Vector)
+    if isinstance(way, (tree.Direction, tree.Vector)) and way.to_ros:
         joins = _joins(bench, path, context, "report_join")
         return _nested(Sides(from_jaus, from_ros, joins), context)
     return _nested(Sides(from_ros, from_jaus, _joins(bench, path, context, "join")), context)
@@ -107,9 +98,9 @@ def facts(attribute: Attribute) -> list[str]:
 def _nested(sides: Sides, context: Context) -> Sides:
     """Returns where paths start in the blocks of list assignments around a place."""
     for level in context.levels:
-        if isinstance(level.item, Assignment):
+        if isinstance(level.item, tree.Assignment):
             first = level.item.sources[0]
-            source = _follow(sides.source, first.text) if isinstance(first, Name) else None
+            source = _follow(sides.source, first.text) if isinstance(first, tree.Name) else None
             target = _follow(sides.target, level.item.targets[0].text)
             sides = Sides(_declared_element(source), _declared_element(target), {})
     return sides
@@ -131,18 +122,18 @@ def _follow(place: PathPlace | None, path: str) -> PathPlace | None:
 def _joins(bench: Workbench, path: Path, context: Context, keyword: str) -> dict[str, PathPlace]:
     joins: dict[str, PathPlace] = {}
     for item in context.map.items if context.map is not None else []:
-        if isinstance(item, Element) and item.name is not None and _keyword(item) == keyword:
+        if isinstance(item, tree.Element) and item.name is not None and _keyword(item) == keyword:
             for feature in item.items:
-                place = _joined(bench, path, feature) if isinstance(feature, Feature) else None
+                place = _joined(bench, path, feature) if isinstance(feature, tree.Feature) else None
                 if place is not None:
                     joins[item.name.text] = place
     return joins
 
 
-def _joined(bench: Workbench, path: Path, feature: Feature) -> PathPlace | None:
+def _joined(bench: Workbench, path: Path, feature: tree.Feature) -> PathPlace | None:
     """Returns where the paths of a join start, if a feature says it."""
     value = feature.values[0]
-    name = value.text if isinstance(value, Name) else ""
+    name = value.text if isinstance(value, tree.Name) else ""
     if name and feature.name.text == "type":
         type_ = bench.find(path, ros.MessageType, name)
         return RosPlace(type=type_) if type_ is not None else None
@@ -152,7 +143,7 @@ def _joined(bench: Workbench, path: Path, feature: Feature) -> PathPlace | None:
     return None
 
 
-def _keyword(element: Element) -> str:
+def _keyword(element: tree.Element) -> str:
     return element.keyword.text if element.keyword is not None else ""
 
 
@@ -169,7 +160,7 @@ class Definition:
     """The place where a name is given."""
 
     path: Path
-    span: Span
+    span: tree.Span
 
 
 def word_at(text: str, place: Place) -> Token | None:
@@ -223,7 +214,7 @@ def _imported(bench: Workbench, path: Path, place: Place) -> Definition | None:
     for item in imports_of(bench.tree(path)):
         if is_within(item.target.span, place):
             file = imported_file(item, path)
-            return Definition(file, Span()) if file is not None and file.is_file() else None
+            return Definition(file, tree.Span()) if file is not None and file.is_file() else None
     return None
 
 
@@ -237,7 +228,7 @@ def _element(bench: Workbench, path: Path, element: EObject | None) -> Definitio
     if place is None:
         return None
     file, line, column = place
-    return Definition(file, Span(line, column, line, column))
+    return Definition(file, tree.Span(line, column, line, column))
 
 
 @dataclass(slots=True)
@@ -246,8 +237,8 @@ class Symbol:
 
     name: str
     kind: str
-    span: Span
-    name_span: Span
+    span: tree.Span
+    name_span: tree.Span
     children: list[Symbol] = field(default_factory=list)
 
 
@@ -258,7 +249,7 @@ def outline(text: str) -> list[Symbol]:
     for declaration in names_in(text).declarations:
         symbol = Symbol(
             declaration.name.text,
-            snake_case(declaration.table.name),
+            tree.snake_case(declaration.table.name),
             declaration.item.span,
             declaration.name.span,
         )

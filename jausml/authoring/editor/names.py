@@ -9,19 +9,7 @@ from jausml.authoring.editor.context import class_of, class_of_value, feature_na
 from jausml.authoring.editor.places import Place, is_within
 from jausml.language.metamodel import ClassTable
 from jausml.language.semantics.conversions import CONVERSIONS, Argument
-from jausml.language.text.tree import (
-    Assignment,
-    Call,
-    Direction,
-    Element,
-    End,
-    Feature,
-    Item,
-    Name,
-    SyntaxTree,
-    Table,
-    Vector,
-)
+from jausml.language.text import tree
 
 _JOINS = {True: ("report_join", "bridge.ReportJoin"), False: ("join", "bridge.Join")}
 """Keyword and class of what source paths may begin with, by whether they lead to ROS."""
@@ -36,25 +24,25 @@ class Declaration:
         owners: The items around it, the outermost first.
     """
 
-    name: Name
+    name: tree.Name
     table: ClassTable
-    item: Item
-    owners: tuple[Item, ...]
+    item: tree.Item
+    owners: tuple[tree.Item, ...]
 
     @property
     def path(self) -> list[str]:
         """The names of the owners and its own."""
         names = [getattr(owner, "name", None) for owner in self.owners]
-        return [*(name.text for name in names if isinstance(name, Name)), self.name.text]
+        return [*(name.text for name in names if isinstance(name, tree.Name)), self.name.text]
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
     """A name that refers to an element."""
 
-    name: Name
+    name: tree.Name
     wanted: ClassTable
-    owners: tuple[Item, ...]
+    owners: tuple[tree.Item, ...]
     is_first_step: bool = False
 
     @property
@@ -93,7 +81,7 @@ class Names:
         )
 
 
-def names_of(document: SyntaxTree) -> Names:
+def names_of(document: tree.SyntaxTree) -> Names:
     """Returns the names of a document."""
     collector = _Collector()
     collector.items(document.items, None, None, ())
@@ -114,7 +102,7 @@ def find(reference: Reference, names: Names) -> Declaration | None:
     )
 
 
-def _shared(first: Sequence[Item], second: Sequence[Item]) -> int:
+def _shared(first: Sequence[tree.Item], second: Sequence[tree.Item]) -> int:
     shared = 0
     for one, other in zip(first, second, strict=False):
         if one is not other:
@@ -133,30 +121,32 @@ class _Collector:
 
     def items(
         self,
-        items: Iterable[Item],
-        container: Item | None,
+        items: Iterable[tree.Item],
+        container: tree.Item | None,
         owner: ClassTable | None,
-        owners: tuple[Item, ...],
+        owners: tuple[tree.Item, ...],
     ) -> None:
         for item in items:
-            if isinstance(item, Element):
+            if isinstance(item, tree.Element):
                 self._element(item, class_of(item, owner), owners)
-            elif isinstance(item, Feature):
+            elif isinstance(item, tree.Feature):
                 self._feature(item, container, owner, owners)
-            elif isinstance(item, End):
+            elif isinstance(item, tree.End):
                 wanted = table("jaus.MessageDef" if item.is_jaus else "ros.MessageType")
                 self._refer(item.type, wanted, owners)
-            elif isinstance(item, Table):
+            elif isinstance(item, tree.Table):
                 self._declare(item.name, table("bridge.ValueTable"), item, owners)
-            elif isinstance(item, Vector):
+            elif isinstance(item, tree.Vector):
                 self._declare(item.name, table("bridge.TestVector"), item, owners)
                 self._joins([entry.path for entry in item.given], owners, to_ros=item.to_ros)
-            elif isinstance(item, Direction):
+            elif isinstance(item, tree.Direction):
                 self.items(item.assignments, item, None, (*owners, item))
-            elif isinstance(item, Assignment):
+            elif isinstance(item, tree.Assignment):
                 self._assignment(item, owners)
 
-    def _element(self, element: Element, own: ClassTable | None, owners: tuple[Item, ...]) -> None:
+    def _element(
+        self, element: tree.Element, own: ClassTable | None, owners: tuple[tree.Item, ...]
+    ) -> None:
         if element.name is not None and own is not None:
             self._declare(element.name, own, element, owners)
         around = self._of_map
@@ -167,36 +157,38 @@ class _Collector:
 
     def _feature(
         self,
-        feature: Feature,
-        container: Item | None,
+        feature: tree.Feature,
+        container: tree.Item | None,
         owner: ClassTable | None,
-        owners: tuple[Item, ...],
+        owners: tuple[tree.Item, ...],
     ) -> None:
         known = feature_named(feature, container, owner)
         for value in feature.values:
-            if isinstance(value, Element):
+            if isinstance(value, tree.Element):
                 self._element(value, class_of_value(value, known), owners)
-            elif isinstance(value, Name) and known is not None and known.target is not None:
+            elif isinstance(value, tree.Name) and known is not None and known.target is not None:
                 self._refer(value, known.target, owners)
 
-    def _assignment(self, assignment: Assignment, owners: tuple[Item, ...]) -> None:
-        direction = next((owner for owner in owners if isinstance(owner, Direction)), None)
+    def _assignment(self, assignment: tree.Assignment, owners: tuple[tree.Item, ...]) -> None:
+        direction = next((owner for owner in owners if isinstance(owner, tree.Direction)), None)
         if direction is not None:
-            paths = [source for source in assignment.sources if isinstance(source, Name)]
+            paths = [source for source in assignment.sources if isinstance(source, tree.Name)]
             self._joins(paths, owners, to_ros=direction.to_ros)
         for call in assignment.conversions:
             self._call(call, owners)
         self.items(assignment.items, assignment, None, (*owners, assignment))
 
-    def _call(self, call: Call, owners: tuple[Item, ...]) -> None:
+    def _call(self, call: tree.Call, owners: tuple[tree.Item, ...]) -> None:
         conversion = CONVERSIONS.get(call.name.text)
         own = conversion.own_argument if conversion is not None else None
         wanted = Argument("").refers_to if own is None else own.refers_to
         for argument in call.arguments:
-            if wanted and isinstance(argument, Name):
+            if wanted and isinstance(argument, tree.Name):
                 self._refer(argument, table(wanted), owners)
 
-    def _joins(self, paths: Iterable[Name], owners: tuple[Item, ...], *, to_ros: bool) -> None:
+    def _joins(
+        self, paths: Iterable[tree.Name], owners: tuple[tree.Item, ...], *, to_ros: bool
+    ) -> None:
         """Notes paths that may begin with the name of a join of their map."""
         keyword, wanted = _JOINS[to_ros]
         joins = self._of_map.get(keyword, ())
@@ -205,17 +197,19 @@ class _Collector:
                 reference = Reference(path, table(wanted), owners, is_first_step=True)
                 self.names.references.append(reference)
 
-    def _declare(self, name: Name, own: ClassTable, item: Item, owners: tuple[Item, ...]) -> None:
+    def _declare(
+        self, name: tree.Name, own: ClassTable, item: tree.Item, owners: tuple[tree.Item, ...]
+    ) -> None:
         self.names.declarations.append(Declaration(name, own, item, owners))
 
-    def _refer(self, name: Name, wanted: ClassTable, owners: tuple[Item, ...]) -> None:
+    def _refer(self, name: tree.Name, wanted: ClassTable, owners: tuple[tree.Item, ...]) -> None:
         self.names.references.append(Reference(name, wanted, owners))
 
 
-def _joins_in(element: Element) -> dict[str, set[str]]:
+def _joins_in(element: tree.Element) -> dict[str, set[str]]:
     """Returns the names of the joins in a map, by keyword."""
     names_by_keyword: dict[str, set[str]] = {keyword: set() for keyword, _ in _JOINS.values()}
     for item in element.items:
-        if isinstance(item, Element) and item.keyword is not None and item.name is not None:
+        if isinstance(item, tree.Element) and item.keyword is not None and item.name is not None:
             names_by_keyword.get(item.keyword.text, set()).add(item.name.text)
     return names_by_keyword

@@ -7,30 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from jausml.authoring.differences.changes import words
-from jausml.authoring.editing.commands import (
-    IDENTIFIER,
-    Add,
-    Child,
-    Command,
-    EditError,
-    Move,
-    Remove,
-    Set,
-    Values,
-)
+from jausml.authoring.editing import commands
 from jausml.authoring.editing.drafts import Draft
 from jausml.authoring.editing.executing import execute, referrers
 from jausml.authoring.editing.reading import Reader
 from jausml.authoring.editing.records import Stored
 from jausml.authoring.editing.working_copy import WorkingCopy
-from jausml.authoring.merging.planning import (
-    GONE_HERE,
-    LOST_TARGET,
-    Addition,
-    Conflict,
-    Order,
-    Plan,
-)
+from jausml.authoring.merging import planning
 from jausml.authoring.merging.sides import Sides, Value
 from jausml.language.metamodel import FeatureKind, FeatureTable
 from jausml.language.metamodel.classes.ecore import EObject
@@ -54,7 +37,7 @@ class Execution:
         self._sides = sides
         self.root = root
         self.files = dict(files)
-        self.conflicts: list[Conflict] = []
+        self.conflicts: list[planning.Conflict] = []
         working_copy = WorkingCopy.of({file: sides.ours.model}, root)
         fragments = working_copy.fragments()
         self.where: dict[EObject, Ref] = {
@@ -64,7 +47,7 @@ class Execution:
         self._moved: set[EObject] = set()
         self._later: list[tuple[EObject, FeatureTable, EObject]] = []
 
-    def run(self, plan: Plan) -> None:
+    def run(self, plan: planning.Plan) -> None:
         """Carries a plan out."""
         going = {e for one in (*plan.removed, *plan.replaced) for e in self._sides.all_of(one)}
         self._moved = plan.moved
@@ -90,7 +73,7 @@ class Execution:
         """Returns the model of the file as it is now."""
         return self._reader.read(self._file, self.files).model
 
-    def _do(self, command: Command) -> tuple[Ref, ...]:
+    def _do(self, command: commands.Command) -> tuple[Ref, ...]:
         draft = self._draft()
         outcome = execute([command], draft, self._working_copy)
         self.files, self._working_copy = draft.files, outcome.working_copy
@@ -103,13 +86,13 @@ class Execution:
 
     # -- Adding ----------------------------------------------------------------------------------
 
-    def _add(self, addition: Addition) -> None:
+    def _add(self, addition: planning.Addition) -> None:
         feature = addition.feature
         description = self._described(addition.element, feature.name, addition.owner)
         owner = self.where[addition.owner]
         before = addition.before
         position = self._position(before) if before is not None else None
-        add = Add(
+        add = commands.Add(
             owner,
             feature.name,
             description.kind,
@@ -119,7 +102,7 @@ class Execution:
         )
         try:
             (created,) = self._do(add)
-        except EditError:
+        except commands.EditError:
             if position is None:
                 raise
             # What an arrow of text cannot say stands behind all that arrows say.
@@ -131,16 +114,16 @@ class Execution:
         obj, model = self._draft().element(self.where[element])
         step = model.path_of(obj).rpartition(".")[2]
         if not step.isdecimal():
-            raise EditError(f"{self.where[element]} has no place among others")
+            raise commands.EditError(f"{self.where[element]} has no place among others")
         return int(step)
 
-    def _described(self, obj: EObject, feature: str, owner: EObject) -> Child:
+    def _described(self, obj: EObject, feature: str, owner: EObject) -> commands.Child:
         """Returns a description of an element of theirs; what cannot be said yet comes later."""
-        values: dict[str, Values] = {}
-        children: list[Child] = []
+        values: dict[str, commands.Values] = {}
+        children: list[commands.Child] = []
         identifier = self._sides.theirs.model.identifier(obj)
         if identifier:
-            values[IDENTIFIER] = (identifier,)
+            values[commands.IDENTIFIER] = (identifier,)
         for own_feature in self._sides.features(obj):
             tokens = self._sides.values(obj, own_feature, self._sides.theirs)
             if own_feature.kind is FeatureKind.ATTRIBUTE:
@@ -158,7 +141,7 @@ class Execution:
             if texts:
                 values[own_feature.name] = texts
         kind = self._sides.table(obj).qualified_name
-        return Child(feature, kind, values, tuple(children))
+        return commands.Child(feature, kind, values, tuple(children))
 
     def _added(self, obj: EObject, feature: FeatureTable) -> list[EObject]:
         """Returns what an element of theirs owns and our side has in no other place."""
@@ -187,17 +170,17 @@ class Execution:
     ) -> None:
         if feature.kind is FeatureKind.ATTRIBUTE:
             texts = tuple(text for text in values if isinstance(text, str))
-            self._do(Set(self.where[element], feature.name, texts))
+            self._do(commands.Set(self.where[element], feature.name, texts))
             return
         targets = [self._ref(value) for value in values]
         if None in targets:
             what = f"{words(feature.name)} is to refer to an element that we removed"
             name = feature.name if place is element else ""
-            self.conflicts.append(Conflict(LOST_TARGET, place, what, name))
+            self.conflicts.append(planning.Conflict(planning.LOST_TARGET, place, what, name))
         texts = tuple(ref for ref in targets if ref is not None)
         # With no target left the feature keeps its value, as the conflict says.
         if texts or None not in targets:
-            self._do(Set(self.where[element], feature.name, texts))
+            self._do(commands.Set(self.where[element], feature.name, texts))
 
     def _ref(self, value: Value) -> Ref | None:
         """Returns the ref of an element on our side as it stands now, None when it is not there."""
@@ -206,14 +189,14 @@ class Execution:
         # An empty ref stands for what is gone.
         return self.where.get(self._sides.ours.matching.news.get(value, value)) or None
 
-    def _reorder(self, order: Order) -> None:
+    def _reorder(self, order: planning.Order) -> None:
         """Moves elements of one owner to each other's places."""
         # They share the places that they have now; what stands between them stays.
         places = sorted(map(self._position, order.elements))
         for place, element in zip(places, order.elements, strict=True):
             if self._position(element) != place:
                 owner_ref = self.where[order.owner]
-                self._do(Move(self.where[element], owner_ref, order.feature.name, place))
+                self._do(commands.Move(self.where[element], owner_ref, order.feature.name, place))
 
     def _remove(self, element: EObject, going: set[EObject]) -> None:
         """Removes an element, unless something that stays refers to it."""
@@ -227,6 +210,6 @@ class Execution:
             if referrer.element not in leaving:
                 label = self._sides.label(element)
                 what = f"{label} was removed by them, and {referrer.label} refers to it"
-                self.conflicts.append(Conflict(GONE_HERE, element, what))
+                self.conflicts.append(planning.Conflict(planning.GONE_HERE, element, what))
                 return
-        self._do(Remove(ref))
+        self._do(commands.Remove(ref))

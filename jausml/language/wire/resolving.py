@@ -6,27 +6,7 @@ import math
 from collections.abc import Iterable
 
 from jausml.language.metamodel.classes import jaus
-from jausml.language.wire.kinds import (
-    Alternative,
-    Array,
-    BitField,
-    Bits,
-    Count,
-    Field,
-    FixedText,
-    Format,
-    FormattedOctets,
-    Kind,
-    Leaf,
-    List,
-    Message,
-    Octets,
-    Record,
-    Sequence,
-    Text,
-    VariableNumber,
-    Variant,
-)
+from jausml.language.wire import kinds
 from jausml.language.wire.numbers import (
     INTEGERS,
     REALS,
@@ -54,14 +34,14 @@ MOST_FIELDS = 10_000
 _BYTE = UNSIGNED["uint8"]
 
 
-def resolve(message: jaus.MessageDef) -> Message:
+def resolve(message: jaus.MessageDef) -> kinds.Message:
     """Returns the layout of a message."""
     owner = message.eContainer()
     try:
         body = resolve_field(message.body) if message.body is not None else None
     except LayoutError as error:
         raise error.inside(str(message.name)) from None
-    return Message(
+    return kinds.Message(
         name=str(message.name),
         code=int(str(message.code), 16),
         is_command=bool(message.isCommand),
@@ -71,7 +51,7 @@ def resolve(message: jaus.MessageDef) -> Message:
     )
 
 
-def resolve_field(field: jaus.Field) -> Field:
+def resolve_field(field: jaus.Field) -> kinds.Field:
     """Returns the layout of a field with all that stands in it."""
     layout = _Resolver().field(field)
     _check_values(layout.kind)
@@ -89,7 +69,7 @@ def target_of(field: jaus.Field | None) -> jaus.Field | None:
     return field
 
 
-def leaf_of(part: jaus.Field | jaus.Alternative) -> Leaf | None:
+def leaf_of(part: jaus.Field | jaus.Alternative) -> kinds.Leaf | None:
     """Returns the kind of a field that holds no other fields; None for a container.
 
     Args:
@@ -103,9 +83,9 @@ def leaf_of(part: jaus.Field | jaus.Alternative) -> Leaf | None:
         case jaus.FixedLengthString():
             return _fixed_text(part)
         case jaus.VariableLengthString():
-            return Text(_length(part))
+            return kinds.Text(_length(part))
         case jaus.VariableLengthField():
-            return Octets(_length(part), str(part.format))
+            return kinds.Octets(_length(part), str(part.format))
         case jaus.VariableFormatField():
             return _formatted(part)
         case jaus.VariableField():
@@ -118,11 +98,11 @@ class _Resolver:
 
     def __init__(self) -> None:
         self._open: list[jaus.Field] = []
-        self._known: dict[jaus.Field, Kind] = {}
+        self._known: dict[jaus.Field, kinds.Kind] = {}
         self._sizes: dict[jaus.Field, int] = {}
         self._count = 0
 
-    def field(self, element: jaus.Field, bit: int = 0) -> Field:
+    def field(self, element: jaus.Field, bit: int = 0) -> kinds.Field:
         """Returns a field in its place; errors tell the path to it."""
         target = target_of(element)
         try:
@@ -140,9 +120,9 @@ class _Resolver:
         except LayoutError as error:
             raise error.inside(str(element.name)) from None
         text = element.documentation or target.documentation
-        return Field(str(element.name), str(text or ""), self._known[target], bit)
+        return kinds.Field(str(element.name), str(text or ""), self._known[target], bit)
 
-    def _entered(self, target: jaus.Field) -> Kind:
+    def _entered(self, target: jaus.Field) -> kinds.Kind:
         if target in self._open:
             raise LayoutError("it contains itself")
         if len(self._open) >= MAXIMUM_DEPTH:
@@ -152,19 +132,19 @@ class _Resolver:
         self._open.pop()
         return kind
 
-    def _kind(self, target: jaus.Field) -> Kind:
+    def _kind(self, target: jaus.Field) -> kinds.Kind:
         match target:
             case jaus.Record():
-                return Record(*self._members(target))
+                return kinds.Record(*self._members(target))
             case jaus.Sequence():
-                return Sequence(*self._members(target))
+                return kinds.Sequence(*self._members(target))
             case jaus.List():
                 return self._list(target)
             case jaus.Array():
                 return self._array(target)
             case jaus.Variant():
                 options = tuple(self.field(option) for option in target.options)
-                return Variant(_unsigned(target.tagType.name), options)
+                return kinds.Variant(_unsigned(target.tagType.name), options)
         leaf = leaf_of(target)
         if leaf is None:
             raise LayoutError(f"a {target.eClass.name} has no layout")
@@ -172,7 +152,7 @@ class _Resolver:
 
     def _members(
         self, group: jaus.Record | jaus.Sequence
-    ) -> tuple[tuple[Field, ...], IntegerType | None]:
+    ) -> tuple[tuple[kinds.Field, ...], IntegerType | None]:
         """Returns the members of a group, and the type of its presence vector."""
         width = group.presenceVector.name
         if width == "none":
@@ -183,45 +163,45 @@ class _Resolver:
             bit <<= bool(field.optional)
         return tuple(members), _unsigned(width)
 
-    def _list(self, field: jaus.List) -> List:
+    def _list(self, field: jaus.List) -> kinds.List:
         # JAUS-DEVIATION: AS5684 also states a smallest count; components made with the JAUS Tool
         # Set send shorter lists (QueryServiceList without a subsystem), and mean them.
         count = _count(field.countType, 0, field.maximumCount)
-        return List(self._element(field), count, int(field.minimumCount))
+        return kinds.List(self._element(field), count, int(field.minimumCount))
 
-    def _array(self, field: jaus.Array) -> Array:
+    def _array(self, field: jaus.Array) -> kinds.Array:
         sizes = tuple(int(size) for size in field.dimensions)
         if any(size < 1 for size in sizes) or math.prod(sizes) > LARGEST:
             raise LayoutError(f"dimensions {list(sizes)} make no array")
-        array = Array(self._element(field), sizes)
+        array = kinds.Array(self._element(field), sizes)
         _check_values(array)
         return array
 
-    def _element(self, field: jaus.List | jaus.Array) -> Field:
+    def _element(self, field: jaus.List | jaus.Array) -> kinds.Field:
         if field.element is None:
             raise LayoutError("it has no element")
         return self.field(field.element)
 
 
-def _check_values(kind: Kind) -> None:
+def _check_values(kind: kinds.Kind) -> None:
     if _values(kind) > LARGEST:
         raise LimitError(f"its smallest instance has more than {LARGEST} values")
 
 
-def _values(kind: Kind) -> int:
+def _values(kind: kinds.Kind) -> int:
     """Returns how many values a field of a kind has when lists and texts are as short as stated."""
     match kind:
-        case Record():
+        case kinds.Record():
             return max(1, sum(_values(member.kind) for member in kind.members))
-        case Array():
+        case kinds.Array():
             return kind.length * _values(kind.element.kind)
-        case Variant():
+        case kinds.Variant():
             return max((_values(option.kind) for option in kind.options), default=1)
-        case List():
+        case kinds.List():
             return max(1, kind.stated * _values(kind.element.kind))
-        case Text() | Octets() | FormattedOctets():
+        case kinds.Text() | kinds.Octets() | kinds.FormattedOctets():
             return max(1, kind.count.lower)
-        case FixedText():
+        case kinds.FixedText():
             return max(1, kind.length)
     return 1
 
@@ -249,17 +229,17 @@ def _unsigned(type_name: str) -> IntegerType:
 
 def _length(
     field: jaus.VariableLengthString | jaus.VariableLengthField | jaus.VariableFormatField,
-) -> Count:
+) -> kinds.Count:
     return _count(field.countType, field.minimumLength, field.maximumLength)
 
 
-def _count(count_type: jaus.NumericType, least: int, most: int) -> Count:
+def _count(count_type: jaus.NumericType, least: int, most: int) -> kinds.Count:
     """Returns a count; an upper limit of 0 means all that its type can say."""
     kind = _unsigned(count_type.name)
-    return Count(kind, int(least), min(int(most), kind.upper) if most > 0 else kind.upper)
+    return kinds.Count(kind, int(least), min(int(most), kind.upper) if most > 0 else kind.upper)
 
 
-def _bit_field(field: jaus.BitField) -> BitField:
+def _bit_field(field: jaus.BitField) -> kinds.BitField:
     whole = _unsigned(field.type.name)
     groups = []
     for sub in field.subFields:
@@ -267,26 +247,26 @@ def _bit_field(field: jaus.BitField) -> BitField:
         if not 0 <= low <= high < whole.bits:
             raise LayoutError(f"bits {low} .. {high} do not fit the type", str(sub.name))
         legal = legal_integers(sub.values, 0, (1 << high - low + 1) - 1)
-        groups.append(Bits(str(sub.name), str(sub.documentation or ""), low, high, legal))
-    return BitField(whole, tuple(groups))
+        groups.append(kinds.Bits(str(sub.name), str(sub.documentation or ""), low, high, legal))
+    return kinds.BitField(whole, tuple(groups))
 
 
-def _fixed_text(field: jaus.FixedLengthString) -> FixedText:
+def _fixed_text(field: jaus.FixedLengthString) -> kinds.FixedText:
     length = int(field.length)
     if not 0 <= length <= LARGEST:
         raise LayoutError(f"a length of {length} bytes has no meaning")
-    return FixedText(length)
+    return kinds.FixedText(length)
 
 
-def _formatted(field: jaus.VariableFormatField) -> FormattedOctets:
-    formats = tuple(Format(int(form.index), str(form.name)) for form in field.formats)
+def _formatted(field: jaus.VariableFormatField) -> kinds.FormattedOctets:
+    formats = tuple(kinds.Format(int(form.index), str(form.name)) for form in field.formats)
     _check_indices("formats", (data_format.index for data_format in formats))
-    return FormattedOctets(formats, _length(field))
+    return kinds.FormattedOctets(formats, _length(field))
 
 
-def _variable(field: jaus.VariableField) -> VariableNumber:
+def _variable(field: jaus.VariableField) -> kinds.VariableNumber:
     alternatives = tuple(
-        Alternative(
+        kinds.Alternative(
             int(alternative.index),
             str(alternative.name),
             str(alternative.documentation or ""),
@@ -295,7 +275,7 @@ def _variable(field: jaus.VariableField) -> VariableNumber:
         for alternative in field.alternatives
     )
     _check_indices("alternatives", (alternative.index for alternative in alternatives))
-    return VariableNumber(alternatives)
+    return kinds.VariableNumber(alternatives)
 
 
 def _check_indices(what: str, indices: Iterable[int]) -> None:

@@ -25,24 +25,8 @@ from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.language.metamodel import ClassTable
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.names import name_of
+from jausml.language.text import tree
 from jausml.language.text.reading.document import TextDocument
-from jausml.language.text.tree import (
-    Assignment,
-    Call,
-    Direction,
-    Element,
-    End,
-    Entry,
-    Feature,
-    Ignored,
-    Item,
-    Name,
-    Table,
-    Vector,
-    VectorEntry,
-    owning_features,
-    snake_case,
-)
 from jausml.language.text.writing.spelling import IN_THE_HEAD, is_comment, is_name
 from jausml.language.text.writing.unparsing import IMPLIED_PARTS, MAP
 
@@ -90,11 +74,11 @@ class Blocks:
         what = f"{kind} '{name}'" if name else f"this {kind}"
         message = f"{what} follows from the rest of {self._context.file}: edit the text"
         if copy.owner is None:
-            keyword = snake_case(kind)
+            keyword = tree.snake_case(kind)
             message += f", and put {keyword} {name or 'NAME'} {{ ... }} around what it has"
         return EditError(message)
 
-    def top(self, items: Sequence[Item]) -> list[Item]:
+    def top(self, items: Sequence[tree.Item]) -> list[tree.Item]:
         """Returns the items of the text."""
         pieces = self._kept(items)
         placed = self.placed
@@ -105,7 +89,7 @@ class Blocks:
             self._put_in(pieces, placed, owner)
         return list_of(pieces)
 
-    def _kept(self, items: Iterable[Item]) -> list[Piece]:
+    def _kept(self, items: Iterable[tree.Item]) -> list[Piece]:
         """Returns the pieces of a list, with what changes in them."""
         pieces = []
         heading: list[str] = []
@@ -122,7 +106,7 @@ class Blocks:
                 heading = []
         return pieces
 
-    def _block(self, items: Iterable[Item], copy: ElementCopy) -> list[Item]:
+    def _block(self, items: Iterable[tree.Item], copy: ElementCopy) -> list[tree.Item]:
         """Returns what stands in the block of an element."""
         pieces = self._kept(items)
         for name, is_said in self.changed.get(copy, {}).items():
@@ -135,7 +119,7 @@ class Blocks:
 
     def _merged(self, piece: Piece, copy: ElementCopy) -> Piece:
         part, changed = piece.part, self.changed.get(copy, {})
-        if isinstance(part, Element):
+        if isinstance(part, tree.Element):
             # The block may be the value of a feature, whose own words stay.
             block = replace(part)
             item = block if piece.item is part else replace(piece.item, values=[block])  # type: ignore[call-arg]
@@ -144,22 +128,22 @@ class Blocks:
             self._document(item, copy, part)
             block.items = self._block(part.items, copy)  # type: ignore[assignment]
             return Piece(item, part, piece.origin)
-        merged: Item | None = None
-        if isinstance(part, Assignment | Ignored):
+        merged: tree.Item | None = None
+        if isinstance(part, tree.Assignment | tree.Ignored):
             merged = self._assignment(part, copy)
-        elif isinstance(part, Table | Vector):
+        elif isinstance(part, tree.Table | tree.Vector):
             merged = self._pairs(part, copy)
         if merged is not None:
-            self._document(merged, copy, cast("Item", part))
+            self._document(merged, copy, cast("tree.Item", part))
             return Piece(merged, part, piece.origin)
         around = self.part(copy.owner) if copy.owner is not None else None
         new = in_place_of(piece.item, self._writer.item(copy, around))
-        is_alike = type(new) is type(piece.item) or isinstance(new, Assignment | Ignored)
+        is_alike = type(new) is type(piece.item) or isinstance(new, tree.Assignment | tree.Ignored)
         return Piece(new, part, piece.origin if is_alike else None)
 
-    def _name(self, block: Element, copy: ElementCopy, part: Element) -> None:
+    def _name(self, block: tree.Element, copy: ElementCopy, part: tree.Element) -> None:
         """Gives a block the words for a new name; a name that no word is has a feature."""
-        kind, word = Name(snake_case(copy.table.name)), Name(copy.name)
+        kind, word = tree.Name(tree.snake_case(copy.table.name)), tree.Name(copy.name)
         is_sayable = is_name(copy.name)
         if block.keyword is not None:
             block.name = word if is_sayable else None
@@ -168,24 +152,26 @@ class Blocks:
         elif is_sayable:
             block.keyword, block.name = block.name or kind, word
 
-    def _is_named_by(self, part: Element, copy: ElementCopy) -> bool:
+    def _is_named_by(self, part: tree.Element, copy: ElementCopy) -> bool:
         """Tells whether the one word before a block is the name of the element."""
         node = self._context.model.node_of(cast("EObject", copy.obj))
         children = node.children if node is not None else ()
         spans = [self.written.value_span(child) for child in children if child.tag == "name"]
         return part.name is not None and any(span is part.name.span for span in spans)
 
-    def _document(self, item: Item, copy: ElementCopy, part: Item) -> None:
+    def _document(self, item: tree.Item, copy: ElementCopy, part: tree.Item) -> None:
         if "documentation" in self.changed.get(copy, {}) and not _says(part, "documentation"):
             text = next(iter(copy.values.get("documentation", ())), None)
             item.documentation = text if text is not None and is_comment(text) else ""
 
-    def _assignment(self, part: Assignment | Ignored, copy: ElementCopy) -> Item | None:
+    def _assignment(
+        self, part: tree.Assignment | tree.Ignored, copy: ElementCopy
+    ) -> tree.Item | None:
         """Returns an arrow as it will be, None where it must be written otherwise."""
         new, changed = self._writer.arrow(copy), self.changed.get(copy, {})
-        if isinstance(part, Ignored):
-            return replace(part, target=new.target) if isinstance(new, Ignored) else None
-        if not isinstance(new, Assignment):
+        if isinstance(part, tree.Ignored):
+            return replace(part, target=new.target) if isinstance(new, tree.Ignored) else None
+        if not isinstance(new, tree.Assignment):
             return None
         assignment = replace(part, items=self._block(part.items, copy))  # type: ignore[arg-type]
         if "target" in changed:
@@ -200,37 +186,37 @@ class Blocks:
             assignment.conversions = [self._call(conversion, call) for conversion, call in pairs]
         return assignment
 
-    def _call(self, copy: ElementCopy, new: Call) -> Call:
+    def _call(self, copy: ElementCopy, new: tree.Call) -> tree.Call:
         part = self.part(copy)
-        return part if isinstance(part, Call) and copy not in self.changed else new
+        return part if isinstance(part, tree.Call) and copy not in self.changed else new
 
     def _has_blocks(self, copy: ElementCopy) -> bool:
         """Tells whether conversions stand in blocks, and not behind the arrow."""
         owned = copy.owned.get("conversions", ())
-        return any(isinstance(self.part(conversion), Element) for conversion in owned)
+        return any(isinstance(self.part(conversion), tree.Element) for conversion in owned)
 
-    def _pairs(self, part: Table | Vector, copy: ElementCopy) -> Item | None:
+    def _pairs(self, part: tree.Table | tree.Vector, copy: ElementCopy) -> tree.Item | None:
         """Returns a table or a vector as it will be, None where it must be written otherwise."""
         around = self.part(cast("ElementCopy", copy.owner))
         new, changed = self._writer.item(copy, around), self.changed.get(copy, {})
         if type(new) is not type(part):
             return None
         merged_part = replace(part)
-        if isinstance(new, Table | Vector) and "name" in changed:
+        if isinstance(new, tree.Table | tree.Vector) and "name" in changed:
             merged_part.name = new.name
-        if isinstance(merged_part, Vector) and isinstance(new, Vector):
+        if isinstance(merged_part, tree.Vector) and isinstance(new, tree.Vector):
             merged_part.to_ros = new.to_ros
             merged_part.given = self._entries(copy, "given", new.given)
             merged_part.expected = self._entries(copy, "expected", new.expected)
-        elif isinstance(merged_part, Table) and isinstance(new, Table):
+        elif isinstance(merged_part, tree.Table) and isinstance(new, tree.Table):
             merged_part.entries = self._entries(copy, "entries", new.entries)
         return merged_part
 
-    def _entries(self, copy: ElementCopy, feature: str, new: Sequence[Item]) -> list[Any]:
+    def _entries(self, copy: ElementCopy, feature: str, new: Sequence[tree.Item]) -> list[Any]:
         entries = []
         for value_copy, item in zip(copy.owned.get(feature, ()), new, strict=True):
             part = self.part(value_copy)
-            if not isinstance(part, Entry | VectorEntry):
+            if not isinstance(part, tree.Entry | tree.VectorEntry):
                 entries.append(item)
                 continue
             merged = replace(part)
@@ -243,7 +229,7 @@ class Blocks:
 
     def _say(self, pieces: list[Piece], copy: ElementCopy, name: str, *, is_said: bool) -> None:
         """Has a block say what a feature has now."""
-        is_assignment = isinstance(self.part(copy), Assignment)
+        is_assignment = isinstance(self.part(copy), tree.Assignment)
         if is_assignment and name in _BY_ARROW:
             return
         old = [piece for piece in pieces if _is_of(piece.item, name, copy.table)]
@@ -259,14 +245,14 @@ class Blocks:
         kept = old[:1] if item is not None else []
         pieces[:] = [piece for piece in pieces if piece in kept or piece not in old]
 
-    def _said(self, copy: ElementCopy, name: str, old: Sequence[Piece]) -> Item:
+    def _said(self, copy: ElementCopy, name: str, old: Sequence[Piece]) -> tree.Item:
         is_end = copy.table.qualified_name == MAP and name in _ENDS
-        if is_end and not (old and isinstance(old[0].item, Feature)):
+        if is_end and not (old and isinstance(old[0].item, tree.Feature)):
             feature = copy.table.features[name]
             element = self._writer.detached_element(copy, is_whole=False)
             type_ = self._names.name(cast("EObject", copy.obj), getattr(element, name), feature)
-            if isinstance(type_, Name):
-                return End(_ENDS[name], type_, None)
+            if isinstance(type_, tree.Name):
+                return tree.End(_ENDS[name], type_, None)
         return self._writer.feature(copy, name)
 
     # What comes new, or comes from elsewhere
@@ -274,7 +260,7 @@ class Blocks:
     def _put_in(self, pieces: list[Piece], copy: ElementCopy, owner: ElementCopy) -> None:
         """Puts an element where its siblings say."""
         around = self.part(owner)
-        is_conversion = isinstance(around, Assignment) and copy.feature == "conversions"
+        is_conversion = isinstance(around, tree.Assignment) and copy.feature == "conversions"
         if is_conversion and not self._has_blocks(owner):
             return  # it stands behind the arrow
         piece = self._coming(copy, owner)
@@ -284,21 +270,21 @@ class Blocks:
             for some in copy.siblings
         )
         is_way = owner.table.qualified_name == MAP and copy.feature in ("toRos", "toJaus")
-        is_arrow = is_way and isinstance(piece.item, Assignment | Ignored)
+        is_arrow = is_way and isinstance(piece.item, tree.Assignment | tree.Ignored)
         before, behind = next(reversed(earlier), None), next(iter(later), None)
         if is_arrow:
             self._put_arrow(pieces, piece, copy, before, behind)
             return
         near = before if before is not None else behind
-        if isinstance(piece.item, Feature) and near is not None:
+        if isinstance(piece.item, tree.Feature) and near is not None:
             origin = pieces[near].origin
-            is_alike = isinstance(origin, Feature) and origin.name.text == piece.item.name.text
+            is_alike = isinstance(origin, tree.Feature) and origin.name.text == piece.item.name.text
             piece.origin = origin if is_alike else None
         if before is not None:
             self._insert_at(pieces, before + 1, piece, is_top=around is None)
         elif behind is not None:
             # Before the head of a direction, not between it and its first arrow.
-            at = behind - isinstance(pieces[behind].origin, Direction)
+            at = behind - isinstance(pieces[behind].origin, tree.Direction)
             self._insert_at(pieces, at, piece, is_top=around is None)
         elif around is None:
             self._insert_at(pieces, len(pieces), piece, is_top=True)
@@ -317,16 +303,16 @@ class Blocks:
         to_ros = copy.feature == "toRos"
         piece.item = replace(piece.item, spaced=False)
         for near, step in ((before, 1), (behind, 0)):
-            if near is not None and isinstance(pieces[near].origin, Direction):
+            if near is not None and isinstance(pieces[near].origin, tree.Direction):
                 piece.origin = pieces[near].origin
                 pieces.insert(near + step, piece)
                 return
-        piece.origin = Direction(to_ros)
+        piece.origin = tree.Direction(to_ros)
         if before is not None or behind is not None:
             pieces.insert(before + 1 if before is not None else cast("int", behind), piece)
             return
         for at, present in enumerate(pieces):
-            if isinstance(present.item, Direction) and present.item.to_ros == to_ros:
+            if isinstance(present.item, tree.Direction) and present.item.to_ros == to_ros:
                 piece.origin = present.item
                 pieces.insert(at + 1, piece)
                 return
@@ -340,10 +326,10 @@ class Blocks:
             raise EditError(
                 f"{owner.label} follows from the rest of {self._context.file}: edit the text"
             )
-        old = piece_of(part, self.written.tree.items) if isinstance(part, Item) else None
+        old = piece_of(part, self.written.tree.items) if isinstance(part, tree.Item) else None
         if old is None:
             new = self._writer.item(copy, around)
-            if around is None and not isinstance(new, Element):
+            if around is None and not isinstance(new, tree.Element):
                 raise EditError(f"text has no place for this element of {copy.feature}")
             return Piece(new, part)
         if _can_go(old, copy, owner, around):
@@ -374,24 +360,28 @@ class Blocks:
         pieces.insert(at, piece)
 
 
-def _says(part: Item, name: str) -> bool:
+def _says(part: tree.Item, name: str) -> bool:
     """Tells whether a feature of a block says a name or a documentation."""
-    items = part.items if isinstance(part, Element | Assignment) else ()
-    return any(isinstance(item, Feature) and item.name.text == name for item in items)
+    items = part.items if isinstance(part, tree.Element | tree.Assignment) else ()
+    return any(isinstance(item, tree.Feature) and item.name.text == name for item in items)
 
 
-def _is_of(item: Item, name: str, table: ClassTable) -> bool:
+def _is_of(item: tree.Item, name: str, table: ClassTable) -> bool:
     """Tells whether an item says the values of a feature."""
-    if isinstance(item, End):
+    if isinstance(item, tree.End):
         return table.qualified_name == MAP and item.is_jaus is _ENDS.get(name)
-    return isinstance(item, Feature) and item.name.text == name
+    return isinstance(item, tree.Feature) and item.name.text == name
 
 
 def _can_go(piece: Piece, copy: ElementCopy, owner: ElementCopy, around: Part | None) -> bool:
     """Tells whether the same words stand for an element in another list."""
-    if isinstance(piece.item, Feature):
+    if isinstance(piece.item, tree.Feature):
         return piece.item.name.text == copy.feature
-    if isinstance(piece.item, Element):
-        return owning_features(owner.table, copy.table) == (copy.feature,)
-    is_arrow = isinstance(piece.item, Assignment | Ignored)
-    return isinstance(around, Element | Assignment) if is_arrow else isinstance(around, Element)
+    if isinstance(piece.item, tree.Element):
+        return tree.owning_features(owner.table, copy.table) == (copy.feature,)
+    is_arrow = isinstance(piece.item, tree.Assignment | tree.Ignored)
+    return (
+        isinstance(around, tree.Element | tree.Assignment)
+        if is_arrow
+        else isinstance(around, tree.Element)
+    )

@@ -11,16 +11,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import hang
 from jausml.language.model.refs import Ref
-from jausml.language.text.tree import (
-    Assignment,
-    Call,
-    Element,
-    Feature,
-    Ignored,
-    Item,
-    Table,
-    Vector,
-)
+from jausml.language.text import tree
 from jausml.language.text.writing.references import ElementWriter
 from jausml.language.text.writing.unparsing import MAP, MapWriter, table_entry, vector_entry
 
@@ -54,17 +45,17 @@ class ItemWriter:
             return target.obj
         return self._names.find(self._context.ref(target))
 
-    def arrow(self, copy: ElementCopy) -> Assignment | Ignored | None:
+    def arrow(self, copy: ElementCopy) -> tree.Assignment | tree.Ignored | None:
         """Returns an assignment as an arrow, None where no arrow says it."""
         element = self.detached_element(copy)
         return self.maps.arrow(element) if isinstance(element, bridge.Assignment) else None
 
-    def call(self, copy: ElementCopy) -> Call | None:
+    def call(self, copy: ElementCopy) -> tree.Call | None:
         """Returns a conversion as a call, None where no call says it."""
         element = self.detached_element(copy)
         return self.maps.call(element) if isinstance(element, bridge.Conversion) else None
 
-    def item(self, copy: ElementCopy, around: Part | None) -> Item:
+    def item(self, copy: ElementCopy, around: Part | None) -> tree.Item:
         """Returns an element as it is written in its owner.
 
         `around`: what stands for the owner; in a table, a vector and an arrow less need be said.
@@ -73,15 +64,15 @@ class ItemWriter:
         if owner is None:
             return self.elements.root(element)
         feature = owner.table.features[copy.feature]
-        item: Item | None = None
+        item: tree.Item | None = None
         if isinstance(element, bridge.Assignment):
-            is_way = isinstance(around, Element) and feature.name in ("toRos", "toJaus")
-            is_sayable = is_way or isinstance(around, Assignment)
+            is_way = isinstance(around, tree.Element) and feature.name in ("toRos", "toJaus")
+            is_sayable = is_way or isinstance(around, tree.Assignment)
             item = self.maps.arrow(element) if is_sayable else None
             return item or self.elements.value_item(element, feature)
-        if isinstance(around, Table) and isinstance(element, bridge.TableEntry):
+        if isinstance(around, tree.Table) and isinstance(element, bridge.TableEntry):
             item = table_entry(element)
-        elif isinstance(around, Vector) and isinstance(element, bridge.VectorValue):
+        elif isinstance(around, tree.Vector) and isinstance(element, bridge.VectorValue):
             item = vector_entry(element)
         elif owner.table.qualified_name == MAP and isinstance(element, bridge.ValueTable):
             item = self.maps.table(element)
@@ -91,7 +82,7 @@ class ItemWriter:
             item = self.elements.value_item(element, feature)
         return item or self.elements.item(self.find(owner), element, feature)
 
-    def feature(self, copy: ElementCopy, name: str) -> Feature:
+    def feature(self, copy: ElementCopy, name: str) -> tree.Feature:
         """Returns the values of an attribute or of a reference."""
         return self.elements.feature(
             self.detached_element(copy, is_whole=False), copy.table.features[name]

@@ -7,14 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from jausml.language.importers.ros.definitions import (
-    ROS_RULES,
-    Builder,
-    InterfaceFile,
-    PackageSource,
-    Use,
-    installed_source,
-)
+from jausml.language.importers.ros import definitions
 from jausml.language.interfaces.definitions import is_package_name, is_type_name
 from jausml.language.interfaces.idl import parse_interface
 from jausml.language.interfaces.parsing import PARTS, Installation
@@ -51,7 +44,7 @@ class ImportResult:
 
 
 def import_packages(
-    sources: Iterable[PackageSource],
+    sources: Iterable[definitions.PackageSource],
     *,
     installation: Installation | None = None,
     library: bool = True,
@@ -82,14 +75,14 @@ class _Import:
         self._installation = installation
         self._with_library = with_library
         self._model = Model([], load_metamodels())
-        self._builder = Builder(self._model, comments=comments)
+        self._builder = definitions.Builder(self._model, comments=comments)
         self._types: dict[tuple[str, str], ros.MessageType] = {}
         self._library: dict[tuple[str, str], ros.MessageType] | None = None
         self._packages: dict[str, ros.InterfacePackage] = {}
-        self._findings = Findings(ROS_RULES)
+        self._findings = Findings(definitions.ROS_RULES)
         self._report = self._findings.report
 
-    def run(self, sources: list[PackageSource]) -> ImportResult:
+    def run(self, sources: list[definitions.PackageSource]) -> ImportResult:
         for source in sources:
             self._read(source)
         while self._builder.uses:
@@ -102,7 +95,7 @@ class _Import:
 
     # -- files -----------------------------------------------------------------------------------
 
-    def _read(self, source: PackageSource) -> None:
+    def _read(self, source: definitions.PackageSource) -> None:
         first = Location(source.files[0].path if source.files else source.name)
         if not is_package_name(source.name):
             hint = "put the file into <package>/msg, or write a package.xml"
@@ -125,7 +118,7 @@ class _Import:
         self._packages[source.name] = package or self._builder.package(source.name, None)
 
     def _define(
-        self, package: ros.InterfacePackage, file: InterfaceFile, document: Document
+        self, package: ros.InterfacePackage, file: definitions.InterfaceFile, document: Document
     ) -> None:
         place = Location(file.path)
         if file.data is None:
@@ -157,7 +150,7 @@ class _Import:
 
     # -- message types ---------------------------------------------------------------------------
 
-    def _link(self, use: Use) -> None:
+    def _link(self, use: definitions.Use) -> None:
         kind = use.field.type
         place = Location(use.document.display, use.field.line, use.field.column)
         package = kind.package or use.package
@@ -186,7 +179,7 @@ class _Import:
         folder = self._installation.folder(package) if self._installation else None
         if folder is not None:
             self._report("JML662", place, f"{package} is imported along from {folder}")
-            self._read(installed_source(package, folder))
+            self._read(definitions.installed_source(package, folder))
 
     @property
     def _known(self) -> list[tuple[str, str]]:
@@ -229,7 +222,7 @@ def _remedy(package: str, near: str) -> str:
     return f"{near} Else {remedy}" if near else remedy
 
 
-def _document(file: InterfaceFile) -> Document:
+def _document(file: definitions.InterfaceFile) -> Document:
     document = Document(
         Path(os.path.realpath(file.path)), file.path, is_library=False, is_input=True
     )

@@ -17,16 +17,7 @@ from jausml.language.semantics.assignments.steps import steps_of
 from jausml.language.semantics.conversions import VALUE, NoValueError, UnitEffect, conversion_of
 from jausml.language.semantics.conversions.conversion import OWN, linear_interval
 from jausml.language.semantics.conversions.numbers import Linear, Scale
-from jausml.language.semantics.paths.attributes import (
-    BOOL,
-    NUMBER,
-    NUMBERS,
-    TEXT,
-    TIME,
-    TIME_STAMP,
-    Attribute,
-    Found,
-)
+from jausml.language.semantics.paths import attributes
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace
 from jausml.language.semantics.paths.scopes import (
@@ -38,7 +29,7 @@ from jausml.language.semantics.paths.scopes import (
 )
 from jausml.language.semantics.subject import remembered
 
-_NUMERIC = (NUMBER, NUMBERS)
+_NUMERIC = (attributes.NUMBER, attributes.NUMBERS)
 _OF_ONE_UNIT = (UnitEffect.SAME, UnitEffect.SQUARE, UnitEffect.ROOT)
 
 
@@ -129,9 +120,9 @@ def units_clash(placed: Placed[bridge.FieldAssignment]) -> bool:
     )
 
 
-def attribute_measure(attribute: Found) -> Measure | None:
+def attribute_measure(attribute: attributes.Found) -> Measure | None:
     """Returns the unit of what a path leads to, when it is a number with a known one."""
-    if isinstance(attribute, Attribute) and attribute.kind in _NUMERIC:
+    if isinstance(attribute, attributes.Attribute) and attribute.kind in _NUMERIC:
         return measure(attribute.units)
     return None
 
@@ -213,7 +204,7 @@ def _unit(text: str) -> Unit | None:
         return None
 
 
-_WITHOUT_NUMBERS = (BOOL, TEXT, TIME, TIME_STAMP)
+_WITHOUT_NUMBERS = (attributes.BOOL, attributes.TEXT, attributes.TIME, attributes.TIME_STAMP)
 
 
 def fills_rates_alone(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
@@ -251,11 +242,11 @@ def _units(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
                 yield _known_unit(attribute) or known
 
 
-def _attribute(place: object) -> Attribute | None:
+def _attribute(place: object) -> attributes.Attribute | None:
     return place.attribute() if isinstance(place, JausPlace | RosPlace) else None
 
 
-def _known_unit(attribute: Attribute | None) -> Unit | None:
+def _known_unit(attribute: attributes.Attribute | None) -> Unit | None:
     known = measure(attribute.units) if attribute is not None else None
     return known.unit if known is not None else None
 
@@ -279,11 +270,11 @@ def result_ranges(placed: Placed[bridge.FieldAssignment]) -> list[Interval]:
     return known
 
 
-def source_range(attribute: Attribute) -> Interval | None:
+def source_range(attribute: attributes.Attribute) -> Interval | None:
     """Returns the range of the values that an attribute may have; None for what is no number."""
-    if attribute.kind == BOOL:
+    if attribute.kind == attributes.BOOL:
         return 0.0, 1.0
-    if attribute.kind != NUMBER:
+    if attribute.kind != attributes.NUMBER:
         return None
     lower = -math.inf if attribute.lower is None else float(attribute.lower)
     upper = math.inf if attribute.upper is None else float(attribute.upper)
@@ -296,7 +287,7 @@ def source_range(attribute: Attribute) -> Interval | None:
     return lower, upper
 
 
-def _is_narrowed(attribute: Attribute) -> bool:
+def _is_narrowed(attribute: attributes.Attribute) -> bool:
     field = attribute.field
     return isinstance(field, ros.PrimitiveField) and field.minimum < field.maximum
 
@@ -308,7 +299,7 @@ def sent_through(placed: Placed[bridge.FieldAssignment], value: float) -> float:
         NoValueError: A conversion is not one of numbers, or limits this number.
     """
     for step in steps_of(placed):
-        if step.conversion.outputs not in ((NUMBER,), (VALUE,)) or step.loses([value]):
+        if step.conversion.outputs not in ((attributes.NUMBER,), (VALUE,)) or step.loses([value]):
             raise NoValueError(step.name)
         (result,) = step.forward([value])
         if not isinstance(result, float | int):

@@ -12,19 +12,8 @@ from jausml.language.model.library import has_package
 from jausml.language.model.notation import Known
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.names import package_name, words
+from jausml.language.text.reading import declared_types
 from jausml.language.text.reading.declared_messages import OwnService
-from jausml.language.text.reading.declared_types import (
-    BOOL,
-    DEEPEST,
-    NUMBERS,
-    STRING,
-    MemberBuilder,
-    Size,
-    Types,
-    TypeWord,
-    size_of,
-    type_word,
-)
 from jausml.language.text.reading.elements import ElementReader, NodeMaker
 from jausml.language.text.reading.maps import WrittenEnd
 from jausml.language.text.tree import End, Feature, Member, Name
@@ -47,7 +36,7 @@ class Declarer:
         self._nodes = nodes
         self._elements = elements
         self._path = path
-        self.types = Types(types)
+        self.types = declared_types.Types(types)
         self.service = OwnService(metamodels, nodes, elements, path, self.types)
         self._ros = RosFields(metamodels, nodes, elements, self.types)
         self._packages: dict[str, Node] = {}
@@ -104,11 +93,11 @@ class Declarer:
         return root
 
 
-_PRIMITIVES = NUMBERS | {BOOL, STRING, "wstring"}
+_PRIMITIVES = declared_types.NUMBERS | {declared_types.BOOL, declared_types.STRING, "wstring"}
 _LIMITS = {"lower": "minimum", "upper": "maximum"}
 
 
-class RosFields(MemberBuilder):
+class RosFields(declared_types.MemberBuilder):
     """Builds new ROS types."""
 
     def message(self, package: Node, name: str, end: End) -> None:
@@ -148,7 +137,7 @@ class RosFields(MemberBuilder):
         self.elements.items(field, [_limited(feature) for feature in member.features])
 
     def _typed(self, node: Node, type_: Name, member: Member) -> Node:
-        word = type_word(type_.text)
+        word = declared_types.type_word(type_.text)
         if word.word not in _PRIMITIVES:
             field = self.new(node, "fields", "ros.MessageField", member.span)
             self.nodes.name(field, "messageType", type_.text, type_.span)
@@ -157,12 +146,12 @@ class RosFields(MemberBuilder):
         self._primitive(field, word, type_)
         return field
 
-    def _primitive(self, field: Node, word: TypeWord, type_: Name) -> None:
+    def _primitive(self, field: Node, word: declared_types.TypeWord, type_: Name) -> None:
         self.nodes.value(field, "type", word.word, type_.span)
         if word.bound:
             self.nodes.value(field, "stringBound", str(word.bound), type_.span)
 
-    def _size(self, field: Node, size: Size | None, member: Member) -> None:
+    def _size(self, field: Node, size: declared_types.Size | None, member: Member) -> None:
         if size is None:
             return
         kind = "fixedArray" if size.is_fixed else "boundedSequence"
@@ -171,11 +160,11 @@ class RosFields(MemberBuilder):
         if size.count:
             self.nodes.value(field, "arraySize", str(size.count), member.span)
 
-    def _resolved(self, member: Member) -> tuple[Member | None, Size | None]:
+    def _resolved(self, member: Member) -> tuple[Member | None, declared_types.Size | None]:
         """Returns what defines the type of a member, itself or a named type, and its size."""
         if self.is_wrong_size(member):
             return None, None
-        size = size_of(member)
+        size = declared_types.size_of(member)
         definition = member
         seen: set[str] = set()
         while isinstance(definition.type, Name) and definition.type.text in self.types.named:
@@ -189,7 +178,7 @@ class RosFields(MemberBuilder):
             definition = self.types.named[word.text]
             if self.is_wrong_size(definition):
                 return None, None
-            inner = size_of(definition)
+            inner = declared_types.size_of(definition)
             if size is not None and inner is not None:
                 message = f"'{word.text}' is an array already: ROS has no arrays of arrays"
                 self.nodes.fault("JML712", member.span, message)
@@ -205,8 +194,8 @@ class RosFields(MemberBuilder):
         there = any(_name_of(child) == name for child in package.children)
         if (there and is_named) or not isinstance(member.type, list):
             return True
-        if len(self.types.open) >= DEEPEST:
-            message = f"named types are nested more than {DEEPEST} deep"
+        if len(self.types.open) >= declared_types.DEEPEST:
+            message = f"named types are nested more than {declared_types.DEEPEST} deep"
             self.nodes.fault("JML712", member.span, message)
             return False
         node = self.new(package, "messages", "ros.MessageType", member.span)

@@ -18,6 +18,7 @@ from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES, Inferred, infer
 from jausml.language.semantics.names import package_name, system_name
 from jausml.language.semantics.subject import remembered, remembering
+from jausml.language.text import tree
 from jausml.language.text.reading import imports
 from jausml.language.text.reading.bridge_of_maps import BridgeOfMaps, add_bridge
 from jausml.language.text.reading.declarer import Declarer
@@ -25,18 +26,6 @@ from jausml.language.text.reading.elements import ElementReader, NodeMaker, Sour
 from jausml.language.text.reading.imports import explain
 from jausml.language.text.reading.maps import MapReader
 from jausml.language.text.reading.members import MemberCheck
-from jausml.language.text.tree import (
-    Element,
-    End,
-    Feature,
-    Import,
-    Item,
-    Member,
-    Span,
-    SyntaxTree,
-    is_map,
-    lists_of,
-)
 
 SERVICE = "service"
 """The keyword of services, one of which may take the messages that a text declares."""
@@ -47,7 +36,7 @@ class TextDocument:
 
     def __init__(
         self,
-        document: SyntaxTree,
+        document: tree.SyntaxTree,
         faults: Sequence[Fault],
         path: Path,
         metamodels: Metamodels,
@@ -67,7 +56,7 @@ class TextDocument:
         self._declarer.service.written = _own_service(document)
         self._declarer.service.asks_for_all = bridge is not None
         for item in document.items:
-            if isinstance(item, Import):
+            if isinstance(item, tree.Import):
                 self._import(item)
             elif item is not self._declarer.service.written:
                 self._roots.add(item)
@@ -87,7 +76,7 @@ class TextDocument:
         """Returns what of the tree stands for an element; None where it follows from the rest."""
         return self._nodes.sources.get(node)
 
-    def value_span(self, node: Node) -> Span | None:
+    def value_span(self, node: Node) -> tree.Span | None:
         """Returns where the value or the reference of a node is written, None for an element."""
         return self._nodes.values.get(node)
 
@@ -120,7 +109,7 @@ class TextDocument:
 
     def _placed(self, fault: Fault) -> Fault:
         """Returns a syntax error with the element of which it may hide anything."""
-        around = self._nodes.around(Span(fault.line, fault.column))
+        around = self._nodes.around(tree.Span(fault.line, fault.column))
         return replace(fault, owner=around, hides=True)
 
     def explain(self, qualified_class: str, name: str) -> Explanation:
@@ -135,7 +124,7 @@ class TextDocument:
                 message = f"no member is of type '{name}'"
                 yield Fault("JML706", message, line=span.line, column=span.column)
 
-    def _import(self, item: Import) -> None:
+    def _import(self, item: tree.Import) -> None:
         target = imports.resolve(item)
         if isinstance(target, Fault):
             self._nodes.faults.append(target)
@@ -143,22 +132,24 @@ class TextDocument:
             self.imports.append(target)
 
 
-def _own_service(document: SyntaxTree) -> Element | None:
+def _own_service(document: tree.SyntaxTree) -> tree.Element | None:
     """Returns the one service that a text writes, if its maps may declare messages for it."""
     services = [
         item
         for item in document.items
-        if isinstance(item, Element) and item.keyword is not None and item.keyword.text == SERVICE
+        if isinstance(item, tree.Element)
+        and item.keyword is not None
+        and item.keyword.text == SERVICE
     ]
     return services[0] if len(services) == 1 and _lists_members(document.items) else None
 
 
-def _lists_members(items: Sequence[Item]) -> bool:
+def _lists_members(items: Sequence[tree.Item]) -> bool:
     pending = list(items)
     for item in pending:
-        if isinstance(item, End) and item.is_jaus and item.members is not None:
+        if isinstance(item, tree.End) and item.is_jaus and item.members is not None:
             return True
-        pending += [nested_item for inner, _ in lists_of(item) for nested_item in inner]
+        pending += [nested_item for inner, _ in tree.lists_of(item) for nested_item in inner]
     return False
 
 
@@ -246,23 +237,23 @@ class RootReader:
         self._path = path
         self._implicit: dict[str, Node] = {}
         self.roots: list[Node] = []
-        self.types: dict[str, Member] = {}
+        self.types: dict[str, tree.Member] = {}
         """The named types that members of messages may have, by name."""
 
-    def add(self, item: Item) -> None:
+    def add(self, item: tree.Item) -> None:
         """Builds an item of the top level."""
-        if isinstance(item, Element):
+        if isinstance(item, tree.Element):
             self._element(item)
-        elif isinstance(item, Feature):
+        elif isinstance(item, tree.Feature):
             self._feature(item)
-        elif isinstance(item, Member):
+        elif isinstance(item, tree.Member):
             self._type(item)
         else:
             self._elements.misplaced(item)
 
-    def _element(self, block: Element) -> None:
+    def _element(self, block: tree.Element) -> None:
         table = self._elements.class_of(block)
-        if block.keyword is None and is_map(block.items):
+        if block.keyword is None and tree.is_map(block.items):
             owner = self._owner("bridge.MapLibrary", block.span)
             # A map needs no keyword: it is known by its ends.
             self._elements.owned_map(owner, block)
@@ -279,14 +270,16 @@ class RootReader:
             else:
                 self._elements.element(self._owner(taking, block.span), block)
 
-    def _explicit(self, table: ClassTable, block: Element, item: Item | None = None) -> None:
+    def _explicit(
+        self, table: ClassTable, block: tree.Element, item: tree.Item | None = None
+    ) -> None:
         node = self._nodes.root(table, block.span, block)
         self.roots.append(node)
         self._elements.fill(node, block, item)
 
-    def _feature(self, item: Feature) -> None:
+    def _feature(self, item: tree.Feature) -> None:
         """Takes `root: new component x { ... }`, which makes a root of any element."""
-        blocks = [value for value in item.values if isinstance(value, Element)]
+        blocks = [value for value in item.values if isinstance(value, tree.Element)]
         if item.name.text != _ROOT_FEATURE or len(blocks) != len(item.values):
             message = f"feature '{item.name.text}' stands in no element"
             hint = "features stand in blocks: bridge front { address: 100.1.2 }"
@@ -299,7 +292,7 @@ class RootReader:
             else:
                 self._explicit(table, block, item)
 
-    def _type(self, member: Member) -> None:
+    def _type(self, member: tree.Member) -> None:
         if member.name is None:
             message = "a struct without a name declares nothing"
             hint = "write a name behind it: struct [ ... ] pose"
@@ -317,7 +310,7 @@ class RootReader:
             feature.kind is kind and feature.target in table.supertypes for feature in features
         )
 
-    def _owner(self, qualified_class: str, span: Span) -> Node:
+    def _owner(self, qualified_class: str, span: tree.Span) -> Node:
         """Returns the implicit root of a class, made at the first call."""
         node = self._implicit.get(qualified_class)
         if node is None:
@@ -330,6 +323,6 @@ class RootReader:
         return node
 
 
-def block_words(block: Element) -> str:
+def block_words(block: tree.Element) -> str:
     """Returns the words before a block."""
     return " ".join(name.text for name in (block.keyword, block.name) if name is not None)

@@ -12,18 +12,7 @@ from jausml.language.model.values import nearest, show
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.jaus.services import attributes, class_name
 from jausml.language.semantics.paths.attributes import JausPart, Part
-from jausml.language.text.reading.declared_types import (
-    ANY,
-    BOOL,
-    DEEPEST,
-    STRING,
-    VALUE,
-    Size,
-    Types,
-    shown_type,
-    size_of,
-    type_word,
-)
+from jausml.language.text.reading import declared_types
 from jausml.language.text.reading.maps import WrittenEnd
 from jausml.language.text.tree import End, Member, Span, snake_case
 from jausml.language.wire import target_of
@@ -37,7 +26,7 @@ class MemberKind:
 
     word: str
     also: frozenset[str] = frozenset()
-    size: Size | None = None
+    size: declared_types.Size | None = None
     inner: Sequence[Part] | None = None
 
     def __str__(self) -> str:
@@ -50,7 +39,7 @@ class MemberKind:
 class MemberCheck:
     """Checks listed members."""
 
-    def __init__(self, types: Types) -> None:
+    def __init__(self, types: declared_types.Types) -> None:
         self._types = types
         self._faults: list[Fault] = []
 
@@ -103,24 +92,25 @@ class MemberCheck:
             message = f"member {show(member.name.text)} is known: its facts stand in its own model"
             self._report("JML713", member.features[0].span, message, "remove the block", node)
         # The size may stand at the member or at its named type.
-        size = size_of(member) or size_of(definition)
+        size = declared_types.size_of(member) or declared_types.size_of(definition)
         if not self._agrees(definition, size, kind):
-            message = f"member {show(member.name.text)} is {kind}, and not {shown_type(member)}"
+            shown = declared_types.shown_type(member)
+            message = f"member {show(member.name.text)} is {kind}, and not {shown}"
             hint = f"write {kind} {member.name.text}"
             self._report("JML709", member.span, message, hint, node)
-        elif isinstance(definition.type, list) and depth < DEEPEST:
+        elif isinstance(definition.type, list) and depth < declared_types.DEEPEST:
             label = f"member {show(member.name.text)}"
             self._members(definition.type, kind.inner or [], label, node, depth + 1)
 
     @staticmethod
-    def _agrees(definition: Member, size: Size | None, kind: MemberKind) -> bool:
+    def _agrees(definition: Member, size: declared_types.Size | None, kind: MemberKind) -> bool:
         # A sequence of any length stands for a bounded one too.
-        is_any = size == ANY and kind.size is not None and not kind.size.is_fixed
+        is_any = size == declared_types.ANY and kind.size is not None and not kind.size.is_fixed
         if size != kind.size and not is_any:
             return False
         if isinstance(definition.type, list):
             return kind.inner is not None
-        word = type_word(definition.type.text)
+        word = declared_types.type_word(definition.type.text)
         text = word.word.replace("/msg/", "/")
         return str(word) in (kind.word, *kind.also) or text in (kind.word, *kind.also)
 
@@ -159,12 +149,14 @@ def _jaus_kind(part: JausPart, above: tuple[JausPart, ...] = ()) -> MemberKind |
         case jaus.Variant():
             return MemberKind("struct", frozenset({keyword}), None, field.options)
         case jaus.VariableLengthString(maximumLength=bound) | jaus.FixedLengthString(length=bound):
-            also = {keyword, f"{STRING}<={bound}"} if bound else {keyword}
-            return MemberKind(STRING, frozenset(also))
+            also = {keyword, f"{declared_types.STRING}<={bound}"} if bound else {keyword}
+            return MemberKind(declared_types.STRING, frozenset(also))
         case jaus.FixedField():
             # JAUS has no bool: it is an octet.
             is_byte = field.type.name == "uint8"
-            return MemberKind(field.type.name, frozenset({keyword, *([BOOL] if is_byte else [])}))
+            return MemberKind(
+                field.type.name, frozenset({keyword, *([declared_types.BOOL] if is_byte else [])})
+            )
         case jaus.BitField():
             return MemberKind(field.type.name, frozenset({keyword}), None, field.subFields)
     return MemberKind(keyword)
@@ -178,11 +170,11 @@ def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> Mem
     if inner is None:
         return None
     if isinstance(field, jaus.Array):
-        size = Size(prod(field.dimensions), is_fixed=True)
+        size = declared_types.Size(prod(field.dimensions), is_fixed=True)
     else:
         count = field.maximumCount
         # A list whose bounds are equal is what text calls a fixed size.
-        size = Size(count, is_fixed=0 < count == field.minimumCount)
+        size = declared_types.Size(count, is_fixed=0 < count == field.minimumCount)
         inner = _plain(inner)
     return MemberKind(inner.word, inner.also, size, inner.inner)
 
@@ -190,7 +182,7 @@ def _repeated(field: jaus.List | jaus.Array, above: tuple[JausPart, ...]) -> Mem
 def _plain(element: MemberKind) -> MemberKind:
     """Returns what an element of a list is: records of one plain value stand for the value."""
     fields = element.inner or ()
-    if len(fields) != 1 or fields[0].name != VALUE:
+    if len(fields) != 1 or fields[0].name != declared_types.VALUE:
         return element
     return kind_of(fields[0]) or element
 
@@ -200,9 +192,9 @@ def _ros_kind(field: ros.Field) -> MemberKind | None:
     size = None
     if kind in _SIZES:
         count = 0 if kind == "unboundedSequence" else field.arraySize
-        size = Size(count, is_fixed=_SIZES[kind])
+        size = declared_types.Size(count, is_fixed=_SIZES[kind])
     if isinstance(field, ros.PrimitiveField):
-        word = type_word(field.type.name).word
+        word = declared_types.type_word(field.type.name).word
         also = {f"{word}<={field.stringBound}"} if field.stringBound else set()
         return MemberKind(word, frozenset(also), size)
     target = field.messageType if isinstance(field, ros.MessageField) else None

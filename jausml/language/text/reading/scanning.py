@@ -14,18 +14,9 @@ from typing import NamedTuple
 from lark import Token
 
 from jausml.language.model.values import nearest
+from jausml.language.text import tree
 from jausml.language.text.reading.machine import BLANK, NOT_PARSED, grammar
 from jausml.language.text.reading.shaping import Items, span_of
-from jausml.language.text.tree import (
-    KEYWORDS,
-    Item,
-    Span,
-    SyntaxTree,
-    Vector,
-    documentation_text,
-    is_documentation,
-    lists_of,
-)
 
 _LONE_RETURN = re.compile(r"\r(?!\n)")
 _BAD_ESCAPE = re.compile(r"""\\(?:u(?![0-9a-fA-F]{4})|[^"`\\ntru])""")
@@ -50,7 +41,7 @@ _INSTEAD = {
 class SyntaxFault(NamedTuple):
     """A syntax error."""
 
-    span: Span
+    span: tree.Span
     message: str
     hint: str = ""
 
@@ -115,7 +106,7 @@ def _mend(token: Token, before: Token | None, result: Scan) -> None:
     """Reports a token that is none, and takes it for what it was meant to be."""
     span = span_of(token)
     if token.type == "OPEN_COMMENT":
-        start = Span(span.line, span.column, span.line, span.column + 2)
+        start = tree.Span(span.line, span.column, span.line, span.column + 2)
         result.faults.append(SyntaxFault(start, "the comment is not closed", "it ends with '*/'"))
     elif token.type == "OPEN_TEXT":
         result.faults.append(
@@ -153,13 +144,13 @@ def _escape_faults(token: Token) -> Iterator[SyntaxFault]:
     for pattern in (_BAD_ESCAPE, _LONE_SURROGATE):
         for match in pattern.finditer(plain):
             column = (token.column or 1) + match.start()
-            span = Span(token.line or 1, column, token.line or 1, column + len(match.group()))
+            span = tree.Span(token.line or 1, column, token.line or 1, column + len(match.group()))
             message = f"'{match.group()}' is no escape"
             known = '\\" \\` \\\\ \\n \\t \\r \\uXXXX'
             yield SyntaxFault(span, message, f"there are {known}")
 
 
-_KEYWORD_TYPES = {word.upper() for word in KEYWORDS}
+_KEYWORD_TYPES = {word.upper() for word in tree.KEYWORDS}
 _STARTERS = {"WORD", "INDEXED", "NUMBER", "TEXT", *_KEYWORD_TYPES}
 _VALUES = {"WORD", "NUMBER", "TEXT", "HREF", "LBRACE", "NEW"}
 _MARKS = {
@@ -214,7 +205,7 @@ def suggestion(accepted: Collection[str], tokens: Sequence[Token], position: int
     if unexpected_token.type == "ARROW" and "COMMA" in accepted:
         return "no comma stands between assignments"
     for token in reversed(tokens[max(position - 2, 0) : position + 1]):
-        meant = nearest(token, KEYWORDS) if token.type == "WORD" else None
+        meant = nearest(token, tree.KEYWORDS) if token.type == "WORD" else None
         if meant:
             return f"did you mean '{meant}'?"
     return ""
@@ -262,13 +253,13 @@ def shown(token: Token) -> str:
 class _Body:
     """A list of items with the comments before its closing bracket; None where none are kept."""
 
-    items: Sequence[Item]
+    items: Sequence[tree.Item]
     closing: list[str] | None
     start: tuple[int, int]
     end: tuple[int, int]
 
 
-def attach(document: SyntaxTree, comments: Sequence[Token]) -> None:
+def attach(document: tree.SyntaxTree, comments: Sequence[Token]) -> None:
     """Puts comments to the items of a document, and tells items that stand behind an empty line."""
     far = (1 << 60, 0)
     _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments))
@@ -326,29 +317,31 @@ def _take(pending: list[Token], end: tuple[int, int]) -> list[Token]:
     return taken
 
 
-def _lead(item: Item, comments: Sequence[Token], line: int) -> None:
+def _lead(item: tree.Item, comments: Sequence[Token], line: int) -> None:
     """Puts the comments before an item to it."""
     first = (comments[0].line if comments else item.span.line) or 1
     item.spaced = bool(line) and first > line + 1
-    documenting = next((token for token in reversed(comments) if is_documentation(token)), None)
+    documenting = next(
+        (token for token in reversed(comments) if tree.is_documentation(token)), None
+    )
     line = first
     for comment in comments:
         _keep_empty_line(item, line, comment.line or 1)
         line = comment.end_line or 1
         if comment is documenting:
-            item.documentation = documentation_text(comment)
+            item.documentation = tree.documentation_text(comment)
         else:
             item.comments.append(_ordinary(comment))
     if comments and comments[-1] is not documenting:
         _keep_empty_line(item, line, item.span.line)
 
 
-def _keep_empty_line(item: Item, line: int, next_line: int) -> None:
+def _keep_empty_line(item: tree.Item, line: int, next_line: int) -> None:
     if next_line > line + 1 and item.comments and item.comments[-1]:
         item.comments.append("")
 
 
-def _within(item: Item, comments: list[Token]) -> list[Token]:
+def _within(item: tree.Item, comments: list[Token]) -> list[Token]:
     """Puts comments to what an item consists of.
 
     Returns:
@@ -363,12 +356,12 @@ def _within(item: Item, comments: list[Token]) -> list[Token]:
     return comments
 
 
-def _bodies(item: Item) -> Iterator[_Body]:
+def _bodies(item: tree.Item) -> Iterator[_Body]:
     """Yields the lists of an item, from the first to the last."""
-    for items, closing in lists_of(item):
+    for items, closing in tree.lists_of(item):
         if isinstance(items, Items) and items.start is not None:
             start = items.start
-            if isinstance(item, Vector) and items is item.expected and item.given:
+            if isinstance(item, tree.Vector) and items is item.expected and item.given:
                 # What stands before the arrow, on lines of its own, is about what stands behind it.
                 start = _end(item.given[-1])
             yield _Body(items, closing, start, items.end)
@@ -378,9 +371,9 @@ def _position(token: Token) -> tuple[int, int]:
     return (token.line or 1, token.column or 1)
 
 
-def _start(item: Item) -> tuple[int, int]:
+def _start(item: tree.Item) -> tuple[int, int]:
     return (item.span.line, item.span.column)
 
 
-def _end(item: Item) -> tuple[int, int]:
+def _end(item: tree.Item) -> tuple[int, int]:
     return (item.span.end_line, item.span.end_column)

@@ -10,29 +10,7 @@ from typing import Any, TypeVar
 
 from lark import Token
 
-from jausml.language.text.tree import (
-    UNBOUNDED,
-    Assignment,
-    Call,
-    Clock,
-    Direction,
-    Element,
-    End,
-    Entry,
-    Feature,
-    Href,
-    Ignored,
-    Import,
-    Member,
-    Name,
-    Number,
-    Span,
-    SyntaxTree,
-    Table,
-    Text,
-    Vector,
-    VectorEntry,
-)
+from jausml.language.text import tree
 
 T = TypeVar("T")
 
@@ -75,30 +53,30 @@ def word_text(word: str) -> str:
     return _QUOTED.sub(lambda match: unescape(match.group(1)), word) if "`" in word else str(word)
 
 
-def span_of(token: Token) -> Span:
+def span_of(token: Token) -> tree.Span:
     """Returns where a token stands."""
-    return Span(token.line or 1, token.column or 1, token.end_line or 1, token.end_column or 1)
+    return tree.Span(token.line or 1, token.column or 1, token.end_line or 1, token.end_column or 1)
 
 
-def _around(children: Sequence[Any]) -> Span:
+def _around(children: Sequence[Any]) -> tree.Span:
     """Returns the stretch from the first to the last of what a rule consists of."""
     # Parts without a place, such as empty lists, say nothing of the stretch.
     first = next(filter(None, map(_span, children)))
     last = next(filter(None, map(_span, reversed(children))))
-    return Span(first.line, first.column, last.end_line, last.end_column)
+    return tree.Span(first.line, first.column, last.end_line, last.end_column)
 
 
-def _span(child: Any) -> Span | None:
+def _span(child: Any) -> tree.Span | None:
     if isinstance(child, Token):
         return span_of(child)
     if isinstance(child, list):
         return _around(child) if child and not isinstance(child, Items) else None
-    span: Span = child.span
+    span: tree.Span = child.span
     return span
 
 
-def _name(token: Token) -> Name:
-    return Name(word_text(token), span_of(token))
+def _name(token: Token) -> tree.Name:
+    return tree.Name(word_text(token), span_of(token))
 
 
 def _bracketed(opening: Token, items: Items[T], closing: Token) -> Items[T]:
@@ -122,8 +100,8 @@ def _items_of(block: _Block | None) -> Items[Any]:
 class Shaper:
     """The actions of the grammar: each takes what its rule consists of, tokens and all."""
 
-    def start(self, children: list[Any]) -> SyntaxTree:
-        return SyntaxTree(children[0])
+    def start(self, children: list[Any]) -> tree.SyntaxTree:
+        return tree.SyntaxTree(children[0])
 
     def no_items(self, children: list[Any]) -> Items[Any]:  # noqa: ARG002 - one shape for all
         return Items()
@@ -138,32 +116,34 @@ class Shaper:
         items: Items[Any] = children[0]
         return items
 
-    def file_import(self, children: list[Any]) -> Import:
+    def file_import(self, children: list[Any]) -> tree.Import:
         target = children[1]
         is_text = target.type == "TEXT"
-        return Import(self.text([target]) if is_text else _name(target), span=_around(children))
+        return tree.Import(
+            self.text([target]) if is_text else _name(target), span=_around(children)
+        )
 
     # Elements and their features
 
-    def keyword_element(self, children: list[Any]) -> Element:
+    def keyword_element(self, children: list[Any]) -> tree.Element:
         keyword, name, *block = children
         items = _items_of(block[0] if block else None)
-        return Element(_name(keyword), _name(name), items, span=_around(children))
+        return tree.Element(_name(keyword), _name(name), items, span=_around(children))
 
-    def word_element(self, children: list[Any]) -> Element:
+    def word_element(self, children: list[Any]) -> tree.Element:
         name, block = children
-        return Element(None, _name(name), block.items, span=_around(children))
+        return tree.Element(None, _name(name), block.items, span=_around(children))
 
     def block(self, children: list[Any]) -> _Block:
         return _Block(children)
 
     feature_block = assignment_block = block
 
-    def feature(self, children: list[Any]) -> Feature:
+    def feature(self, children: list[Any]) -> tree.Feature:
         name, _, values = children
-        return Feature(name, values, span=_around(children))
+        return tree.Feature(name, values, span=_around(children))
 
-    def feature_name(self, children: list[Any]) -> Name:
+    def feature_name(self, children: list[Any]) -> tree.Name:
         return _name(children[0])
 
     def listed(self, children: list[Any]) -> list[Any]:
@@ -175,129 +155,129 @@ class Shaper:
 
     values = paths = arguments = listed
 
-    def name(self, children: list[Any]) -> Name:
+    def name(self, children: list[Any]) -> tree.Name:
         return _name(children[0])
 
     path = name
 
-    def number(self, children: list[Any]) -> Number:
-        return Number(str(children[0]), span_of(children[0]))
+    def number(self, children: list[Any]) -> tree.Number:
+        return tree.Number(str(children[0]), span_of(children[0]))
 
-    def text(self, children: list[Any]) -> Text:
-        return Text(unescape(children[0][1:-1]), span_of(children[0]))
+    def text(self, children: list[Any]) -> tree.Text:
+        return tree.Text(unescape(children[0][1:-1]), span_of(children[0]))
 
-    def href(self, children: list[Any]) -> Href:
-        return Href(unescape(children[0][2:-1]), span_of(children[0]))
+    def href(self, children: list[Any]) -> tree.Href:
+        return tree.Href(unescape(children[0][2:-1]), span_of(children[0]))
 
-    def block_value(self, children: list[Any]) -> Element:
-        return Element(None, None, children[0].items, span=_around(children))
+    def block_value(self, children: list[Any]) -> tree.Element:
+        return tree.Element(None, None, children[0].items, span=_around(children))
 
-    def new_value(self, children: list[Any]) -> Element:
-        return Element(_name(children[1]), None, children[2].items, span=_around(children))
+    def new_value(self, children: list[Any]) -> tree.Element:
+        return tree.Element(_name(children[1]), None, children[2].items, span=_around(children))
 
-    def new_named_value(self, children: list[Any]) -> Element:
+    def new_named_value(self, children: list[Any]) -> tree.Element:
         _, keyword, name, block = children
-        return Element(_name(keyword), _name(name), block.items, span=_around(children))
+        return tree.Element(_name(keyword), _name(name), block.items, span=_around(children))
 
     # Members of messages
 
-    def member(self, children: list[Any]) -> Member:
+    def member(self, children: list[Any]) -> tree.Member:
         type_, name, *block = children
-        if isinstance(type_, Name):
+        if isinstance(type_, tree.Name):
             return self._member(children, type_, "", name, block)
         index = _INDEX.search(type_)
         word = type_ if index is None else type_.update(value=type_[: index.start()])
         return self._member(children, _name(word), index.group(1) if index else "", name, block)
 
-    def sized_member(self, children: list[Any]) -> Member:
+    def sized_member(self, children: list[Any]) -> tree.Member:
         type_, size, name, *block = children
-        shown = type_ if isinstance(type_, Name) else _name(type_)
+        shown = type_ if isinstance(type_, tree.Name) else _name(type_)
         return self._member(children, shown, size.text, name, block)
 
-    def unnamed_struct(self, children: list[Any]) -> Member:
+    def unnamed_struct(self, children: list[Any]) -> tree.Member:
         return self._member(children, _bracketed(*children[1:4]), "", None, children[4:])
 
-    def named_struct(self, children: list[Any]) -> Member:
+    def named_struct(self, children: list[Any]) -> tree.Member:
         rest = children[4:]
-        size = rest.pop(0).text if isinstance(rest[0], Name) else ""
+        size = rest.pop(0).text if isinstance(rest[0], tree.Name) else ""
         return self._member(children, _bracketed(*children[1:4]), size, rest[0], rest[1:])
 
     def _member(
         self,
         children: list[Any],
-        type_: Name | Items[Member],
+        type_: tree.Name | Items[tree.Member],
         size: str,
         name: Token | None,
         block: list[_Block],
-    ) -> Member:
+    ) -> tree.Member:
         named = _name(name) if name is not None else None
         features = _items_of(block[0] if block else None)
-        return Member(type_, size, named, features, span=_around(children))
+        return tree.Member(type_, size, named, features, span=_around(children))
 
-    def bounded(self, children: list[Any]) -> Name:
+    def bounded(self, children: list[Any]) -> tree.Name:
         word, _, bound = children
-        return Name(f"{word_text(word)}<={bound}", _around(children))
+        return tree.Name(f"{word_text(word)}<={bound}", _around(children))
 
-    def size(self, children: list[Any]) -> Name:
+    def size(self, children: list[Any]) -> tree.Name:
         inner = "".join(word_text(child) for child in children[1:-1])
-        return Name(inner or UNBOUNDED, _around(children))
+        return tree.Name(inner or tree.UNBOUNDED, _around(children))
 
     # Maps
 
-    def plain_end(self, children: list[Any]) -> End:
+    def plain_end(self, children: list[Any]) -> tree.End:
         side, type_, *block = children
         features = _items_of(block[0] if block else None)
-        return End(side.type == "JAUS", _name(type_), None, features, span=_around(children))
+        return tree.End(side.type == "JAUS", _name(type_), None, features, span=_around(children))
 
-    def listed_end(self, children: list[Any]) -> End:
+    def listed_end(self, children: list[Any]) -> tree.End:
         side, type_, opening, members, closing, *block = children
         features = _items_of(block[0] if block else None)
         listed = _bracketed(opening, members, closing)
-        return End(side.type == "JAUS", _name(type_), listed, features, span=_around(children))
+        return tree.End(side.type == "JAUS", _name(type_), listed, features, span=_around(children))
 
     def way(self, children: list[Any]) -> list[Any]:
         return children
 
-    def direction(self, children: list[Any]) -> Direction:
+    def direction(self, children: list[Any]) -> tree.Direction:
         way, *rest = children
-        return Direction(way[0].type == "JAUS", _bracketed(*rest), span=_around(children))
+        return tree.Direction(way[0].type == "JAUS", _bracketed(*rest), span=_around(children))
 
-    def assignment(self, children: list[Any]) -> Assignment:
+    def assignment(self, children: list[Any]) -> tree.Assignment:
         sources, _, targets, *rest = children
         block = rest.pop() if rest and isinstance(rest[-1], _Block) else None
         conversions = rest[0] if rest else []
         span = _around(children)
-        return Assignment(sources, targets, conversions, _items_of(block), span=span)
+        return tree.Assignment(sources, targets, conversions, _items_of(block), span=span)
 
     def sources(self, children: list[Any]) -> list[Any]:
         paths: list[Any] = children[0]
         return paths
 
-    def constant_source(self, children: list[Any]) -> list[Number | Text]:
+    def constant_source(self, children: list[Any]) -> list[tree.Number | tree.Text]:
         return [self.text(children) if children[0].type == "TEXT" else self.number(children)]
 
-    def clock_source(self, children: list[Any]) -> list[Clock]:
-        return [Clock(span_of(children[0]))]
+    def clock_source(self, children: list[Any]) -> list[tree.Clock]:
+        return [tree.Clock(span_of(children[0]))]
 
-    def conversions(self, children: list[Any]) -> list[Call]:
+    def conversions(self, children: list[Any]) -> list[tree.Call]:
         return children[1:] if len(children) == 2 else self.listed(children)
 
-    def call(self, children: list[Any]) -> Call:
+    def call(self, children: list[Any]) -> tree.Call:
         arguments = next((child for child in children if isinstance(child, list)), [])
-        return Call(_name(children[0]), tuple(arguments), _around(children))
+        return tree.Call(_name(children[0]), tuple(arguments), _around(children))
 
-    def ignored(self, children: list[Any]) -> Ignored:
-        return Ignored(children[1], span=_around(children))
+    def ignored(self, children: list[Any]) -> tree.Ignored:
+        return tree.Ignored(children[1], span=_around(children))
 
-    def table(self, children: list[Any]) -> Table:
-        return Table(_name(children[1]), _bracketed(*children[2:]), span=_around(children))
+    def table(self, children: list[Any]) -> tree.Table:
+        return tree.Table(_name(children[1]), _bracketed(*children[2:]), span=_around(children))
 
-    def entry(self, children: list[Any]) -> Entry:
-        return Entry(children[0], children[2], span=_around(children))
+    def entry(self, children: list[Any]) -> tree.Entry:
+        return tree.Entry(children[0], children[2], span=_around(children))
 
-    def vector(self, children: list[Any]) -> Vector:
+    def vector(self, children: list[Any]) -> tree.Vector:
         _, name, way, opening, inputs, gives, expected, closing = children
-        return Vector(
+        return tree.Vector(
             _name(name),
             way[0].type == "JAUS",
             _bracketed(opening, inputs, gives),
@@ -305,7 +285,7 @@ class Shaper:
             span=_around(children),
         )
 
-    def vector_entry(self, children: list[Any]) -> VectorEntry:
+    def vector_entry(self, children: list[Any]) -> tree.VectorEntry:
         path, _, value, *rest = children
         tolerance = self.number([rest[1]]) if rest else None
-        return VectorEntry(path, value, tolerance, span=_around(children))
+        return tree.VectorEntry(path, value, tolerance, span=_around(children))

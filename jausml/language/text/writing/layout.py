@@ -12,29 +12,7 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
-from jausml.language.text.tree import (
-    UNBOUNDED,
-    Assignment,
-    Call,
-    Clock,
-    Direction,
-    Element,
-    End,
-    Entry,
-    Feature,
-    Href,
-    Ignored,
-    Import,
-    Item,
-    Member,
-    Name,
-    Number,
-    SyntaxTree,
-    Table,
-    Text,
-    Vector,
-    VectorEntry,
-)
+from jausml.language.text import tree
 from jausml.language.text.writing.spelling import documentation, feature_name, path, quoted, word
 
 WIDTH = 100
@@ -42,23 +20,23 @@ WIDTH = 100
 
 _INDENT = "    "
 _SPACE = "  "
-_SHORT = (Feature, Member, Entry, VectorEntry)
+_SHORT = (tree.Feature, tree.Member, tree.Entry, tree.VectorEntry)
 _BOUNDED = re.compile(r"(.+)<=(\d+)")
 
 
-def lay_out(document: SyntaxTree) -> str:
+def lay_out(document: tree.SyntaxTree) -> str:
     """Returns a document as text."""
     lines = _list(document.items, document.closing, WIDTH)
     return "".join(f"{line}\n" for line in lines)
 
 
-def _list(items: Sequence[Item], closing: Sequence[str], room: int) -> list[str]:
+def _list(items: Sequence[tree.Item], closing: Sequence[str], room: int) -> list[str]:
     """Returns the lines of a list of items."""
     return _stacked(items, [_lines(item, room) for item in items], closing, room)
 
 
 def _stacked(
-    items: Sequence[Item], laid_out: Sequence[list[str]], closing: Sequence[str], room: int
+    items: Sequence[tree.Item], laid_out: Sequence[list[str]], closing: Sequence[str], room: int
 ) -> list[str]:
     """Returns the lines of items, one below the other, with their comments."""
     lines: list[str] = []
@@ -78,13 +56,13 @@ def _comments(comments: Sequence[str]) -> list[str]:
     return [line for comment in comments for line in comment.split("\n")]
 
 
-def _lines(item: Item, room: int) -> list[str]:
+def _lines(item: tree.Item, room: int) -> list[str]:
     """Returns the lines of an item without its comments."""
     return _LAYOUTS[type(item)](item, room)
 
 
 def _bracketed(
-    head: str, brackets: str, items: Sequence[Item], closing: Sequence[str], room: int
+    head: str, brackets: str, items: Sequence[tree.Item], closing: Sequence[str], room: int
 ) -> list[str]:
     """Returns the lines of a list in brackets, with what stands before it."""
     opening, end = brackets[0], brackets[1]
@@ -100,7 +78,7 @@ def _bracketed(
     return [f"{head}{opening}", *_indented(inner), end]
 
 
-def _can_share_line(items: Sequence[Item], laid_out: Sequence[list[str]]) -> bool:
+def _can_share_line(items: Sequence[tree.Item], laid_out: Sequence[list[str]]) -> bool:
     """Tells whether items can stand on one line: short ones without comments."""
     return all(
         isinstance(item, _SHORT) and len(lines) == 1 and not _needs_line(item)
@@ -108,9 +86,9 @@ def _can_share_line(items: Sequence[Item], laid_out: Sequence[list[str]]) -> boo
     )
 
 
-def _needs_line(item: Item) -> bool:
+def _needs_line(item: tree.Item) -> bool:
     """Tells whether an item cannot share a line: it has comments, or lacks the name at its end."""
-    if isinstance(item, Member) and item.name is None:
+    if isinstance(item, tree.Member) and item.name is None:
         return True
     return bool(item.documentation or item.comments or item.trailing or item.spaced)
 
@@ -119,18 +97,18 @@ def _indented(lines: Sequence[str]) -> list[str]:
     return [_INDENT + line if line else line for line in lines]
 
 
-def _import(item: Import, room: int) -> list[str]:
+def _import(item: tree.Import, room: int) -> list[str]:
     return [f"import {_value(item.target, room)[0]}"]
 
 
-def _element(element: Element, room: int) -> list[str]:
+def _element(element: tree.Element, room: int) -> list[str]:
     names = [word(name.text) for name in (element.keyword, element.name) if name is not None]
     if len(names) > 1 and not element.items and not element.closing:
         return [" ".join(names)]
     return _bracketed(f"{' '.join(names)} ", "{}", element.items, element.closing, room)
 
 
-def _feature(feature: Feature, room: int) -> list[str]:
+def _feature(feature: tree.Feature, room: int) -> list[str]:
     """Returns the lines of a feature; values that do not fit go on in the next line."""
     lines = [f"{feature_name(feature.name.text)}:"]
     for value in feature.values:
@@ -145,27 +123,29 @@ def _feature(feature: Feature, room: int) -> list[str]:
     return lines
 
 
-def _value(value: Name | Number | Text | Href | Clock | Element, room: int) -> list[str]:
+def _value(
+    value: tree.Name | tree.Number | tree.Text | tree.Href | tree.Clock | tree.Element, room: int
+) -> list[str]:
     """Returns the lines of a value; a block alone can have several."""
-    if isinstance(value, Element):
+    if isinstance(value, tree.Element):
         names = [word(name.text) for name in (value.keyword, value.name) if name is not None]
         head = "".join(f"{part} " for part in (["new", *names] if names else []))
         return _bracketed(head, "{}", value.items, value.closing, room)
     return [simple(value)]
 
 
-def simple(value: Name | Number | Text | Href | Clock) -> str:
+def simple(value: tree.Name | tree.Number | tree.Text | tree.Href | tree.Clock) -> str:
     """Returns a value without a block as it is written."""
-    if isinstance(value, Name):
+    if isinstance(value, tree.Name):
         return path(value.text)
-    if isinstance(value, Number):
+    if isinstance(value, tree.Number):
         return value.text
-    if isinstance(value, Text):
+    if isinstance(value, tree.Text):
         return quoted(value.text)
-    return f"@{quoted(value.text)}" if isinstance(value, Href) else "clock"
+    return f"@{quoted(value.text)}" if isinstance(value, tree.Href) else "clock"
 
 
-def _member(member: Member, room: int) -> list[str]:
+def _member(member: tree.Member, room: int) -> list[str]:
     rest = f" [{_size(member.size)}]" if member.size else ""
     if member.name is not None:
         rest += f" {word(member.name.text)}"
@@ -183,36 +163,36 @@ def _type(text: str) -> str:
 
 
 def _size(size: str) -> str:
-    if size == UNBOUNDED:
+    if size == tree.UNBOUNDED:
         return ""
     return size if size.removeprefix("<=").isdecimal() else word(size)
 
 
-def _end(end: End, room: int) -> list[str]:
+def _end(end: tree.End, room: int) -> list[str]:
     lines = [f"{'JAUS' if end.is_jaus else 'ROS'} {word(end.type.text)}"]
     if end.members is not None:
         lines = _bracketed(f"{lines[0]} ", "()", end.members, (), room)
     return _with_features(lines, end.features, room)
 
 
-def _with_features(lines: list[str], features: Sequence[Feature], room: int) -> list[str]:
+def _with_features(lines: list[str], features: Sequence[tree.Feature], room: int) -> list[str]:
     """Appends a block of features to lines."""
     if not features:
         return lines
     return [*lines[:-1], *_bracketed(f"{lines[-1]} ", "{}", features, (), room)]
 
 
-def _direction(direction: Direction, room: int) -> list[str]:
+def _direction(direction: tree.Direction, room: int) -> list[str]:
     head = f"{_shown_way(direction)} "
     return _bracketed(head, "()", direction.assignments, direction.closing, room)
 
 
-def _shown_way(item: Direction | Vector) -> str:
+def _shown_way(item: tree.Direction | tree.Vector) -> str:
     """Returns the arrow of a direction or of a test vector."""
     return "JAUS->ROS" if item.to_ros else "ROS->JAUS"
 
 
-def _assignment(assignment: Assignment, room: int) -> list[str]:
+def _assignment(assignment: tree.Assignment, room: int) -> list[str]:
     sources = ", ".join(map(simple, assignment.sources))
     head = f"{sources} -> {', '.join(map(simple, assignment.targets))}"
     if assignment.conversions:
@@ -222,25 +202,25 @@ def _assignment(assignment: Assignment, room: int) -> list[str]:
     return _bracketed(f"{head} ", "{}", assignment.items, assignment.closing, room)
 
 
-def _shown_call(call: Call) -> str:
+def _shown_call(call: tree.Call) -> str:
     """Returns a conversion as it is written."""
     arguments = ", ".join(map(simple, call.arguments))
     return f"{word(call.name.text)}({arguments})" if call.arguments else word(call.name.text)
 
 
-def _ignored(ignored: Ignored, room: int) -> list[str]:  # noqa: ARG001 - it always fits
+def _ignored(ignored: tree.Ignored, room: int) -> list[str]:  # noqa: ARG001 - it always fits
     return [f"ignore {path(ignored.target.text)}"]
 
 
-def _table(table: Table, room: int) -> list[str]:
+def _table(table: tree.Table, room: int) -> list[str]:
     return _bracketed(f"table {word(table.name.text)} ", "()", table.entries, table.closing, room)
 
 
-def _entry(entry: Entry, room: int) -> list[str]:  # noqa: ARG001 - it always fits
+def _entry(entry: tree.Entry, room: int) -> list[str]:  # noqa: ARG001 - it always fits
     return [f"{simple(entry.jaus)} <-> {simple(entry.ros)}"]
 
 
-def _vector(vector: Vector, room: int) -> list[str]:
+def _vector(vector: tree.Vector, room: int) -> list[str]:
     head = f"vector {word(vector.name.text)} {_shown_way(vector)} ("
     inner = room - len(_INDENT)
     inputs = [_lines(entry, inner) for entry in vector.given]
@@ -256,24 +236,24 @@ def _vector(vector: Vector, room: int) -> list[str]:
     return [head, *_indented(lines), ")"]
 
 
-def _vector_entry(entry: VectorEntry, room: int) -> list[str]:  # noqa: ARG001 - it always fits
+def _vector_entry(entry: tree.VectorEntry, room: int) -> list[str]:  # noqa: ARG001 - it always fits
     tolerance = f" ~ {entry.tolerance.text}" if entry.tolerance is not None else ""
     return [f"{path(entry.path.text)} = {simple(entry.value)}{tolerance}"]
 
 
-_LAYOUTS: dict[type[Item], Callable[[Any, int], list[str]]] = {
-    Import: _import,
-    Element: _element,
-    Feature: _feature,
-    Member: _member,
-    End: _end,
-    Direction: _direction,
-    Assignment: _assignment,
-    Ignored: _ignored,
-    Table: _table,
-    Entry: _entry,
-    Vector: _vector,
-    VectorEntry: _vector_entry,
+_LAYOUTS: dict[type[tree.Item], Callable[[Any, int], list[str]]] = {
+    tree.Import: _import,
+    tree.Element: _element,
+    tree.Feature: _feature,
+    tree.Member: _member,
+    tree.End: _end,
+    tree.Direction: _direction,
+    tree.Assignment: _assignment,
+    tree.Ignored: _ignored,
+    tree.Table: _table,
+    tree.Entry: _entry,
+    tree.Vector: _vector,
+    tree.VectorEntry: _vector_entry,
 }
 
 
@@ -281,31 +261,33 @@ _MUCH = 5
 """Values from which on a block stands apart."""
 
 
-def space(items: Sequence[Item]) -> None:
+def space(items: Sequence[tree.Item]) -> None:
     """Sets apart what says much, and the elements that follow values."""
     for before, item in pairwise(items):
         # A block of few values that follows a single one reads as part of it.
-        follows_values = isinstance(before, Feature) and _values(before) == 1
-        if follows_values and (isinstance(item, Feature) or not _says_much(item)):
+        follows_values = isinstance(before, tree.Feature) and _values(before) == 1
+        if follows_values and (isinstance(item, tree.Feature) or not _says_much(item)):
             item.spaced = bool(item.documentation)
         else:
             item.spaced = _says_much(before) or _says_much(item)
 
 
-def space_document(items: Sequence[Item]) -> None:
+def space_document(items: Sequence[tree.Item]) -> None:
     """Sets all that stands on top level apart, but not imports from each other."""
     for before, item in pairwise(items):
-        item.spaced = not (isinstance(before, Import) and isinstance(item, Import))
+        item.spaced = not (isinstance(before, tree.Import) and isinstance(item, tree.Import))
 
 
-def _says_much(item: Item) -> bool:
+def _says_much(item: tree.Item) -> bool:
     return _values(item) >= _MUCH
 
 
-def _values(item: Item) -> int:
+def _values(item: tree.Item) -> int:
     """Returns how many values an item holds, roughly the lines that it takes."""
-    if isinstance(item, Element):
+    if isinstance(item, tree.Element):
         return 1 + sum(map(_values, item.items))
-    if isinstance(item, Feature):
-        return sum(_values(value) if isinstance(value, Element) else 1 for value in item.values[:1])
-    return _MUCH if isinstance(item, Direction) else 1
+    if isinstance(item, tree.Feature):
+        return sum(
+            _values(value) if isinstance(value, tree.Element) else 1 for value in item.values[:1]
+        )
+    return _MUCH if isinstance(item, tree.Direction) else 1

@@ -8,16 +8,7 @@ from typing import Any, TypeVar, cast
 
 from jausml.language.metamodel import DataTypeTable, FeatureTable, ValueKind
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.text.tree import (
-    KEYWORDS,
-    Href,
-    Item,
-    Name,
-    Number,
-    Text,
-    documentation_text,
-    is_documentation,
-)
+from jausml.language.text import tree
 
 _STEP = r"\w+(?:\[\d+\])*"
 _PATH = re.compile(rf"/?(?!\d){_STEP}(?:[./]{_STEP})*|\.")
@@ -30,7 +21,7 @@ _SHORT = {"\n": "\\n", "\t": "\\t", "\r": "\\r", "\\": "\\\\"}
 def word(text: str) -> str:
     """Returns a name as it is written: in back quotes where it is no plain word."""
     # A path may end with an index, a name may not.
-    plain = _PATH.fullmatch(text) and not text.endswith("]") and text not in KEYWORDS
+    plain = _PATH.fullmatch(text) and not text.endswith("]") and text not in tree.KEYWORDS
     return text if plain else f"`{_escaped(text, '`')}`"
 
 
@@ -41,7 +32,7 @@ def path(text: str) -> str:
 
 def feature_name(text: str) -> str:
     """Returns the name of a feature, which may be a keyword."""
-    return text if text in KEYWORDS else word(text)
+    return text if text in tree.KEYWORDS else word(text)
 
 
 def quoted(text: str) -> str:
@@ -53,7 +44,7 @@ def can_document(text: str) -> bool:
     """Tells whether a documentation comment can hold a text to the letter."""
     # Read back, since escapes and line breaks of comments have several pitfalls.
     comment = "\n".join(documentation(text, _ANY_WIDTH))
-    return is_documentation(comment) and documentation_text(comment) == text
+    return tree.is_documentation(comment) and tree.documentation_text(comment) == text
 
 
 def documentation(text: str, room: int) -> list[str]:
@@ -98,7 +89,7 @@ def _escape(character: str) -> str:
     return "".join(f"\\u{units[at : at + 2].hex()}" for at in range(0, len(units), 2))
 
 
-NO_VALUE = Href("")
+NO_VALUE = tree.Href("")
 """Stands where a feature that has a default has no value, which XMI writes as `xsi:nil`."""
 
 _NUMBER = re.compile(r"-?[0-9]+(?:\.[0-9]+)?(?:[eE][+-]?[0-9]+)?|0x[0-9A-Fa-f]+")
@@ -113,41 +104,43 @@ def is_number(text: str) -> bool:
     return _NUMBER.fullmatch(text) is not None
 
 
-def number(value: float) -> Number | Text:
+def number(value: float) -> tree.Number | tree.Text:
     """Returns a real number without a needless fraction; as text where it is no number."""
     if not math.isfinite(value):
-        return Text("NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity")
-    return Number(repr(float(value)).removesuffix(".0"))
+        return tree.Text("NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity")
+    return tree.Number(repr(float(value)).removesuffix(".0"))
 
 
-def constant(text: str) -> Name | Number | Text:
+def constant(text: str) -> tree.Name | tree.Number | tree.Text:
     """Returns a text that stands for a number, for true or false, or for itself."""
     if text in ("true", "false"):
-        return Name(text)
-    return Number(text) if is_number(text) else Text(text)
+        return tree.Name(text)
+    return tree.Number(text) if is_number(text) else tree.Text(text)
 
 
-def word_or_constant(text: str) -> Name | Number | Text:
+def word_or_constant(text: str) -> tree.Name | tree.Number | tree.Text:
     """Returns a text without quotation marks where it is a number or a word."""
-    return Name(text) if _WORD.fullmatch(text) else constant(text)
+    return tree.Name(text) if _WORD.fullmatch(text) else constant(text)
 
 
-def attribute_value(value: Any, feature: FeatureTable) -> Name | Number | Text | Href:
+def attribute_value(
+    value: Any, feature: FeatureTable
+) -> tree.Name | tree.Number | tree.Text | tree.Href:
     """Returns one value of an attribute."""
     if value is None:
         return NO_VALUE
     kind = cast("DataTypeTable", feature.data_type).kind
     if kind is ValueKind.ENUMERATION:
-        return Name(str(value.literal or value.name) if hasattr(value, "name") else str(value))
+        return tree.Name(str(value.literal or value.name) if hasattr(value, "name") else str(value))
     if kind is ValueKind.BOOLEAN:
-        return Name("true" if value else "false")
+        return tree.Name("true" if value else "false")
     if kind is ValueKind.INTEGER:
-        return Number(str(value))
+        return tree.Number(str(value))
     if kind is ValueKind.REAL:
         return number(value)
     if feature.name in _PROSE:
-        return Text(value)
-    return Number(value) if _ADDRESS.fullmatch(value) else word_or_constant(value)
+        return tree.Text(value)
+    return tree.Number(value) if _ADDRESS.fullmatch(value) else word_or_constant(value)
 
 
 def is_name(text: str | None) -> bool:
@@ -164,13 +157,13 @@ def is_name(text: str | None) -> bool:
 IN_THE_HEAD = frozenset({"name", "documentation"})
 """Features that stand before the block, where a name and a comment can hold them."""
 
-_AnyItem = TypeVar("_AnyItem", bound=Item)
+_AnyItem = TypeVar("_AnyItem", bound=tree.Item)
 
 
-def head_name(obj: EObject) -> Name | None:
+def head_name(obj: EObject) -> tree.Name | None:
     """Returns the name that stands behind the keyword of an element, None where none can."""
     name = getattr(obj, "name", None)
-    return Name(name) if name is not None and is_name(name) else None
+    return tree.Name(name) if name is not None and is_name(name) else None
 
 
 def is_comment(text: str | None) -> bool:

@@ -7,18 +7,10 @@ from collections.abc import Iterator, Sequence
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.classes.ecore import EObject
+from jausml.language.semantics.paths import scopes
 from jausml.language.semantics.paths.attributes import LIST, TEXT, Attribute, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.ros_paths import RosPlace, is_sequence, ros_name
-from jausml.language.semantics.paths.scopes import (
-    DIRECTED,
-    Directed,
-    Direction,
-    Placed,
-    directions_of,
-    is_many,
-    target_paths,
-)
 from jausml.language.semantics.paths.wholes import FoundPlace
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
@@ -26,8 +18,8 @@ from jausml.language.validation.rule import Finding, Note, rule
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
 
 
-@rule("JML447", "list used wrongly", kinds=DIRECTED)
-def lists(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML447", "list used wrongly", kinds=scopes.DIRECTED)
+def lists(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
     """A ListAssignment goes from a list or array to another.
 
     Elements that are matched by name have `keys`, a ROS sequence of texts, and `names`, each of
@@ -38,15 +30,15 @@ def lists(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `<toRos xsi:type="bridge:ListAssignment" target="poses" source="WaypointList">`
     """
-    for direction in directions_of(subject, directed):
+    for direction in scopes.directions_of(subject, directed):
         for placed in direction.of_kind(bridge.ListAssignment):
             yield from _end_findings(placed)
             yield from _name_findings(placed)
         yield from _gaps(direction)
 
 
-@rule("JML443", "message in a message used wrongly", kinds=DIRECTED)
-def nested_messages(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML443", "message in a message used wrongly", kinds=scopes.DIRECTED)
+def nested_messages(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
     """A MessageAssignment leads between a field with a JAUS message and a ROS message of its map.
 
     The JAUS end is a field of variable length or format, the ROS end has the type of the map. The
@@ -57,20 +49,20 @@ def nested_messages(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `source="ElementData"`
     """
-    for direction in directions_of(subject, directed):
+    for direction in scopes.directions_of(subject, directed):
         for placed in direction.of_kind(bridge.MessageAssignment):
             used = placed.assignment.map
             if used is not None and subject.is_intact(used.message, used.type):
                 yield from _message_findings(placed, used, direction)
 
 
-def _end_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
+def _end_findings(placed: scopes.Placed[bridge.ListAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
     paths = [("target", *target) for target in placed.targets]
     paths += [("source", *source) for source in placed.sources[:1]]
     for feature, path, attribute in paths:
         find = placed.scope.find_target if feature == "target" else placed.scope.find_source
-        if isinstance(attribute, Attribute) and not is_many(find(path)):
+        if isinstance(attribute, Attribute) and not scopes.is_many(find(path)):
             message = f"'{path}' is {attribute.name}, no list and no array"
             yield Finding(assignment, message, feature)
     if len(placed.targets) > 1:
@@ -82,7 +74,7 @@ def _end_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
         yield Finding(assignment, message, "target")
 
 
-def _name_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
+def _name_findings(placed: scopes.Placed[bridge.ListAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
     if bool(assignment.keys) != bool(assignment.names):
         message = f"'{assignment.target}' has {'keys' if assignment.keys else 'names'} alone"
@@ -107,10 +99,10 @@ def _name_findings(placed: Placed[bridge.ListAssignment]) -> Iterator[Finding]:
             yield Finding(assignment, message, "keys")
 
 
-def _gaps(direction: Direction) -> Iterator[Finding]:
+def _gaps(direction: scopes.Direction) -> Iterator[Finding]:
     seen: set[tuple[EObject | None, str]] = set()
     for placed in direction.assignments:
-        for path in target_paths(placed.assignment):
+        for path in scopes.target_paths(placed.assignment):
             for start, index in _indexed_prefixes(path):
                 owner = placed.assignment.eContainer()
                 seen.add((owner, f"{start}[{index}]"))
@@ -139,7 +131,9 @@ def _indexed_prefixes(path: str) -> Iterator[tuple[str, int]]:
 
 
 def _message_findings(
-    placed: Placed[bridge.MessageAssignment], used: bridge.AttributeMap, direction: Direction
+    placed: scopes.Placed[bridge.MessageAssignment],
+    used: bridge.AttributeMap,
+    direction: scopes.Direction,
 ) -> Iterator[Finding]:
     assignment, to_ros = placed.assignment, direction.to_ros
     ends = {"source": placed.source_attributes, "target": placed.target_attributes}
@@ -159,7 +153,7 @@ def _message_findings(
 
 
 def _map_findings(
-    assignment: bridge.MessageAssignment, used: bridge.AttributeMap, direction: Direction
+    assignment: bridge.MessageAssignment, used: bridge.AttributeMap, direction: scopes.Direction
 ) -> Iterator[Finding]:
     feature = "toRos" if direction.to_ros else "toJaus"
     note = Note(used, f"map '{used.name}'")

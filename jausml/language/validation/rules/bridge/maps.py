@@ -10,37 +10,16 @@ from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.steps import ChainFault, chain_kinds, fits, yields
 from jausml.language.semantics.conversions import conversions_between
-from jausml.language.semantics.paths.attributes import (
-    LIST,
-    NUMBERS,
-    OCTETS,
-    TIME,
-    TIME_STAMP,
-    Attribute,
-    Found,
-    PathFault,
-    constant_fault,
-    octets_of,
-    primitive,
-)
-from jausml.language.semantics.paths.scopes import (
-    DIRECTED,
-    Directed,
-    PathScope,
-    Placed,
-    directions_of,
-    outer_scope,
-    parts_in,
-)
+from jausml.language.semantics.paths import attributes, scopes
 from jausml.language.semantics.paths.wholes import ShapeError
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
 
-_MANY = (LIST, NUMBERS)
+_MANY = (attributes.LIST, attributes.NUMBERS)
 
 
-@rule("JML411", "no such attribute", kinds=DIRECTED)
-def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML411", "no such attribute", kinds=scopes.DIRECTED)
+def paths(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
     """The paths of an assignment lead to attributes of the JAUS message and of the ROS type.
 
     JAUS paths start at the members of the top record or sequence of the message; ROS paths at
@@ -53,20 +32,20 @@ def paths(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `target="twist.linear.x"`
     """
-    for direction in directions_of(subject, directed):
+    for direction in scopes.directions_of(subject, directed):
         for placed in direction.assignments:
             for path, end in placed.targets:
-                if isinstance(end, PathFault):
+                if isinstance(end, attributes.PathFault):
                     message = f"target '{path}': {end.message}"
                     yield Finding(placed.assignment, message, "target", end.hint)
             for path, end in placed.sources:
-                if isinstance(end, PathFault):
+                if isinstance(end, attributes.PathFault):
                     message = f"source '{path}': {end.message}"
                     yield Finding(placed.assignment, message, "source", end.hint)
 
 
-@rule("JML412", "value does not fit the target", kinds=DIRECTED)
-def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML412", "value does not fit the target", kinds=scopes.DIRECTED)
+def types(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
     """The result of an assignment has the kind that its target accepts.
 
     Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
@@ -83,7 +62,7 @@ def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: the same with `<conversions kind="timestamp_to_time"/>`
     """
-    for direction in directions_of(subject, directed):
+    for direction in scopes.directions_of(subject, directed):
         for placed in direction.of_kind(bridge.ConstantAssignment, bridge.ClockAssignment):
             if len(placed.targets) > 1:
                 message = f"{len(placed.targets)} targets of one value"
@@ -98,15 +77,18 @@ def types(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield from _type_findings(copied)
 
 
-def _time_findings(placed: Placed[bridge.Assignment], feature: str) -> Iterator[Finding]:
+def _time_findings(placed: scopes.Placed[bridge.Assignment], feature: str) -> Iterator[Finding]:
     for path, target in placed.targets:
-        if isinstance(target, Attribute) and target.kind not in (TIME, TIME_STAMP):
+        if isinstance(target, attributes.Attribute) and target.kind not in (
+            attributes.TIME,
+            attributes.TIME_STAMP,
+        ):
             message = f"'{path}' is {target.name}, it takes no time"
             yield Finding(placed.assignment, message, feature)
 
 
-@rule("JML413", "constant does not fit the target", kinds=DIRECTED)
-def constants(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML413", "constant does not fit the target", kinds=scopes.DIRECTED)
+def constants(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
     """A constant is a value of its target: a number in its range, true or false, or text.
 
     The same holds for the `defaultValue` of an assignment with `whenAbsent="useDefault"`, which
@@ -117,7 +99,7 @@ def constants(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `value="100"`
     """
-    for direction in directions_of(subject, directed):
+    for direction in scopes.directions_of(subject, directed):
         for placed in direction.of_kind(bridge.ConstantAssignment):
             value = placed.assignment.value
             for path, target in placed.targets:
@@ -129,13 +111,13 @@ def constants(subject: Subject, directed: Directed) -> Iterator[Finding]:
             yield from _default_findings(copied)
 
 
-def _constant_fault(value: str | None, target: Found) -> str:
-    if value is None or not isinstance(target, Attribute):
+def _constant_fault(value: str | None, target: attributes.Found) -> str:
+    if value is None or not isinstance(target, attributes.Attribute):
         return ""
-    return constant_fault(value, target)
+    return attributes.constant_fault(value, target)
 
 
-def _default_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
+def _default_findings(placed: scopes.Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     assignment, value = placed.assignment, placed.assignment.defaultValue
     if assignment.whenAbsent.name != "useDefault":
         if value is not None:
@@ -155,7 +137,7 @@ def _default_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Findin
             yield Finding(assignment, message, "defaultValue")
 
 
-def _type_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
+def _type_findings(placed: scopes.Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     assignment = placed.assignment
     untranslatable = _untranslatable(placed)
     if untranslatable is not None:
@@ -176,10 +158,10 @@ def _type_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
         yield Finding(assignment, message, "target", hint)
 
 
-def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
+def _untranslatable(placed: scopes.Placed[bridge.FieldAssignment]) -> Finding | None:
     """A finding for an end that no FieldAssignment reads or fills."""
     try:
-        parts_in(placed.assignment, placed.scope)
+        scopes.parts_in(placed.assignment, placed.scope)
     except ShapeError as error:
         arrow = f"'{placed.assignment.source}' -> '{placed.assignment.target}'"
         message = f"{arrow} is of wholes that do not correspond: {error}"
@@ -187,7 +169,7 @@ def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
     ends = [("source", *source) for source in placed.sources]
     ends += [("target", *target) for target in placed.targets]
     for feature, path, attribute in ends:
-        if not isinstance(attribute, Attribute):
+        if not isinstance(attribute, attributes.Attribute):
             continue
         verb = "translate" if feature == "source" else "fill"
         if not attribute.kind:
@@ -200,7 +182,7 @@ def _untranslatable(placed: Placed[bridge.FieldAssignment]) -> Finding | None:
     return None
 
 
-def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
+def _result_findings(placed: scopes.Placed[bridge.FieldAssignment]) -> Iterator[Finding]:
     assignment, last = placed.assignment, placed.assignment.conversions[-1]
     kinds = chain_kinds(
         assignment.conversions,
@@ -218,7 +200,7 @@ def _result_findings(placed: Placed[bridge.FieldAssignment]) -> Iterator[Finding
         yield Finding(assignment, message, "target")
         return
     for kind, (path, target) in zip(kinds, placed.targets, strict=True):
-        if isinstance(target, Attribute) and not yields(last, kind, target):
+        if isinstance(target, attributes.Attribute) and not yields(last, kind, target):
             message = f"{last.kind.name} yields {kind}, but '{path}' is {target.name}"
             yield Finding(assignment, message, "target")
 
@@ -255,7 +237,7 @@ def _vector_findings(
         message = f"vector '{vector.name}' tests {feature}, which the map does not have"
         yield Finding(vector, message, "direction")
         return
-    scope = outer_scope(attribute_map, to_ros=to_ros)
+    scope = scopes.outer_scope(attribute_map, to_ros=to_ros)
     for value in vector.given:
         yield from _value_findings(value, scope, is_given=True)
     whole = next(
@@ -271,7 +253,7 @@ def _vector_findings(
 
 
 def _value_findings(
-    value: bridge.VectorValue, scope: PathScope, *, is_given: bool
+    value: bridge.VectorValue, scope: scopes.PathScope, *, is_given: bool
 ) -> Iterator[Finding]:
     if value.path is None or value.value is None:
         return
@@ -279,7 +261,7 @@ def _value_findings(
         yield Finding(value, f"tolerance {value.tolerance:g} is no distance", "tolerance")
     find = scope.find_source if is_given else scope.find_target
     place = find(value.path)
-    if isinstance(place, PathFault):
+    if isinstance(place, attributes.PathFault):
         yield Finding(value, f"'{value.path}': {place.message}", "path", place.hint)
         return
     if place is None:
@@ -287,18 +269,22 @@ def _value_findings(
     attribute = place.attribute()
     if is_given and attribute.is_ros and isinstance(attribute.field, ros.PrimitiveField):
         # A message carries what its type can, whatever its definition says of units and ranges.
-        able = primitive(attribute.field.type.name)
+        able = attributes.primitive(attribute.field.type.name)
         attribute = replace(attribute, lower=able.lower, upper=able.upper)
     fault = _value_fault(value.value, attribute, is_jaus=is_given == scope.to_ros)
     if fault:
         yield Finding(value, f"{value.value!a} of '{value.path}' {fault}", "value")
 
 
-def _value_fault(text: str, attribute: Attribute, *, is_jaus: bool) -> str:
+def _value_fault(text: str, attribute: attributes.Attribute, *, is_jaus: bool) -> str:
     if text != _ABSENT:
-        if attribute.kind == OCTETS:
-            return "" if octets_of(text) is not None else "is not pairs of hexadecimal digits"
-        return constant_fault(text, attribute)
+        if attribute.kind == attributes.OCTETS:
+            return (
+                ""
+                if attributes.octets_of(text) is not None
+                else "is not pairs of hexadecimal digits"
+            )
+        return attributes.constant_fault(text, attribute)
     if not is_jaus:
         return "is for JAUS fields: all fields of a ROS message are there"
     return "" if attribute.optional else "is for optional fields"

@@ -13,20 +13,13 @@ from jausml.language.semantics.assignments.meanings import (
     turns_unseen,
     unknown_targets,
 )
-from jausml.language.semantics.paths.scopes import (
-    DIRECTED,
-    Directed,
-    Direction,
-    Placed,
-    directions_of,
-    target_paths,
-)
+from jausml.language.semantics.paths import scopes
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
 
 
-@rule("JML515", "members that are crossed", severity=Severity.WARNING, kinds=DIRECTED)
-def members_crossed(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML515", "members that are crossed", severity=Severity.WARNING, kinds=scopes.DIRECTED)
+def members_crossed(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
     """A member goes to the one that is called as it is, where both sides have both names.
 
     Two members that are exchanged in both directions come back unchanged, so that no round trip
@@ -37,7 +30,7 @@ def members_crossed(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `PortTemp -> port_temp` and `StarTemp -> star_temp`
     """
-    for direction in directions_of(subject, directed):
+    for direction in scopes.directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             if names := crossed(placed):
                 source, target = placed.assignment.source, placed.assignment.target
@@ -66,12 +59,12 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
 
     Good: the same with `vector starboard JAUS->ROS ( Rudder = 0.2 => rudder = -0.2 ~ 1e-4 )`
     """
-    for direction in directions_of(subject, used):
+    for direction in scopes.directions_of(subject, used):
         if direction.owner is not used:
             continue
         unknown = dict(unknown_targets(used, to_ros=direction.to_ros))
         for placed in direction.of_kind(bridge.FieldAssignment):
-            lacks = [path for path in target_paths(placed.assignment) if path in unknown]
+            lacks = [path for path in scopes.target_paths(placed.assignment) if path in unknown]
             if lacks and (turns_unseen(placed) or by_table(placed)):
                 does = "turns the sign" if turns_unseen(placed) else "looks up a table"
                 message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
@@ -91,7 +84,7 @@ def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Findin
 
     Good: `Rudder -> rudder` with the same vector
     """
-    for direction in directions_of(subject, used):
+    for direction in scopes.directions_of(subject, used):
         if direction.owner is not used:
             continue
         by_target = {placed.assignment.target.strip(): placed for placed in _single(direction)}
@@ -106,7 +99,7 @@ def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Findin
                     yield Finding(value, f"{message}the map makes {result:.9g}", "value")
 
 
-def _single(direction: Direction) -> Iterator[Placed[bridge.FieldAssignment]]:
+def _single(direction: scopes.Direction) -> Iterator[scopes.Placed[bridge.FieldAssignment]]:
     for placed in direction.of_kind(bridge.FieldAssignment):
         ends = placed.source_attributes, placed.target_attributes
         if all(len(end) == 1 for end in ends) and not placed.scope.is_nested:

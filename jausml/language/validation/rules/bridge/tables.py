@@ -9,25 +9,13 @@ from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.conversions.authored import LookUp
-from jausml.language.semantics.paths.attributes import (
-    BOOL,
-    NUMBER,
-    TEXT,
-    Attribute,
-    Comparison,
-    NamedValue,
-    compared,
-    constant_fault,
-    is_real,
-    named_values,
-    table_text,
-)
+from jausml.language.semantics.paths import attributes
 from jausml.language.semantics.paths.markers import VALUE, is_said, marks_of
 from jausml.language.semantics.paths.scopes import DIRECTED, Directed, Placed, directions_of
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
-_VALUES = (NUMBER, BOOL, TEXT)
+_VALUES = (attributes.NUMBER, attributes.BOOL, attributes.TEXT)
 _MOST_NAMES = 5
 
 
@@ -86,7 +74,7 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 f"{one.name} is {one.number} and {other.name} {other.number}"
                 for one, other in wrong[:_MOST_NAMES]
             )
-            table = table_text(comparison, to_ros=placed.scope.to_ros)
+            table = attributes.table_text(comparison, to_ros=placed.scope.to_ros)
             yield Finding(
                 placed.assignment,
                 f"names that both ends have stand for other numbers: {examples}",
@@ -102,7 +90,7 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
             message = (
                 f"table '{looked.table.name}' leads names astray that both ends have: {examples}"
             )
-            meant = table_text(looked.ends, to_ros=looked.placed.scope.to_ros)
+            meant = attributes.table_text(looked.ends, to_ros=looked.placed.scope.to_ros)
             yield Finding(looked.placed.assignment, message, "conversions", f"it is ( {meant} )")
 
 
@@ -130,14 +118,14 @@ def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
 def _enumerated(
     subject: Subject, directed: Directed
-) -> Iterator[tuple[Placed[bridge.FieldAssignment], Comparison]]:
+) -> Iterator[tuple[Placed[bridge.FieldAssignment], attributes.Comparison]]:
     """Yields the assignments that pass numbers as they are between ends that both name values."""
     for direction in directions_of(subject, directed):
         for placed in direction.of_kind(bridge.FieldAssignment):
             ends = placed.source_attributes, placed.target_attributes
             if placed.assignment.conversions or any(len(end) != 1 for end in ends):
                 continue
-            comparison = compared(ends[0][0], ends[1][0])
+            comparison = attributes.compared(ends[0][0], ends[1][0])
             if comparison is not None:
                 yield placed, comparison
 
@@ -148,7 +136,7 @@ class _LookedUp:
 
     placed: Placed[bridge.FieldAssignment]
     table: bridge.ValueTable
-    ends: Comparison
+    ends: attributes.Comparison
 
     @property
     def given(self) -> list[tuple[bridge.TableEntry, str, str]]:
@@ -163,9 +151,11 @@ class _LookedUp:
         ]
 
     @property
-    def astray(self) -> list[tuple[NamedValue, NamedValue, float]]:
+    def astray(self) -> list[tuple[attributes.NamedValue, attributes.NamedValue, float]]:
         """What both ends have by name, with the number that the table gives instead."""
-        first = {taken: number for _, taken, number in reversed(self.given) if is_real(number)}
+        first = {
+            taken: number for _, taken, number in reversed(self.given) if attributes.is_real(number)
+        }
         pairs = ((one, other, first.get(str(one.number))) for one, other in self.ends.common)
         return [
             (one, other, float(number))
@@ -181,12 +171,12 @@ def _looked_up(subject: Subject, directed: Directed) -> Iterator[_LookedUp]:
             ends = placed.source_attributes, placed.target_attributes
             if len(steps) != 1 or any(len(end) != 1 for end in ends):
                 continue
-            table, comparison = steps[0].table, compared(ends[0][0], ends[1][0])
+            table, comparison = steps[0].table, attributes.compared(ends[0][0], ends[1][0])
             if steps[0].kind.name == LookUp.name and table is not None and comparison is not None:
                 yield _LookedUp(placed, table, comparison)
 
 
-def _is_legal(number: int, attribute: Attribute) -> bool:
+def _is_legal(number: int, attribute: attributes.Attribute) -> bool:
     return any(low <= number <= high for low, high in attribute.values)
 
 
@@ -208,14 +198,14 @@ def _findings(
 
 
 def _entry_findings(
-    table: bridge.ValueTable, feature: str, attribute: Attribute
+    table: bridge.ValueTable, feature: str, attribute: attributes.Attribute
 ) -> Iterator[Finding]:
     if attribute.kind not in _VALUES:
         return
     names = dict(attribute.constants)
     for entry in table.entries:
         value = _side(entry, feature)
-        fault = constant_fault(value, attribute, names) if value is not None else ""
+        fault = attributes.constant_fault(value, attribute, names) if value is not None else ""
         if fault:
             hint = _known(attribute)
             yield Finding(entry, f"{value!a} for '{attribute.label}' {fault}", feature, hint)
@@ -255,11 +245,13 @@ def _side(entry: bridge.TableEntry, feature: str) -> str:
     return entry.jaus if feature == "jaus" else entry.ros
 
 
-def _lacking(table: bridge.ValueTable, feature: str, attribute: Attribute) -> Iterator[Finding]:
+def _lacking(
+    table: bridge.ValueTable, feature: str, attribute: attributes.Attribute
+) -> Iterator[Finding]:
     meaning = _Meaning(attribute)
     known = {meaning.of(_side(entry, feature)) for entry in table.entries}
     listed = attribute.constants if not attribute.is_ros else _own_constants(known, meaning)
-    if attribute.kind == BOOL:
+    if attribute.kind == attributes.BOOL:
         listed = (("true", "true"), ("false", "false"))
     names = [name for name, value in listed if meaning.of(value) not in known]
     if names:
@@ -277,13 +269,13 @@ def _own_constants(known: set[str], meaning: _Meaning) -> list[tuple[str, str]]:
     """
     own = [
         (value.name, str(value.number))
-        for value in named_values(meaning.attribute).values()
+        for value in attributes.named_values(meaning.attribute).values()
         if not _is_none(value.number, meaning.attribute)
     ]
     return own if known <= {meaning.of(name) for name, _ in own} else []
 
 
-def _is_none(number: int, attribute: Attribute) -> bool:
+def _is_none(number: int, attribute: attributes.Attribute) -> bool:
     """Whether a marker takes a value of a ROS field for none, which no table is asked for."""
     marks = marks_of(attribute.field) if isinstance(attribute.field, ros.Field) else ()
     return any(is_said(mark.condition, {VALUE: number}) for mark in marks)
@@ -295,21 +287,21 @@ _FLAGS = {"true": "1", "false": "0"}
 class _Meaning:
     """What entries mean to an attribute."""
 
-    def __init__(self, attribute: Attribute) -> None:
+    def __init__(self, attribute: attributes.Attribute) -> None:
         self.attribute = attribute
         self._names = dict(attribute.constants)
 
     def of(self, value: str | None) -> str:
         """Returns one text for one value: numbers and their names alike."""
         text = self._names.get(value or "", value or "").strip()
-        if self.attribute.kind == BOOL:
+        if self.attribute.kind == attributes.BOOL:
             return _FLAGS.get(text, text)
-        if self.attribute.kind == NUMBER and is_real(text):
+        if self.attribute.kind == attributes.NUMBER and attributes.is_real(text):
             return f"{float(text):.17g}"
         return text
 
 
-def _known(attribute: Attribute) -> str:
+def _known(attribute: attributes.Attribute) -> str:
     names = [name for name, _ in attribute.constants]
     if attribute.is_ros or not 0 < len(names) <= 2 * _MOST_NAMES:
         return ""
