@@ -33,6 +33,20 @@ local_pose {
 """
 
 
+def compared(*words, status=0):
+    """Runs `jausml diff`, which ends with a status."""
+    done = CliRunner().invoke(main, ["diff", *map(str, words)])
+    assert done.exit_code == status, done.output
+    return done
+
+
+def written(folder, **texts):
+    """Writes models of some texts; returns their files."""
+    for name, text in texts.items():
+        (folder / f"{name}.xmi").write_text(text, encoding="utf-8")
+    return [folder / f"{name}.xmi" for name in texts]
+
+
 @pytest.fixture
 def diff(tmp_path, monkeypatch):
     """Compares two texts of a model; returns the changes."""
@@ -44,9 +58,7 @@ def diff(tmp_path, monkeypatch):
             (tmp_path / name).mkdir(exist_ok=True)
             files.append(tmp_path / name / f"model{suffix}")
             files[-1].write_text(text, encoding="utf-8")
-        done = CliRunner().invoke(main, ["diff", "--format", "json", *map(str, files)])
-        assert done.exit_code == 0, done.output
-        return json.loads(done.stdout)["changes"]
+        return json.loads(compared("--format", "json", *files).stdout)["changes"]
 
     return run
 
@@ -67,8 +79,8 @@ def test_the_same_in_another_layout(diff):
 def test_text_and_xmi_are_compared_as_models():
     xmi = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
     text = ROOT / "models" / "examples" / "catvehicle" / "catvehicle.ros2jaus"
-    done = CliRunner().invoke(main, ["diff", "--fail-on", "any", str(xmi), str(text)])
-    assert (done.exit_code, done.output) == (0, "no differences\n")
+    done = compared("--fail-on", "any", xmi, text)
+    assert done.output == "no differences\n"
 
 
 @pytest.mark.parametrize(
@@ -239,25 +251,21 @@ def test_a_reference_to_a_renamed_element_is_no_change(diff):
 
 
 def test_text_for_people_and_exit_status(tmp_path):
-    old, new = tmp_path / "old.xmi", tmp_path / "new.xmi"
-    old.write_text(CATVEHICLE, encoding="utf-8")
-    new.write_text(replaced(CATVEHICLE, 'address="100.1.1"', 'address="100.1.9"'), encoding="utf-8")
-    words = ["diff", str(old), str(new)]
-    done = CliRunner().invoke(main, words)
+    old, new = written(
+        tmp_path, old=CATVEHICLE, new=replaced(CATVEHICLE, 'address="100.1.1"', 'address="100.1.9"')
+    )
+    done = compared(old, new)
     line = "~ component catvehicle/vehicle: address 100.1.1 -> 100.1.9  [breaks peers]"
     assert done.output == f"{line}\n1 change, 1 breaks peers\n"
-    assert done.exit_code == 0
-    assert CliRunner().invoke(main, [*words, "--fail-on", "breaking"]).exit_code == 1
-    same = ["diff", "--fail-on", "any", str(old), str(old)]
-    assert CliRunner().invoke(main, same).exit_code == 0
+    compared(old, new, "--fail-on", "breaking", status=1)
+    compared("--fail-on", "any", old, old)
 
 
 def test_a_broken_model_is_told_and_compared_as_far_as_it_can_be_read(tmp_path):
-    old, new = tmp_path / "old.xmi", tmp_path / "new.xmi"
-    old.write_text(CATVEHICLE, encoding="utf-8")
-    new.write_text(replaced(CATVEHICLE, "mobility.xmi#Prim", "mobility.xmi#Crim"), encoding="utf-8")
-    done = CliRunner().invoke(main, ["diff", str(old), str(new)])
-    assert done.exit_code == 0
+    old, new = written(
+        tmp_path, old=CATVEHICLE, new=replaced(CATVEHICLE, "mobility.xmi#Prim", "mobility.xmi#Crim")
+    )
+    done = compared(old, new)
     assert "new.xmi has errors; what can be read was compared" in done.stderr
     assert "has no element 'CrimitiveDriver'" in done.stderr
     assert "which bridge uses; now provides CrimitiveDriver (not found)" in done.stdout
@@ -265,50 +273,44 @@ def test_a_broken_model_is_told_and_compared_as_far_as_it_can_be_read(tmp_path):
 
 def test_a_reference_that_leads_nowhere_says_what_it_said(tmp_path):
     """A state without its library, as of another folder, is compared by what it names."""
-    old, new = tmp_path / "old.xmi", tmp_path / "new.xmi"
-    old.write_text(CATVEHICLE, encoding="utf-8")
     text = CATVEHICLE.replace(LIBRARY_URI, "../nowhere/")
-    new.write_text(replaced(text, 'address="100.1.1"', 'address="100.1.9"'), encoding="utf-8")
+    moved = replaced(text, 'address="100.1.1"', 'address="100.1.9"')
+    old, new = written(tmp_path, old=CATVEHICLE, new=moved)
     for one, other in ((old, new), (new, old)):
-        done = CliRunner().invoke(main, ["diff", str(one), str(other)])
+        done = compared(one, other)
         assert done.stdout.endswith("\n1 change, 1 breaks peers\n"), done.stdout
         assert "JML2" in done.stderr
-    done = CliRunner().invoke(main, ["diff", "--fail-on", "any", str(new), str(new)])
-    assert (done.exit_code, done.stdout) == (0, "no differences\n")
+    done = compared("--fail-on", "any", new, new)
+    assert done.stdout == "no differences\n"
 
 
 @pytest.mark.parametrize("is_new", [True, False])
 def test_of_a_file_that_is_no_xml_nothing_is_said(tmp_path, is_new):
-    good, bad = tmp_path / "good.xmi", tmp_path / "bad.xmi"
-    good.write_text(CATVEHICLE, encoding="utf-8")
-    bad.write_text(CATVEHICLE.replace("</nodes>", "</nods>", 1), encoding="utf-8")
+    good, bad = written(tmp_path, good=CATVEHICLE, bad=CATVEHICLE.replace("</nodes>", "</nods>", 1))
     states = (good, bad) if is_new else (bad, good)
-    done = CliRunner().invoke(main, ["diff", *map(str, states)])
-    assert (done.exit_code, done.stdout) == (0, "nothing was compared\n")
+    done = compared(*states)
+    assert done.stdout == "nothing was compared\n"
     assert "JML004 not well-formed XML" in done.stderr
 
 
 @pytest.mark.parametrize("fail_on", ["breaking", "any"])
 def test_a_state_that_cannot_be_read_is_no_state_without_changes(tmp_path, fail_on):
-    good, bad = tmp_path / "good.xmi", tmp_path / "bad.xmi"
-    good.write_text(CATVEHICLE, encoding="utf-8")
-    bad.write_text(CATVEHICLE[:500], encoding="utf-8")
-    words = ["diff", str(good), str(bad), "--format", "json"]
-    done = CliRunner().invoke(main, [*words, "--fail-on", fail_on])
-    assert done.exit_code == 2
+    good, bad = written(tmp_path, good=CATVEHICLE, bad=CATVEHICLE[:500])
+    words = [good, bad, "--format", "json"]
+    done = compared(*words, "--fail-on", fail_on, status=2)
     assert f"{bad} cannot be read" in done.stderr
     assert json.loads(done.stdout) == {"changes": [], "unread": [str(bad)]}
-    assert CliRunner().invoke(main, words).exit_code == 0
+    compared(*words)
 
 
 @pytest.mark.parametrize(("kind", "is_new"), [("added", True), ("removed", False)])
 def test_a_file_that_does_not_exist_needs_no_name(tmp_path, kind, is_new):
     model = tmp_path / "model.xmi"
     model.write_text(CATVEHICLE, encoding="utf-8")
-    states = (os.devnull, str(model)) if is_new else (str(model), os.devnull)
-    words = ["diff", *states, "--format", "json", "--fail-on", "any"]
-    done = CliRunner().invoke(main, words)
-    assert (done.exit_code, done.stderr) == (1, "")
+    states = (os.devnull, model) if is_new else (model, os.devnull)
+    words = [*states, "--format", "json", "--fail-on", "any"]
+    done = compared(*words, status=1)
+    assert done.stderr == ""
     (change,) = json.loads(done.stdout)["changes"]
     assert (change["kind"], change["element"]) == (kind, "system")
 
@@ -341,7 +343,7 @@ def git(*words, cwd, text=""):
 def test_revisions_of_git(repository, old):
     new = WINCH.replace('code="0xD101"', 'code="0xD111"')
     (repository / "winch.xmi").write_text(new, encoding="utf-8")
-    done = CliRunner().invoke(main, ["diff", old, "winch.xmi"])
+    done = compared(old, "winch.xmi")
     assert "code 0xD101 -> 0xD111  [breaks peers]" in done.output, done.output
 
 
@@ -349,7 +351,7 @@ def test_folders_of_models(repository):
     (repository / "winch.xmi").unlink()
     text = (repository / "car.xmi").read_text(encoding="utf-8")
     (repository / "car.xmi").write_text(text.replace('rate="10.0"', 'rate="9.0"', 1), "utf-8")
-    done = CliRunner().invoke(main, ["diff", "HEAD:models", "."])
+    done = compared("HEAD:models", ".")
     assert "rate 10 -> 9 Hz" in done.output
     assert "- service set examples: removed" in done.output
     assert done.output.endswith("2 changes\n")
@@ -369,8 +371,7 @@ def test_folders_of_models(repository):
 )
 def test_what_is_not_there(repository, old, words):
     old = old.format(models=repository)
-    done = CliRunner().invoke(main, ["diff", old, "winch.xmi"])
-    assert done.exit_code == 2
+    done = compared(old, "winch.xmi", status=2)
     assert words in done.output
 
 
@@ -378,8 +379,8 @@ def test_links_of_a_revision_are_no_models(repository):
     (repository / "link.xmi").symlink_to("winch.xmi")
     git("add", "-A", cwd=repository)
     git("commit", "-q", "-m", "link", cwd=repository)
-    done = CliRunner().invoke(main, ["diff", "HEAD:models", "."])
-    assert (done.exit_code, done.output) == (0, "no differences\n")
+    done = compared("HEAD:models", ".")
+    assert done.output == "no differences\n"
 
 
 def test_a_tree_that_leads_out_writes_nothing_there(repository, tmp_path):
@@ -408,12 +409,11 @@ class TestAs:
         [(("/dev/null", "winch.xmi"), "+", "added"), (("winch.xmi", "/dev/null"), "-", "removed")],
     )
     def test_a_file_that_does_not_exist(self, tmp_path, states, sign, kind):
-        words = ["diff", "--as", "winch.xmi", "--fail-on", "any", *states]
-        done = CliRunner().invoke(main, words)
+        words = ["--as", "winch.xmi", "--fail-on", "any", *states]
+        done = compared(*words, status=1)
         assert done.output == f"winch.xmi\n{sign} service set examples: {kind}\n1 change\n"
-        assert done.exit_code == 1
-        done = CliRunner().invoke(main, [*words, "--format", "json", "-o", "out.json"])
-        assert (done.exit_code, done.output) == (1, "")
+        done = compared(*words, "--format", "json", "-o", "out.json", status=1)
+        assert done.output == ""
         (change,) = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))["changes"]
         assert (change["kind"], change["path"]) == (kind, "examples")
 
@@ -427,8 +427,7 @@ class TestAs:
     )
     def test_what_makes_no_sense(self, tmp_path, words, fault):
         (tmp_path / "other.xmi").write_text(WINCH, encoding="utf-8")
-        done = CliRunner().invoke(main, ["diff", *words])
-        assert done.exit_code == 2
+        done = compared(*words, status=2)
         assert fault in done.output
 
 
@@ -444,17 +443,16 @@ def test_code_is_compared_without_a_second_check_out(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", f"{folder}:{os.environ['PATH']}")
     code = tmp_path / "code"
     code.mkdir()
-    words = ["diff", "--code", str(code), "HEAD:./car.xmi", "car.xmi"]
-    done = CliRunner().invoke(main, words)
-    assert (done.exit_code, done.output) == (0, "no differences\n")
+    words = ["--code", code, "HEAD:./car.xmi", "car.xmi"]
+    done = compared(*words)
+    assert done.output == "no differences\n"
     assert calls.read_text().split().count("ls-tree") == 1
 
 
 def test_outside_of_a_repository(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("GIT_CEILING_DIRECTORIES", str(tmp_path.parent))
-    done = CliRunner().invoke(main, ["diff", "HEAD:a.xmi", "b.xmi"])
-    assert done.exit_code == 2
+    done = compared("HEAD:a.xmi", "b.xmi", status=2)
     assert "git: fatal: not a git repository" in done.output
 
 

@@ -5,108 +5,51 @@ message is encoded (codecs of every language, dissectors, interface packages, ru
 result.
 """
 
-from jausml.language.wire.kinds import (
-    JAUS_MESSAGE,
-    Alternative,
-    Array,
-    BitField,
-    Bits,
-    Count,
-    Field,
-    FixedText,
-    Format,
-    FormattedOctets,
-    Kind,
-    Leaf,
-    List,
-    Message,
-    Octets,
-    Record,
-    Scalar,
-    Sequence,
-    Text,
-    VariableNumber,
-    Variant,
-    comparable,
-)
-from jausml.language.wire.numbers import (
-    INTEGERS,
-    REALS,
-    UNSIGNED,
-    Integer,
-    IntegerType,
-    Interval,
-    LayoutError,
-    LegalIntegers,
-    LegalReals,
-    LimitError,
-    Listed,
-    Number,
-    Ranges,
-    Real,
-    RealType,
-    Scaled,
-    legal_integers,
-    merged,
-    offset_of,
-)
-from jausml.language.wire.resolving import (
-    LARGEST,
-    MAXIMUM_DEPTH,
-    MOST_FIELDS,
-    leaf_of,
-    resolve,
-    resolve_field,
-    target_of,
-)
-
-__all__ = [
-    "INTEGERS",
-    "JAUS_MESSAGE",
-    "LARGEST",
-    "MAXIMUM_DEPTH",
-    "MOST_FIELDS",
-    "REALS",
-    "UNSIGNED",
-    "Alternative",
-    "Array",
-    "BitField",
-    "Bits",
-    "Count",
-    "Field",
-    "FixedText",
-    "Format",
-    "FormattedOctets",
-    "Integer",
-    "IntegerType",
-    "Interval",
-    "Kind",
-    "LayoutError",
-    "Leaf",
-    "LegalIntegers",
-    "LegalReals",
-    "LimitError",
-    "List",
-    "Listed",
-    "Message",
-    "Number",
-    "Octets",
-    "Ranges",
-    "Real",
-    "RealType",
-    "Record",
-    "Scalar",
-    "Scaled",
-    "Sequence",
-    "Text",
-    "VariableNumber",
-    "Variant",
-    "comparable",
-    "leaf_of",
-    "legal_integers",
-    "merged",
-    "offset_of",
-    "resolve",
-    "resolve_field",
-    "target_of",
-]
+from jausml.language.wire.kinds import JAUS_MESSAGE as JAUS_MESSAGE
+from jausml.language.wire.kinds import Alternative as Alternative
+from jausml.language.wire.kinds import Array as Array
+from jausml.language.wire.kinds import BitField as BitField
+from jausml.language.wire.kinds import Bits as Bits
+from jausml.language.wire.kinds import Count as Count
+from jausml.language.wire.kinds import Field as Field
+from jausml.language.wire.kinds import FixedText as FixedText
+from jausml.language.wire.kinds import Format as Format
+from jausml.language.wire.kinds import FormattedOctets as FormattedOctets
+from jausml.language.wire.kinds import Kind as Kind
+from jausml.language.wire.kinds import Leaf as Leaf
+from jausml.language.wire.kinds import List as List
+from jausml.language.wire.kinds import Message as Message
+from jausml.language.wire.kinds import Octets as Octets
+from jausml.language.wire.kinds import Record as Record
+from jausml.language.wire.kinds import Scalar as Scalar
+from jausml.language.wire.kinds import Sequence as Sequence
+from jausml.language.wire.kinds import Text as Text
+from jausml.language.wire.kinds import VariableNumber as VariableNumber
+from jausml.language.wire.kinds import Variant as Variant
+from jausml.language.wire.kinds import comparable as comparable
+from jausml.language.wire.numbers import INTEGERS as INTEGERS
+from jausml.language.wire.numbers import REALS as REALS
+from jausml.language.wire.numbers import UNSIGNED as UNSIGNED
+from jausml.language.wire.numbers import Integer as Integer
+from jausml.language.wire.numbers import IntegerType as IntegerType
+from jausml.language.wire.numbers import Interval as Interval
+from jausml.language.wire.numbers import LayoutError as LayoutError
+from jausml.language.wire.numbers import LegalIntegers as LegalIntegers
+from jausml.language.wire.numbers import LegalReals as LegalReals
+from jausml.language.wire.numbers import LimitError as LimitError
+from jausml.language.wire.numbers import Listed as Listed
+from jausml.language.wire.numbers import Number as Number
+from jausml.language.wire.numbers import Ranges as Ranges
+from jausml.language.wire.numbers import Real as Real
+from jausml.language.wire.numbers import RealType as RealType
+from jausml.language.wire.numbers import Scaled as Scaled
+from jausml.language.wire.numbers import legal_integers as legal_integers
+from jausml.language.wire.numbers import merged as merged
+from jausml.language.wire.numbers import offset_of as offset_of
+from jausml.language.wire.resolving import LARGEST as LARGEST
+from jausml.language.wire.resolving import MAXIMUM_DEPTH as MAXIMUM_DEPTH
+from jausml.language.wire.resolving import MOST_FIELDS as MOST_FIELDS
+from jausml.language.wire.resolving import leaf_of as leaf_of
+from jausml.language.wire.resolving import resolve as resolve
+from jausml.language.wire.resolving import resolve_field as resolve_field
+from jausml.language.wire.resolving import target_of as target_of

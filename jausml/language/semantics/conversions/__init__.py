@@ -6,31 +6,14 @@ from collections.abc import Mapping, Sequence
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import authored, numbers, octets, orientations, times
-from jausml.language.semantics.conversions.conversion import (
-    ANY,
-    VALUE,
-    Argument,
-    ArgumentKind,
-    Conversion,
-    Effect,
-    NoValueError,
-    UnitEffect,
-)
-
-__all__ = [
-    "ANY",
-    "CONVERSIONS",
-    "NEGATION",
-    "VALUE",
-    "Argument",
-    "ArgumentKind",
-    "Conversion",
-    "Effect",
-    "NoValueError",
-    "UnitEffect",
-    "conversion_of",
-    "conversions_between",
-]
+from jausml.language.semantics.conversions.conversion import ANY as ANY
+from jausml.language.semantics.conversions.conversion import VALUE as VALUE
+from jausml.language.semantics.conversions.conversion import Argument as Argument
+from jausml.language.semantics.conversions.conversion import ArgumentKind as ArgumentKind
+from jausml.language.semantics.conversions.conversion import Conversion as Conversion
+from jausml.language.semantics.conversions.conversion import Effect as Effect
+from jausml.language.semantics.conversions.conversion import NoValueError as NoValueError
+from jausml.language.semantics.conversions.conversion import UnitEffect as UnitEffect
 
 _MODULES = (numbers, orientations, times, octets, authored)
 CONVERSIONS: Mapping[str, Conversion] = {
