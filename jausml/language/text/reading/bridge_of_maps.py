@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from jausml.language.metamodel import Metamodels
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.names import qualified_name
 from jausml.language.model.notation import Known
@@ -61,7 +60,6 @@ def add_bridge(
     declarer: Declarer,
     known: Known,
     nodes: NodeMaker,
-    metamodels: Metamodels,
 ) -> list[Node]:
     """Returns a system with a bridge that carries each map in the directions that it has.
 
@@ -71,7 +69,7 @@ def add_bridge(
     maps = list(_maps(ends, declarer, known))
     if not maps:
         return []
-    classes, span = metamodels.classes, maps[0].span
+    classes, span = nodes.metamodels.classes, maps[0].span
     system = nodes.root(classes["system.System"], span)
     name = system_name(options.path)
     nodes.value(system, "name", name, span)
@@ -89,7 +87,7 @@ def add_bridge(
     for map_ways in maps:
         for direction in (TO_ROS, TO_JAUS):
             if map_ways.to_ros if direction == TO_ROS else map_ways.to_jaus:
-                _connection(bridge, map_ways, direction, nodes, metamodels)
+                _connection(bridge, map_ways, direction, nodes)
     return [system]
 
 
@@ -129,10 +127,8 @@ def _is_used(map_ways: _MapWays) -> bool:
     return map_ways.to_jaus if map_ways.is_input else map_ways.to_ros
 
 
-def _connection(
-    bridge: Node, map_ways: _MapWays, direction: str, nodes: NodeMaker, metamodels: Metamodels
-) -> None:
-    classes, span = metamodels.classes, map_ways.span
+def _connection(bridge: Node, map_ways: _MapWays, direction: str, nodes: NodeMaker) -> None:
+    classes, span = nodes.metamodels.classes, map_ways.span
     # What comes from ROS is told apart from what goes there, or it would come back.
     word = {TO_ROS: "from_jaus", TO_JAUS: "to_jaus"}[direction]
     is_single = not (map_ways.to_ros and map_ways.to_jaus)

@@ -6,13 +6,12 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from jausml.language.metamodel import Metamodels
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.notation import Known
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.names import service_name, snake_case, system_name
 from jausml.language.text.reading.declared_types import JausFields, Types
-from jausml.language.text.reading.elements import ElementReader, NodeMaker
+from jausml.language.text.reading.elements import ElementReader
 from jausml.language.text.reading.maps import WrittenEnd
 from jausml.language.text.tree import Element, End, Feature, Span
 
@@ -28,19 +27,12 @@ _REPORT, _QUERY = "Report", "Query"
 class OwnService:
     """Makes the service that has the new messages of a text."""
 
-    def __init__(
-        self,
-        metamodels: Metamodels,
-        nodes: NodeMaker,
-        elements: ElementReader,
-        path: Path,
-        types: Types,
-    ) -> None:
-        self._classes = metamodels.classes
-        self._nodes = nodes
+    def __init__(self, elements: ElementReader, path: Path, types: Types) -> None:
+        self._nodes = elements.nodes
+        self._classes = self._nodes.metamodels.classes
         self._elements = elements
         self._path = path
-        self._fields = JausFields(metamodels, nodes, elements, types)
+        self._fields = JausFields(elements, types)
         self._used: set[int] = set()
         self.asks_for_all = False
         """Whether every message that comes out of the service gets a query, not reports alone."""

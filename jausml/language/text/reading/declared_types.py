@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from jausml.language.metamodel import Metamodels
 from jausml.language.model.values import show, suggest
 from jausml.language.model.xmi.parsing import Node
-from jausml.language.text.reading.elements import ElementReader, NodeMaker
+from jausml.language.text.reading.elements import ElementReader
 from jausml.language.text.tree import End, Feature, Member, Name, Span
 
 ANY_SIZE = "*"
@@ -126,17 +125,15 @@ class Types:
 class MemberBuilder:
     """Builds members of messages."""
 
-    def __init__(
-        self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader, types: Types
-    ) -> None:
-        self._classes = metamodels.classes
-        self.nodes = nodes
+    def __init__(self, elements: ElementReader, types: Types) -> None:
+        self.nodes = elements.nodes
         self.elements = elements
         self.types = types
 
     def new(self, owner: Node, feature: str, qualified_class: str, span: Span) -> Node:
         """Returns the node of an element that another one owns."""
-        return self.nodes.element(owner, feature, self._classes[qualified_class], span)
+        table = self.nodes.metamodels.classes[qualified_class]
+        return self.nodes.element(owner, feature, table, span)
 
     def named(self, members: Sequence[Member]) -> Iterator[Member]:
         """Yields the members that have a name of their own, and reports the others."""

@@ -7,14 +7,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from jausml.language.metamodel import Metamodels
 from jausml.language.model.library import has_package
 from jausml.language.model.notation import Known
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.names import package_name, words
 from jausml.language.text.reading import declared_types
 from jausml.language.text.reading.declared_messages import OwnService
-from jausml.language.text.reading.elements import ElementReader, NodeMaker
+from jausml.language.text.reading.elements import ElementReader
 from jausml.language.text.reading.maps import WrittenEnd
 from jausml.language.text.tree import End, Feature, Member, Name
 
@@ -24,21 +23,12 @@ _NAME = re.compile("[A-Za-z][A-Za-z0-9_]*")
 class Declarer:
     """Declares the new messages of one document."""
 
-    def __init__(
-        self,
-        metamodels: Metamodels,
-        nodes: NodeMaker,
-        elements: ElementReader,
-        path: Path,
-        types: Mapping[str, Member],
-    ) -> None:
-        self._classes = metamodels.classes
-        self._nodes = nodes
-        self._elements = elements
+    def __init__(self, elements: ElementReader, path: Path, types: Mapping[str, Member]) -> None:
+        self._nodes = elements.nodes
         self._path = path
         self.types = declared_types.Types(types)
-        self.service = OwnService(metamodels, nodes, elements, path, self.types)
-        self._ros = RosFields(metamodels, nodes, elements, self.types)
+        self.service = OwnService(elements, path, self.types)
+        self._ros = RosFields(elements, self.types)
         self._packages: dict[str, Node] = {}
         self.roots: list[Node] = []
         self._declaring: set[int] = set()
@@ -86,7 +76,7 @@ class Declarer:
     def _package(self, name: str, end: End) -> Node:
         root = self._packages.get(name)
         if root is None:
-            table = self._classes["ros.InterfacePackage"]
+            table = self._nodes.metamodels.classes["ros.InterfacePackage"]
             root = self._packages[name] = self._nodes.root(table, end.type.span)
             self._nodes.value(root, "name", name, end.type.span)
             self.roots.append(root)

@@ -43,14 +43,13 @@ class TextDocument:
         bridge: BridgeOfMaps | None = None,
     ) -> None:
         self.tree = document
-        self._metamodels = metamodels
         self._bridge = bridge
         self._nodes = NodeMaker(metamodels)
-        elements = ElementReader(metamodels, self._nodes)
-        self._maps = MapReader(metamodels, self._nodes, elements)
+        elements = ElementReader(self._nodes)
+        self._maps = MapReader(elements)
         elements.special |= self._maps.special
-        self._roots = RootReader(metamodels, self._nodes, elements, path)
-        self._declarer = Declarer(metamodels, self._nodes, elements, path, self._roots.types)
+        self._roots = RootReader(elements, path)
+        self._declarer = Declarer(elements, path, self._roots.types)
         self.imports: list[ImportedDocument] = []
         # Set apart, since messages that maps declare go into it once all maps are read.
         self._declarer.service.written = _own_service(document)
@@ -97,7 +96,7 @@ class TextDocument:
                 self._nodes.fault("JML716", self._nodes.spans[root], message, hint, owner=root)
                 return []
         ends = self._maps.ends
-        return add_bridge(bridge, ends, self._declarer, known, self._nodes, self._metamodels)
+        return add_bridge(bridge, ends, self._declarer, known, self._nodes)
 
     def check(self) -> Sequence[Fault]:
         """Settles what connections leave open; returns what is unclear about them and members."""
@@ -228,11 +227,9 @@ _ROOT_FEATURE = "root"
 class RootReader:
     """Makes the root elements of a document."""
 
-    def __init__(
-        self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader, path: Path
-    ) -> None:
-        self._metamodels = metamodels
-        self._nodes = nodes
+    def __init__(self, elements: ElementReader, path: Path) -> None:
+        self._nodes = elements.nodes
+        self._metamodels = self._nodes.metamodels
         self._elements = elements
         self._path = path
         self._implicit: dict[str, Node] = {}

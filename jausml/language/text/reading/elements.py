@@ -44,6 +44,7 @@ class NodeMaker:
     """
 
     def __init__(self, metamodels: Metamodels) -> None:
+        self.metamodels = metamodels
         self._prefixes = {package.name: package.ns_uri for package in metamodels.packages.values()}
         self.faults: list[Fault] = []
         self.classes: dict[Node, ClassTable] = {}
@@ -142,10 +143,9 @@ DOCUMENTATION = "documentation"
 class ElementReader:
     """Makes the nodes of elements from their blocks."""
 
-    def __init__(self, metamodels: Metamodels, nodes: NodeMaker) -> None:
-        self._metamodels = metamodels
-        self._nodes = nodes
-        self._keywords = classes_by_keyword(metamodels)
+    def __init__(self, nodes: NodeMaker) -> None:
+        self.nodes = nodes
+        self._keywords = classes_by_keyword(nodes.metamodels)
         self._depth = 0
         self.special: dict[str, Special] = {}
         """What reads items that the blocks of a class alone have, by qualified class."""
@@ -161,7 +161,7 @@ class ElementReader:
         word = block.keyword or block.name
         if word is None:
             message = "a block without a keyword says nothing of its class"
-            self._nodes.fault("JML702", block.span, message, "write a keyword before it")
+            self.nodes.fault("JML702", block.span, message, "write a keyword before it")
             return
         same = sorted(keyword for keyword in self._keywords if keyword.endswith(f".{word.text}"))
         keywords = [keyword for keyword in self._keywords if "." not in keyword]
@@ -174,7 +174,7 @@ class ElementReader:
         elif is_bare(block) and not near:
             hint = "commas stand between values, and the keyword of its class before an element"
         message = f"unknown keyword {show(word.text)}"
-        self._nodes.fault("JML702", word.span, message, hint, owner=owner, hides=True)
+        self.nodes.fault("JML702", word.span, message, hint, owner=owner, hides=True)
 
     def fill(self, node: Node, block: Element, item: Item | None = None) -> None:
         """Gives an element the name, documentation and contents that its block has.
@@ -182,14 +182,14 @@ class ElementReader:
         Args:
             item: What the documentation stands before, None for the block itself.
         """
-        table = self._nodes.classes[node]
+        table = self.nodes.classes[node]
         if block.name is not None and block.keyword is not None:
             if "name" in table.features:
-                self._nodes.value(node, "name", block.name.text, block.name.span)
+                self.nodes.value(node, "name", block.name.text, block.name.span)
             else:
                 message = f"{table.name} has no name"
                 hint = f"write '{block.keyword.text} {{'"
-                self._nodes.fault("JML702", block.name.span, message, hint, owner=node)
+                self.nodes.fault("JML702", block.name.span, message, hint, owner=node)
         self.document(node, item or block)
         self.items(node, block.items)
 
@@ -197,21 +197,21 @@ class ElementReader:
         """Gives an element the documentation that stands before an item."""
         if not item.documentation:
             return
-        table = table or self._nodes.classes[node]
+        table = table or self.nodes.classes[node]
         if DOCUMENTATION in table.features:
-            self._nodes.value(node, DOCUMENTATION, item.documentation, item.span)
+            self.nodes.value(node, DOCUMENTATION, item.documentation, item.span)
         else:
             message = f"{table.name} has no documentation: the comment before it is lost"
-            self._nodes.fault("JML703", item.span, message, _LOST)
+            self.nodes.fault("JML703", item.span, message, _LOST)
 
     def items(self, node: Node, items: Sequence[Item]) -> None:
         """Gives an element what stands in its block."""
         if self._depth >= MAX_DEPTH // 2:
             span = items[0].span if items else Span(node.line, node.column)
-            self._nodes.fault("JML008", span, f"blocks are nested more than {MAX_DEPTH // 2} deep")
+            self.nodes.fault("JML008", span, f"blocks are nested more than {MAX_DEPTH // 2} deep")
             return
         self._depth += 1
-        special = self.special.get(self._nodes.classes[node].qualified_name)
+        special = self.special.get(self.nodes.classes[node].qualified_name)
         for item in items:
             if isinstance(item, Feature):
                 self.feature(node, item)
@@ -225,18 +225,18 @@ class ElementReader:
 
     def misplaced(self, item: Item, owner: Node | None = None) -> None:
         """Reports an item that has no meaning where it stands."""
-        where = f"in {self._nodes.classes[owner].name}" if owner is not None else "on top level"
+        where = f"in {self.nodes.classes[owner].name}" if owner is not None else "on top level"
         words = {"End": "JAUS and ROS stand", "Direction": "assignments stand"}
         kind = type(item).__name__
         what = words.get(kind, f"this {kind.lower()} stands")
         message = f"{what} in a map, and not {where}"
         hint = "write a map around it: name { JAUS ... ROS ... }"
-        self._nodes.fault("JML702", item.span, message, hint, owner=owner)
+        self.nodes.fault("JML702", item.span, message, hint, owner=owner)
 
     def element(self, owner: Node, block: Element) -> None:
         """Gives an element another one that it owns."""
         table = self.class_of(block)
-        features = self._nodes.classes[owner].features
+        features = self.nodes.classes[owner].features
         is_plain_map = block.keyword is None and is_map(block.items)
         # A word that is no keyword is rather the name of a map, if one may stand here.
         if is_plain_map or (table is None and self._may_be_map(owner, block)):
@@ -249,47 +249,47 @@ class ElementReader:
                 value = block.name.text if is_value and block.name is not None else "{ ... }"
                 hint = f"write '{written.text}: {value}'"
                 message = f"'{written.text}' is a feature: a colon stands before its value"
-                self._nodes.fault("JML702", written.span, message, hint, owner=owner)
+                self.nodes.fault("JML702", written.span, message, hint, owner=owner)
                 return
             self.report_unknown(block, owner)
             return
         owning = self._owning(owner, table)
         if len(owning) == 1:
-            self.fill(self._nodes.element(owner, owning[0], table, block.span, block), block)
+            self.fill(self.nodes.element(owner, owning[0], table, block.span, block), block)
             return
         self._report_owner(owner, block, table, owning)
 
     def owned_map(self, owner: Node, block: Element) -> None:
         """Gives an element an attribute map, which needs no keyword."""
-        table = self._metamodels.classes["bridge.AttributeMap"]
+        table = self.nodes.metamodels.classes["bridge.AttributeMap"]
         owning = self._owning(owner, table)
         if len(owning) != 1:
             self._report_owner(owner, block, table, owning)
             return
-        node = self._nodes.element(owner, owning[0], table, block.span, block)
+        node = self.nodes.element(owner, owning[0], table, block.span, block)
         self.fill_map(node, block)
 
     def fill_map(self, node: Node, block: Element) -> None:
         """Gives a map its name, which may be the only word before its block, and contents."""
         if block.keyword is None and block.name is not None:
-            self._nodes.value(node, "name", block.name.text, block.name.span)
+            self.nodes.value(node, "name", block.name.text, block.name.span)
         self.fill(node, block)
 
     def feature(self, node: Node, item: Feature) -> None:
         """Gives an element the values of a feature."""
-        table = self._nodes.classes[node]
+        table = self.nodes.classes[node]
         feature = table.features.get(item.name.text)
         if feature is None:
             near = suggest_or_list(item.name.text, table.features)
             what = f"unknown feature {show(item.name.text)} of {table.name}"
             meant = nearest(item.name.text, table.features)
-            self._nodes.fault("JML103", item.name.span, what, near, owner=node, feature=meant)
+            self.nodes.fault("JML103", item.name.span, what, near, owner=node, feature=meant)
             return
         blocks = [block for block in item.values if isinstance(block, Element)]
         # A comment documents a block; with several values it is open which one.
         if item.documentation and not (len(item.values) == len(blocks) == 1):
             message = f"the comment before feature '{feature.name}' documents nothing"
-            self._nodes.fault("JML703", item.span, message, _LOST)
+            self.nodes.fault("JML703", item.span, message, _LOST)
         for value in item.values:
             self._value(node, feature, value, item)
 
@@ -303,22 +303,22 @@ class ElementReader:
                 what = "refers to elements" if feature.is_reference else "has a value"
                 self._wrong(node, feature, value.span, f"{what}, it owns none")
         elif feature.kind is FeatureKind.ATTRIBUTE:
-            self._nodes.value(node, feature.name, literal(value, feature), value.span)
+            self.nodes.value(node, feature.name, literal(value, feature), value.span)
         elif feature.kind is FeatureKind.CONTAINMENT:
             hint = f"write {feature.name}: {{ ... }}"
             self._wrong(node, feature, value.span, "owns its elements", hint)
         elif isinstance(value, Number):
             self._wrong(node, feature, value.span, "takes a name, no number")
         else:
-            self._nodes.name(node, feature.name, value.text, value.span)
+            self.nodes.name(node, feature.name, value.text, value.span)
 
     def _href(self, node: Node, feature: FeatureTable, value: Href) -> None:
         if feature.kind is not FeatureKind.ATTRIBUTE:
-            self._nodes.href(node, feature.name, value.text, value.span)
+            self.nodes.href(node, feature.name, value.text, value.span)
         elif value.text:
             self._wrong(node, feature, value.span, "has a value, no reference")
         else:
-            self._nodes.null(node, feature.name, value.span)
+            self.nodes.null(node, feature.name, value.span)
 
     def _block_value(
         self, node: Node, feature: FeatureTable, block: Element, item: Feature
@@ -333,35 +333,35 @@ class ElementReader:
             hint = f"write 'new' and one of: {legal}"
             self._wrong(node, feature, block.span, f"takes {wanted.name}; this {what}", hint)
         else:
-            child = self._nodes.element(node, feature.name, table, block.span, block)
+            child = self.nodes.element(node, feature.name, table, block.span, block)
             self.fill(child, block, item if len(item.values) == 1 else None)
 
     def _wrong(
         self, node: Node, feature: FeatureTable, span: Span, what: str, hint: str = ""
     ) -> None:
-        message = f"feature '{feature.name}' of {self._nodes.classes[node].name} {what}"
-        self._nodes.fault("JML705", span, message, hint, owner=node, feature=feature.name)
+        message = f"feature '{feature.name}' of {self.nodes.classes[node].name} {what}"
+        self.nodes.fault("JML705", span, message, hint, owner=node, feature=feature.name)
 
     def _may_be_map(self, owner: Node, block: Element) -> bool:
         """Tells whether a word that names no class is rather the name of a map."""
-        table = self._metamodels.classes["bridge.AttributeMap"]
+        table = self.nodes.metamodels.classes["bridge.AttributeMap"]
         is_alone = block.keyword is None and block.name is not None
         near = nearest(block.name.text, self._keywords) if block.name is not None else ""
         return is_alone and not near and bool(self._owning(owner, table)) and not block.items
 
     def _owning(self, owner: Node, table: ClassTable) -> Sequence[str]:
         """Returns the features of an element that may own an element of a class."""
-        return owning_features(self._nodes.classes[owner], table)
+        return owning_features(self.nodes.classes[owner], table)
 
     def _report_owner(
         self, owner: Node, block: Element, table: ClassTable, owning: Sequence[str]
     ) -> None:
-        what = f"{self._nodes.classes[owner].name} owns no {table.name}"
+        what = f"{self.nodes.classes[owner].name} owns no {table.name}"
         hint = ""
         if owning:
             what = f"{table.name} may stand in {' or '.join(owning)}"
             hint = f"write {owning[0]}: new {keyword_of(table)} ..."
-        self._nodes.fault("JML702", block.span, what, hint, owner=owner)
+        self.nodes.fault("JML702", block.span, what, hint, owner=owner)
 
 
 def keyword_of(table: ClassTable) -> str:

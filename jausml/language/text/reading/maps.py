@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeGuard
 
-from jausml.language.metamodel import ClassTable, Metamodels
+from jausml.language.metamodel import ClassTable
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.conversions import CONVERSIONS, Argument, ArgumentKind, Conversion
 from jausml.language.text import tree
-from jausml.language.text.reading.elements import ElementReader, NodeMaker, Special, decimal
+from jausml.language.text.reading.elements import ElementReader, Special, decimal
 
 MAP = "bridge.AttributeMap"
 LIST = "bridge.ListAssignment"
@@ -28,9 +28,9 @@ class WrittenEnd:
 class MapReader:
     """Makes the nodes of what only attribute maps have."""
 
-    def __init__(self, metamodels: Metamodels, nodes: NodeMaker, elements: ElementReader) -> None:
-        self._classes = metamodels.classes
-        self._nodes = nodes
+    def __init__(self, elements: ElementReader) -> None:
+        self._nodes = elements.nodes
+        self._classes = self._nodes.metamodels.classes
         self._elements = elements
         self.ends: list[WrittenEnd] = []
         self.special: dict[str, Special] = {MAP: self._item, LIST: self._inner_item}
