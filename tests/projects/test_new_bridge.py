@@ -312,7 +312,7 @@ def test_of_several_bridges_one_gets_the_topics(rover, jausml):
     ]:
         done = jausml("new", "connection", *words, "--yes", status=2)
         assert told in done.output, done.output
-    done = jausml("new", "bridge", "front", ODOM, "--yes")
+    done = jausml("new", "bridge", "front", ODOM, "--yes", status=2)
     assert "jausml new connection --bridge front adds topics to it" in done.output
     assert model.read_bytes() == before
     jausml("new", "connection", ODOM, "--bridge", "rear", "--yes")

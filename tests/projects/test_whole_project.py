@@ -138,7 +138,7 @@ def test_messages_of_the_project_are_known_in_it(tanks, jausml, tmp_path, monkey
     assert "ReportTanks" in jausml("list", "messages").output
     assert "abyss_msgs/Tank" in jausml("list", "maps").output
     assert "urn:example:rover:Tanks" in jausml("list", "services").output
-    done = jausml("encode", '{"message": "ReportTankz"}')
+    done = jausml("encode", '{"message": "ReportTankz"}', status=1)
     assert "did you mean ReportTanks?" in done.output
     monkeypatch.chdir(tmp_path)
     done = jausml("encode", MESSAGE, status=1)
@@ -169,7 +169,7 @@ def test_a_broken_model_beside_it_hides_no_other_messages(tanks, jausml):
 @pytest.mark.slow
 @pytest.mark.usefixtures("tanks")
 def test_an_own_package_is_looked_for_on_this_machine(jausml):
-    done = jausml("doctor", "--format", "json")
+    done = jausml("doctor", "--format", "json", status=1)
     found = {check["name"]: check for check in json.loads(done.stdout)["checks"]}
     assert found["abyss_msgs"]["verdict"] == "error"
     assert "colcon build" in found["abyss_msgs"]["cure"]

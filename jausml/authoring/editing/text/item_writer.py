@@ -50,11 +50,6 @@ class ItemWriter:
         element = self.detached_element(copy)
         return self.maps.arrow(element) if isinstance(element, bridge.Assignment) else None
 
-    def call(self, copy: ElementCopy) -> tree.Call | None:
-        """Returns a conversion as a call, None where no call says it."""
-        element = self.detached_element(copy)
-        return self.maps.call(element) if isinstance(element, bridge.Conversion) else None
-
     def item(self, copy: ElementCopy, around: Part | None) -> tree.Item:
         """Returns an element as it is written in its owner.
 

@@ -6,14 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from jausml.language.attributes.expressions import (
-    EvaluationError,
-    Expression,
-    ExpressionError,
-    evaluate,
-    parse_expression,
-    variables,
-)
+from jausml.language.attributes import expressions
 from jausml.language.metamodel.classes import ros
 from jausml.language.semantics.subject import remembered
 
@@ -33,7 +26,7 @@ class Mark:
     """
 
     marker: ros.Marker
-    condition: Expression
+    condition: expressions.Expression
     is_of_elements: bool
 
     @property
@@ -50,11 +43,11 @@ def marks_of(field: ros.Field) -> tuple[Mark, ...]:
 
 def _mark(field: ros.Field, marker: ros.Marker) -> Mark | None:
     try:
-        condition = parse_expression(marker.condition or "")
-    except ExpressionError:
+        condition = expressions.parse_expression(marker.condition or "")
+    except expressions.ExpressionError:
         return None
     is_array = field.arrayKind.name != "single"
-    return Mark(marker, condition, is_array and VALUE in variables(condition))
+    return Mark(marker, condition, is_array and VALUE in expressions.variables(condition))
 
 
 def marks_at(field: ros.Field, *, is_element: bool) -> tuple[Mark, ...]:
@@ -91,7 +84,7 @@ def unknown(field: ros.Field) -> str | None:
 def _is_said_by_default(field: ros.Field, mark: Mark) -> bool:
     owner = field.eContainer()
     values: dict[str, float] = {}
-    for name in variables(mark.condition):
+    for name in expressions.variables(mark.condition):
         path = str(field.name) if name == VALUE else name
         value = number_as_made(owner, path) if isinstance(owner, ros.MessageType) else None
         if value is None:
@@ -119,9 +112,9 @@ def number_as_made(owner: ros.MessageType, path: str) -> float | None:
         return None
 
 
-def is_said(condition: Expression, values: Mapping[str, float]) -> bool:
+def is_said(condition: expressions.Expression, values: Mapping[str, float]) -> bool:
     """Tells whether a marker says of some numbers, by its names for them, that they are none."""
     try:
-        return evaluate(condition, values) != 0.0
-    except (EvaluationError, KeyError):
+        return expressions.evaluate(condition, values) != 0.0
+    except (expressions.EvaluationError, KeyError):
         return False

@@ -7,21 +7,7 @@ from collections.abc import Container
 from dataclasses import dataclass, replace
 
 from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.paths.attributes import (
-    COUNT,
-    EMPTY,
-    LIST,
-    NUMBER,
-    NUMBERS,
-    OCTETS,
-    TEXT,
-    UNSTATED,
-    Attribute,
-    PathFault,
-    count_of_elements,
-    nearest_name,
-    primitive,
-)
+from jausml.language.semantics.paths import attributes
 from jausml.language.semantics.paths.markers import marks_at, marks_of, unknown
 from jausml.language.semantics.subject import remembered
 
@@ -54,15 +40,15 @@ class RosPlace:
     is_array: bool = False
     is_count: bool = False
     units: str = ""
-    frame: str = UNSTATED
+    frame: str = attributes.UNSTATED
     label: str = ""
     constants: tuple[tuple[str, str], ...] = ()
     may_lack: bool = False
     says_unknown: bool = False
 
-    def follow(self, path: str) -> RosPlace | PathFault | None:
+    def follow(self, path: str) -> RosPlace | attributes.PathFault | None:
         """Returns the place that a path leads to; None when a part of it was not read."""
-        place: RosPlace | PathFault | None = self
+        place: RosPlace | attributes.PathFault | None = self
         for step in [] if path == "." else path.split("."):
             if not isinstance(place, RosPlace):
                 return place
@@ -77,12 +63,14 @@ class RosPlace:
         marks = any(mark.is_of_elements for mark in marks_of(self.field))
         return replace(self, type=inner, is_array=False, may_lack=marks)
 
-    def attribute(self) -> Attribute:
+    def attribute(self) -> attributes.Attribute:
         """Returns what an assignment finds here."""
         if self.field is None:
-            return Attribute("", f"a {ros_name(self.type)}" if self.type is not None else "nothing")
+            return attributes.Attribute(
+                "", f"a {ros_name(self.type)}" if self.type is not None else "nothing"
+            )
         if self.is_count:
-            return replace(count_of_elements(self.label), is_ros=True)
+            return replace(attributes.count_of_elements(self.label), is_ros=True)
         value = self._array(self.field) if self.is_array else self._single(self.field)
         return replace(
             value,
@@ -92,19 +80,20 @@ class RosPlace:
             is_ros=True,
             field=self.field,
             may_lack=self.may_lack,
-            says_unknown=self.says_unknown or (value.kind in EMPTY and value.count is None),
+            says_unknown=self.says_unknown
+            or (value.kind in attributes.EMPTY and value.count is None),
         )
 
-    def step(self, step: str) -> RosPlace | PathFault | None:
+    def step(self, step: str) -> RosPlace | attributes.PathFault | None:
         """Returns the place behind one name, an index included."""
         if self.is_array and self.field is not None:
-            if step == COUNT:
+            if step == attributes.COUNT:
                 return replace(self, type=None, is_array=False, is_count=True)
             return _unindexed(self.field)
         if self.type is None:
             if not isinstance(self.field, ros.PrimitiveField):
                 return None
-            return PathFault(
+            return attributes.PathFault(
                 f"'{self.field.name}' is a {self.field.type.name}, it has no attributes"
             )
         fields = fields_by_name(self.type)
@@ -112,7 +101,7 @@ class RosPlace:
         field = fields.get(name)
         if field is None:
             message = f"{ros_name(self.type)} has no field '{name}'"
-            return PathFault(message, nearest_name(name, self.type.fields))
+            return attributes.PathFault(message, attributes.nearest_name(name, self.type.fields))
         fault = _index_fault(field, indices)
         if fault is not None:
             return fault
@@ -132,33 +121,33 @@ class RosPlace:
             field=field,
             is_array=is_array,
             units=field.units or self.units,
-            frame=frame if frame != UNSTATED else self.frame,
+            frame=frame if frame != attributes.UNSTATED else self.frame,
             label=field.name,
             may_lack=self.may_lack or is_shorter or bool(marks_at(field, is_element=not is_array)),
             says_unknown=self.says_unknown or unknown(field) is not None,
         )
 
-    def _array(self, field: ros.Field) -> Attribute:
+    def _array(self, field: ros.Field) -> attributes.Attribute:
         element = self._single(field)
         kind = field.arrayKind.name
         count = field.arraySize if kind == "fixedArray" else None
         name = f"an array of {element.name.removeprefix('a ')}"
         if isinstance(field, ros.PrimitiveField):
             if field.type.name == "uint8" and kind == "unboundedSequence":
-                return Attribute(OCTETS, "a sequence of uint8")
-            if element.kind == NUMBER:
-                return replace(element, kind=NUMBERS, name=name, count=count)
-        return Attribute(LIST, name, count=count)
+                return attributes.Attribute(attributes.OCTETS, "a sequence of uint8")
+            if element.kind == attributes.NUMBER:
+                return replace(element, kind=attributes.NUMBERS, name=name, count=count)
+        return attributes.Attribute(attributes.LIST, name, count=count)
 
-    def _single(self, field: ros.Field) -> Attribute:
+    def _single(self, field: ros.Field) -> attributes.Attribute:
         if not isinstance(field, ros.PrimitiveField):
             target = field.messageType if isinstance(field, ros.MessageField) else None
             name = ros_name(target) if target is not None else "a message"
-            return Attribute(name, f"a {name}")
+            return attributes.Attribute(name, f"a {name}")
         if field.type.name in ("string", "wstring"):
-            return Attribute(TEXT, "text", length=field.stringBound or None)
-        value = replace(primitive(field.type.name), constants=self.constants)
-        if value.kind == NUMBER and field.minimum < field.maximum:
+            return attributes.Attribute(attributes.TEXT, "text", length=field.stringBound or None)
+        value = replace(attributes.primitive(field.type.name), constants=self.constants)
+        if value.kind == attributes.NUMBER and field.minimum < field.maximum:
             return replace(value, lower=field.minimum, upper=field.maximum)
         return value
 
@@ -211,21 +200,25 @@ def is_bounded(field: ros.Field) -> bool:
     return field.arrayKind.name in ("fixedArray", "boundedSequence")
 
 
-def _index_fault(field: ros.Field, indices: list[int]) -> PathFault | None:
+def _index_fault(field: ros.Field, indices: list[int]) -> attributes.PathFault | None:
     if not indices:
         return None
     if field.arrayKind.name == "single":
-        return PathFault(f"'{field.name}' is not an array, it has no [{indices[0]}]")
+        return attributes.PathFault(f"'{field.name}' is not an array, it has no [{indices[0]}]")
     if len(indices) > 1:
-        return PathFault(f"'{field.name}' has one dimension")
+        return attributes.PathFault(f"'{field.name}' has one dimension")
     if is_bounded(field) and indices[0] >= field.arraySize:
         size = f"{'at most ' if is_sequence(field) else ''}{field.arraySize}"
-        return PathFault(f"'{field.name}' has {size} elements, counted from 0: no [{indices[0]}]")
+        return attributes.PathFault(
+            f"'{field.name}' has {size} elements, counted from 0: no [{indices[0]}]"
+        )
     return None
 
 
-def _unindexed(field: ros.Field) -> PathFault:
+def _unindexed(field: ros.Field) -> attributes.PathFault:
     if field.arrayKind.name == "fixedArray":
-        return PathFault(f"'{field.name}' is an array", f"name one element: {field.name}[0]")
+        return attributes.PathFault(
+            f"'{field.name}' is an array", f"name one element: {field.name}[0]"
+        )
     hint = "translate its elements by a ListAssignment"
-    return PathFault(f"'{field.name}' is an array", hint)
+    return attributes.PathFault(f"'{field.name}' is an array", hint)

@@ -12,17 +12,9 @@ from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import sent_reports, unanswered
 from jausml.language.semantics.connections.limits import LONGEST_TIME, SHORTEST_TIME
 from jausml.language.semantics.connections.topics import resolve_topic, topic_fault
+from jausml.language.semantics.jaus import services
 from jausml.language.semantics.jaus.commands import is_emergency, is_steering, told_by_command
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
-from jausml.language.semantics.jaus.services import (
-    Provider,
-    attributes,
-    code,
-    find_input,
-    find_output,
-    is_known,
-    peers_of,
-)
 from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
 from jausml.language.semantics.paths.scopes import source_paths
@@ -80,7 +72,7 @@ def maps_fit(subject: Subject, connection: bridge.RosServiceConnection) -> Itera
             yield Finding(connection, message, half.kind, related=(note,))
             continue
         feature = "toRos" if half.to_ros else "toJaus"
-        targets = used.type.fields if half.to_ros else attributes(used.message)
+        targets = used.type.fields if half.to_ros else services.attributes(used.message)
         if targets and not getattr(used, feature) and subject.is_intact(used):
             message = f"map '{used.name}' has no {feature} assignments, which its place needs"
             note = Note(used, f"map '{used.name}'")
@@ -126,12 +118,12 @@ def messages_provided(
     Good: the same with a peer that provides Management
     """
     for provider in _asked(connection):
-        if is_known(subject, provider):
+        if services.is_known(subject, provider):
             yield from _provided(connection, provider)
     asking = calls.asking(connection)
     if calls.serves(connection) or asking is None or is_emergency(asking):
         return
-    if code(asking) in _CORE_CODES:
+    if services.code(asking) in _CORE_CODES:
         message = f"the runtime itself takes {asking.name} of '{connection.name}'"
         yield Finding(connection, message, _feature(connection, asking), "take another message")
 
@@ -165,7 +157,7 @@ def peers_controllable(
     is_sent = asking is not None and is_steering(asking) and calls.serves(connection)
     if not is_sent or not connection.control:
         return
-    yield from uncontrollable(subject, connection, peers_of(connection))
+    yield from uncontrollable(subject, connection, services.peers_of(connection))
 
 
 @rule(
@@ -312,22 +304,24 @@ def names(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Findi
         yield Finding(connection, message, "service")
 
 
-def _asked(connection: bridge.RosServiceConnection) -> list[Provider]:
+def _asked(connection: bridge.RosServiceConnection) -> list[services.Provider]:
     """Returns who is asked: the peers, or the bridge itself."""
     owner = connection.eContainer()
     if not calls.serves(connection):
         return [] if owner is None else [owner]
-    return peers_of(connection)
+    return services.peers_of(connection)
 
 
-def _provided(connection: bridge.RosServiceConnection, provider: Provider) -> Iterator[Finding]:
+def _provided(
+    connection: bridge.RosServiceConnection, provider: services.Provider
+) -> Iterator[Finding]:
     asking = calls.asking(connection)
     answers = [message for message in calls.messages(connection) if message is not asking]
-    if asking is not None and find_input(asking, provider) is None:
+    if asking is not None and services.find_input(asking, provider) is None:
         feature = _feature(connection, asking)
         yield unprovided(connection, provider, asking, "takes", feature)
     for answer in answers:
-        if find_output(answer, provider) is None:
+        if services.find_output(answer, provider) is None:
             yield unprovided(connection, provider, answer, "sends", _feature(connection, answer))
 
 
@@ -366,7 +360,7 @@ def answers_queries(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding]
 
     Good: with a connection to JAUS for ReportVelocityState
     """
-    if not is_known(subject, owner) or not _is_read(subject, owner):
+    if not services.is_known(subject, owner) or not _is_read(subject, owner):
         return
     sent = sent_reports(owner) | set(_meant(owner))
     for service in owner.provides:
@@ -386,7 +380,7 @@ def _meant(owner: bridge.Bridge) -> Iterator[int]:
         if not (connection.peers or connection.search):
             message = connection.map.message
             answer = told_by_command(message, owner.provides)
-            yield code(message if answer is None else answer.report)
+            yield services.code(message if answer is None else answer.report)
 
 
 def _is_read(subject: Subject, owner: bridge.Bridge) -> bool:

@@ -10,16 +10,8 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.exchanges import FEATURES, possible_exchanges
 from jausml.language.semantics.connections.limits import LEAST_RATE
 from jausml.language.semantics.connections.topics import Flow, find_loops, flow_of
+from jausml.language.semantics.jaus import services
 from jausml.language.semantics.jaus.commands import is_steering
-from jausml.language.semantics.jaus.services import (
-    Provider,
-    attributes,
-    find_input,
-    find_output,
-    find_query,
-    is_known,
-    peers_of,
-)
 from jausml.language.semantics.paths.scopes import is_sound
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import (
@@ -56,7 +48,7 @@ def direction_assigned(subject: Subject, connection: bridge.Connection) -> Itera
     used = connection.map
     to_ros = _to_ros(connection)
     feature = "toRos" if to_ros else "toJaus"
-    targets = used.type.fields if to_ros else attributes(used.message)
+    targets = used.type.fields if to_ros else services.attributes(used.message)
     if targets and not getattr(used, feature) and subject.is_intact(used):
         note = Note(used, f"map '{used.name}'")
         message = f"map '{used.name}' has no {feature} assignments, which"
@@ -82,8 +74,10 @@ def message_provided(subject: Subject, connection: bridge.Connection) -> Iterato
 
     Good: the same with a peer that provides PrimitiveDriver
     """
-    owner, peers = connection.eContainer(), peers_of(connection)
-    if owner is not None and all(is_known(subject, component) for component in (owner, *peers)):
+    owner, peers = connection.eContainer(), services.peers_of(connection)
+    if owner is not None and all(
+        services.is_known(subject, component) for component in (owner, *peers)
+    ):
         for finding in _service_findings(connection, owner, peers):
             hints = filter(None, (finding.hint, _other_ways(subject, connection)))
             yield replace(finding, hint=", or ".join(hints))
@@ -101,9 +95,9 @@ def peers_named(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     Good: `exchange="periodicEvent" peers="vehicle"`
     """
     by_message = connection.exchange.name == "message"
-    if peers_of(connection) or by_message is _to_ros(connection):
+    if services.peers_of(connection) or by_message is _to_ros(connection):
         return
-    if not is_known(subject, connection.eContainer()):
+    if not services.is_known(subject, connection.eContainer()):
         return  # the way that a text leaves open follows from the services of the bridge
     purpose = "to send it to" if by_message else "to ask for it"
     message = f"'{connection.name}' carries {connection.map.message.name}"
@@ -127,13 +121,13 @@ def query_known(subject: Subject, connection: bridge.Connection) -> Iterator[Fin
     if connection.query is not None and not subject.is_intact(connection.query):
         return
     message = connection.map.message
-    senders = peers_of(connection) if _to_ros(connection) else [connection.eContainer()]
+    senders = services.peers_of(connection) if _to_ros(connection) else [connection.eContainer()]
     for sender in senders:
-        if sender is None or not is_known(subject, sender):
+        if sender is None or not services.is_known(subject, sender):
             continue
-        if find_output(message, sender) is None:
+        if services.find_output(message, sender) is None:
             continue
-        if find_query(connection, sender) is None:
+        if services.find_query(connection, sender) is None:
             yield missing_query(connection, message, sender)
             break
 
@@ -188,7 +182,7 @@ def peers_controllable(subject: Subject, connection: bridge.Connection) -> Itera
     """
     if _to_ros(connection) or not connection.control or not is_steering(connection.map.message):
         return
-    yield from uncontrollable(subject, connection, peers_of(connection))
+    yield from uncontrollable(subject, connection, services.peers_of(connection))
 
 
 @rule("JML428", "bridges feed each other")
@@ -243,40 +237,40 @@ def _serving(connection: bridge.Connection) -> str:
     """Returns how the bridge can serve the report itself; nothing where it provides it already."""
     owner, message = connection.eContainer(), connection.map.message
     service = message.eContainer()
-    if owner is None or service is None or find_output(message, owner) is not None:
+    if owner is None or service is None or services.find_output(message, owner) is not None:
         return ""
     return f"let '{owner.name}' provide {service.name} to serve it"
 
 
 def _service_findings(
-    connection: bridge.Connection, owner: bridge.Bridge, peers: list[Provider]
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[services.Provider]
 ) -> Iterator[Finding]:
     message, by_message = connection.map.message, connection.exchange.name == "message"
     if _to_ros(connection) and by_message:
         yield from _taken_findings(connection, owner, peers)
     elif by_message:
-        without = [peer for peer in peers if find_input(message, peer) is None]
+        without = [peer for peer in peers if services.find_input(message, peer) is None]
         yield from (
             unprovided(connection, component, message, "takes", "map") for component in without
         )
     else:
-        senders: list[Provider] = peers if _to_ros(connection) else [owner]
-        without = [sender for sender in senders if find_output(message, sender) is None]
+        senders: list[services.Provider] = peers if _to_ros(connection) else [owner]
+        without = [sender for sender in senders if services.find_output(message, sender) is None]
         yield from (
             unprovided(connection, component, message, "sends", "map") for component in without
         )
 
 
 def _taken_findings(
-    connection: bridge.Connection, owner: bridge.Bridge, peers: list[Provider]
+    connection: bridge.Connection, owner: bridge.Bridge, peers: list[services.Provider]
 ) -> Iterator[Finding]:
     message = connection.map.message
-    if find_input(message, owner) is not None:
+    if services.find_input(message, owner) is not None:
         return
     if not peers:
         yield unprovided(connection, owner, message, "takes", "map")
     for peer in peers:
-        if find_output(message, peer) is None:
+        if services.find_output(message, peer) is None:
             text = f"neither '{owner.name}' provides a service that takes {message.name}"
             text += f" nor {provider_name(peer)} one that sends it"
             notes = tuple(Note(component, provider_name(component)) for component in (owner, peer))
