@@ -21,7 +21,6 @@ NEW = "new:"
 `new:0/@maps.1` is a ref to what that owns.
 """
 
-
 IDENTIFIER = "xmi:id"
 """Among the values of a new element: the id that it shall have. Without one it gets none."""
 

@@ -28,7 +28,6 @@ from jausml.language.model.refs import Ref
 Shift: TypeAlias = "Mapping[Ref, Ref]"
 """New refs by old ones where they differ; empty for what is gone."""
 
-
 _KEPT, _KEPT_OUTSIDE = 256, 32
 
 _NAME = "name"

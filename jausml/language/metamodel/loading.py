@@ -74,7 +74,6 @@ _KINDS = {
 }
 _PRIMITIVES = {"boolean", "int", "long", "short", "double", "float"}
 
-
 ParametersT = ParamSpec("ParametersT")
 MadeT = TypeVar("MadeT")
 

@@ -120,7 +120,6 @@ _RULES = {
 TEXT_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the text language by id. Ids are never used again for something else."""
 
-
 SUFFIX = ".ros2jaus"
 
 _SPECIAL = {

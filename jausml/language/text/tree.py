@@ -278,7 +278,6 @@ LONGEST = 4 * 1024 * 1024
 DEEPEST = 64
 """How deep brackets may be nested."""
 
-
 _APART = re.compile(r'"(?:[^"\\]|\\.)*"|`(?:[^`\\]|\\.)*`|//[^\n]*|/\*.*?\*/', re.DOTALL)
 """Texts, quoted names and comments: within one there is none of the others."""
 _LINE_START = re.compile(r"[ \t\r]*\*?[ ]?")

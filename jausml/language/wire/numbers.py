@@ -228,7 +228,6 @@ REALS = {
 }
 """The floating point types by their names."""
 
-
 Ranges = tuple[tuple[int, int], ...]
 """Smallest and largest integer of each range, in order and apart."""
 

@@ -135,7 +135,6 @@ _RULES = {
 JSIDL_RULES: Mapping[str, RuleInfo] = MappingProxyType(_RULES)
 """The rules of the JSIDL importer by id. Ids are never used again for something else."""
 
-
 ElementT = TypeVar("ElementT", bound="EObject")
 
 MOST_ELEMENTS = 50_000

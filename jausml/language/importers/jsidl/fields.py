@@ -32,7 +32,6 @@ _BOUNDS = {"inclusive": "inclusive", "exclusive": "exclusive"}
 _DECLARED = "declared_"
 _VALUE_SETS = ("value_set", f"{_DECLARED}value_set")
 
-
 Made: TypeAlias = "tuple[type[jaus.Field], dict[str, Any]]"
 """Class and features of a field."""
 

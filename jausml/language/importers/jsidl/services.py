@@ -36,7 +36,6 @@ _VERSION = re.compile("[0-9]{1,3}[.][0-9]{1,3}")
 ByUrn: TypeAlias = "dict[str, dict[str, jaus.Service]]"
 """Services by URN and version."""
 
-
 _WORDS_OF_ALL = ("urn", "jaus", "jss", "service", "services")
 """Parts of URNs that tell no service set from another."""
 

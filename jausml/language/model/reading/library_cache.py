@@ -18,7 +18,6 @@ from jausml.language.model.uris import FileTarget
 Opened: TypeAlias = "Mapping[Document, Mapping[str, Document | None]]"
 """What the references of documents led to, by URI; None for nowhere."""
 
-
 _MOST = 500
 """Documents; more are of projects that nobody works with any more."""
 

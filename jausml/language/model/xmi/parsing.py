@@ -271,7 +271,6 @@ _ENCODING_ERRORS = frozenset(
     )
 )
 
-
 _CHUNK = 512
 _TOKEN = re.compile(r"""\s+([^\s=/>]+)\s*=\s*("[^"]*"|'[^']*')""")
 _NAME = re.compile(r"<[^\s/>]+")

@@ -122,7 +122,6 @@ ELEMENTS = {
 }
 """Code of what an element holds, by the driver (AS6009, AS6057); the runtime has the same."""
 
-
 WAYPOINTS = {
     "urn:jaus:jss:mobility:GlobalWaypointDriver": 0x040C,
     "urn:jaus:jss:mobility:LocalWaypointDriver": 0x040D,

@@ -25,7 +25,6 @@ FLU, FRD = "forwardLeftUp", "forwardRightDown"
 ENU, NED = "eastNorthUp", "northEastDown"
 UP, DOWN = "localUp", "localDown"
 
-
 ANY = "any"
 VALUE = "value"
 RADIAN, DEGREE, PERCENT, ONE = "radian", "degree", "percent", "1"

@@ -18,7 +18,6 @@ from jausml.language.wire import REALS
 JausPart: TypeAlias = "jaus.Field | jaus.SubField | jaus.Alternative | jaus.Format"
 Part: TypeAlias = "JausPart | ros.Field"
 
-
 NUMBER = "number"
 NUMBERS = "numbers"
 BOOL = "bool"
@@ -205,7 +204,6 @@ class NamedValue:
 
 
 _TRUE, _FALSE = NamedValue("true", 1), NamedValue("false", 0)
-
 
 _Named: TypeAlias = "tuple[list[str], NamedValue]"
 """A value with the words of its name."""

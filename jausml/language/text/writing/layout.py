@@ -256,7 +256,6 @@ _LAYOUTS: dict[type[tree.Item], Callable[[Any, int], list[str]]] = {
     tree.VectorEntry: _vector_entry,
 }
 
-
 _MUCH = 5
 """Values from which on a block stands apart."""
 

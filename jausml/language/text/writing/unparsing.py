@@ -57,7 +57,6 @@ from jausml.language.text.writing.spelling import (
 
 Documented: TypeAlias = "bridge.NamedElement | bridge.Assignment | bridge.TableEntry"
 
-
 MAP = "bridge.AttributeMap"
 _BY_ARROW = frozenset({"target", "source", "value", "conversions", "assignments", "documentation"})
 

@@ -23,7 +23,6 @@ Named: TypeAlias = (
 
 _LETTER = re.compile("[A-Za-z]")
 
-
 _NAMED = (
     *(jaus.Component, jaus.ServiceSet, jaus.Service, jaus.MessageDef, jaus.InternalEvent),
     *(jaus.StateMachine, jaus.ServiceConnection),

@@ -47,7 +47,6 @@ WithUnits: TypeAlias = (
     "jaus.FixedField | jaus.Alternative | ros.Field | bridge.Quantity | bridge.Conversion"
 )
 
-
 MOST_CONVERSIONS = 16
 """The most conversions of one value: they are generated as one expression."""
 
