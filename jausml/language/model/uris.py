@@ -14,9 +14,16 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-from jausml.language.model import library
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import open_input
+from jausml.language.model.library import (
+    LIBRARY_URI,
+    XMI,
+    library_paths,
+    library_root,
+    place_in_library,
+    shipped_as,
+)
 from jausml.language.model.project import MARKER, enclosing_project
 from jausml.language.model.values import suggest
 from jausml.language.model.xmi.parsing import parse
@@ -58,7 +65,7 @@ class UriResolver:
         self._root = Path(os.path.realpath(project_root))
         self._allow_outside = allow_outside
         self._projects = projects
-        self._library = Path(os.path.realpath(library.library_root()))
+        self._library = Path(os.path.realpath(library_root()))
         self._known: set[Path] = set()
         self._around: dict[Path, dict[str, Path]] = {}
 
@@ -72,7 +79,7 @@ class UriResolver:
         self._known.add(real)
         if real.is_relative_to(self._library):
             return FileTarget(real, path, is_library=True)
-        shipped = library.shipped_as(real) if real not in contents else None
+        shipped = shipped_as(real) if real not in contents else None
         return FileTarget(shipped or real, path, is_library=shipped is not None)
 
     def resolve(self, uri: str, base: Document) -> FileTarget | UriFault:
@@ -83,8 +90,8 @@ class UriResolver:
         """
         if "\0" in unquote(uri):
             return UriFault("JML211", "the href has a NUL character")
-        if uri.startswith(library.LIBRARY_URI):
-            return self._in_library(unquote(uri[len(library.LIBRARY_URI) :]))
+        if uri.startswith(LIBRARY_URI):
+            return self._in_library(unquote(uri[len(LIBRARY_URI) :]))
         if _WINDOWS.match(uri):
             return UriFault(
                 "JML211",
@@ -138,7 +145,7 @@ class UriResolver:
                 "name another one by --project-root, or use --allow-outside",
             )
         # A copy of the library in a project is the library.
-        shipped = library.shipped_as(real)
+        shipped = shipped_as(real)
         if shipped is not None:
             return FileTarget(shipped, display, is_library=True)
         return FileTarget(real, display, is_library=False)
@@ -176,7 +183,7 @@ class UriResolver:
         real = Path(os.path.realpath(self._library / path))
         if real.is_relative_to(self._library) and os.path.isfile(real):  # noqa: PTH113 -- as above
             return FileTarget(real, _shown(real), is_library=True)
-        known = map(library.place_in_library, library.library_paths(suffixes=(library.XMI,)))
+        known = map(place_in_library, library_paths(suffixes=(XMI,)))
         return UriFault("JML212", f"the library has no model '{path}'", suggest(path, known))
 
 
