@@ -141,9 +141,7 @@ def test_numbers_are_sent_through_to_the_unit_of_the_target(tmp_path):
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    (turn,) = [
-        used for used in model.instances(bridge.AttributeMap) if used.name == "turn"
-    ]
+    (turn,) = [used for used in model.instances(bridge.AttributeMap) if used.name == "turn"]
     assert sent_through(place(turn, turn.toRos[0], to_ros=True), 180.0) == pytest.approx(math.pi)
 
 

@@ -30,9 +30,7 @@ def test_of_ready_maps(tmp_path: Path, name: str, expected: bool) -> None:
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    used = next(
-        used for used in model.instances(bridge.AttributeMap) if used.name == name
-    )
+    used = next(used for used in model.instances(bridge.AttributeMap) if used.name == name)
     assert fills_rates_alone(used, to_ros=True) is expected
 
 
@@ -59,9 +57,7 @@ def test_a_speed_beside_other_numbers_is_not_alone(
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    [used] = [
-        used for used in model.instances(bridge.AttributeMap) if used.name == "own"
-    ]
+    [used] = [used for used in model.instances(bridge.AttributeMap) if used.name == "own"]
     assert fills_rates_alone(used, to_ros=True) is expected
 
 
@@ -74,7 +70,5 @@ def test_a_number_of_no_unit_is_what_its_source_is(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     model = read_models([path], notations=NOTATIONS).model
-    [used] = [
-        used for used in model.instances(bridge.AttributeMap) if used.name == "speed"
-    ]
+    [used] = [used for used in model.instances(bridge.AttributeMap) if used.name == "speed"]
     assert fills_rates_alone(used, to_ros=True)
