@@ -75,7 +75,7 @@ class Reader:
         return Index(self._root, _contents(files), self._models).beside(file)
 
     def library(self, file: str) -> Model:
-        """Returns a model that has a file of the library: that of all of it, read once.
+        """Returns a model that has a file of the library, read once for all of its files.
 
         `file`: the file as refs name it, such as `library:/jaus/mobility.xmi`.
         """
@@ -84,7 +84,8 @@ class Reader:
         is_inside = real.startswith(os.path.realpath(library_root()) + os.sep)
         if not is_inside or not os.path.isfile(real):  # noqa: PTH113 -- a name may be too long
             raise EditError(f"the library has no file {file.removeprefix(LIBRARY)}")
-        return library()
+        # Ready maps are text, and most of what there is to read.
+        return library(with_maps=is_text(file))
 
     def documents(self, file: str, files: Mapping[str, Stored]) -> list[str]:
         """Returns the files of the project that the model of a file has elements of."""
