@@ -98,7 +98,6 @@ class Sheet:
     lines: tuple[Line, ...]
     downwards: bool = False
     packed: bool = False
-    facing: bool = False
 
 
 @dataclass(frozen=True)
