@@ -47,7 +47,7 @@ import { Line } from "./Line";
 import { useLevels } from "./levels";
 import { domId } from "./marks";
 import { areaOf } from "./navigation";
-import { FIT, Tools } from "./Tools";
+import { FIT, Tools, type ToolsProps } from "./Tools";
 import { useFewAtOnce } from "./turns";
 
 // Outside the component: React Flow draws everything anew when these change.
@@ -66,15 +66,16 @@ export function Canvas() {
   const graph = useStudio((studio) => studio.graph);
   const fault = useStudio((studio) => studio.graphFault);
   const visits = useStudio((studio) => studio.visits);
+  const [hasMap, setHasMap] = useState(true);
   if (!graph) return fault ? <p className="quiet">{fault}</p> : <Nothing />;
   return (
     <ReactFlowProvider key={visits}>
-      <Diagram graph={graph} />
+      <Diagram graph={graph} hasMap={hasMap} onMap={setHasMap} />
     </ReactFlowProvider>
   );
 }
 
-function Diagram({ graph }: { graph: Graph }) {
+function Diagram({ graph, hasMap, onMap }: ToolsProps) {
   const selection = useStudio((studio) => studio.selection);
   const chosen = useMemo(() => new Set(selection), [selection]);
   const [moved, setMoved] = useMoved(graph);
@@ -86,6 +87,10 @@ function Diagram({ graph }: { graph: Graph }) {
     () => edgesWithStates(graph, lines, moved, chosen),
     [graph, lines, moved, chosen],
   );
+  const isWhole = useStore(({ transform: [x, y, zoom], width, height }) => {
+    const isInside = x + graph.width * zoom <= width && y + graph.height * zoom <= height;
+    return isInside && x >= 0 && y >= 0;
+  });
   const isFar = useStore((flow) => flow.transform[2] < FAR);
   const here = useStudio(active);
   const keys = useCanvasKeys(graph, setMoved);
@@ -126,7 +131,7 @@ function Diagram({ graph }: { graph: Graph }) {
       ref={diagram}
       className={`diagram ${isFar ? "far" : ""} ${graph.crowded ? "crowded" : ""} ${isFitted ? "" : "unfitted"}`}
     >
-      <Tools graph={graph} />
+      <Tools graph={graph} hasMap={hasMap} onMap={onMap} />
       <ReactFlow
         className="flow"
         nodes={nodes}
@@ -182,7 +187,7 @@ function Diagram({ graph }: { graph: Graph }) {
             </marker>
           </defs>
         </svg>
-        {graph.nodes.length > FEW_BOXES && (
+        {hasMap && graph.nodes.length > FEW_BOXES && !isWhole && (
           <MiniMap pannable zoomable ariaLabel="Map of the diagram" nodeClassName={classInMap} />
         )}
       </ReactFlow>

@@ -23,7 +23,7 @@ from jausml.views.diagrams.layout.ways import spaced
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.views.diagrams.layout.sheet import Box, Line, Point, Sheet
+    from jausml.views.diagrams.layout.sheet import Line, Point, Sheet
 
 PACKAGE = "graphviz-pure"
 """The distribution, and the program that it installs."""
@@ -97,7 +97,8 @@ def _graph(sheet: Sheet) -> Iterator[str]:
     for what, number, _ in nested(sheet.boxes, sheet.frames):
         match what:
             case "box":
-                yield f"  {_box(number, sheet.boxes[number])}"
+                size = _cell(sheet.boxes[number].width, sheet.boxes[number].height)
+                yield f"  b{number} [label={size}]"
             case "begin":
                 label = _cell(sheet.frames[number].width, sheet.frames[number].height)
                 yield f"  subgraph cluster_{number} {{ label={label}; labeljust=l; margin=12"
@@ -111,24 +112,8 @@ def _cell(width: int, height: int) -> str:
     return f'<{_TABLE} width="{width}" height="{height}"><tr><td></td></tr></table>>'
 
 
-def _box(number: int, box: Box) -> str:
-    size = f'fixedsize="true" width="{box.width}"'
-    rows = [f'<tr><td port="h" {size} height="{box.head}"></td></tr>']
-    rows += [
-        f'<tr><td port="p{index}" {size} height="{row.height}"></td></tr>'
-        for index, row in enumerate(box.rows)
-    ]
-    table = f'{_TABLE} width="{box.width}" height="{box.height}">'
-    return f"b{number} [label=<{table}{''.join(rows)}</table>>]"
-
-
 def _lines(sheet: Sheet) -> Iterator[str]:
     names = {box.id: f"b{number}" for number, box in enumerate(sheet.boxes)}
-    ports = {
-        (box.id, row.id): f"{names[box.id]}:p{index}"
-        for box in sheet.boxes
-        for index, row in enumerate(box.rows)
-    }
     first = {box.id for box in sheet.boxes if box.column == 0}
     for number, line in enumerate(sheet.lines):
         ends, options = [line.source, line.target], [f"line={number}"]
@@ -138,7 +123,7 @@ def _lines(sheet: Sheet) -> Iterator[str]:
             options.append(f"label={_cell(line.width, line.height)}")
         if line.course == "left":
             ends.reverse()
-        start, end = (ports.get(line_end, names[line_end[0]]) for line_end in ends)
+        start, end = (names[name] for name, _ in ends)
         end += ":n" if line.course == "down" else ""
         yield f"  {start} -> {end} [{', '.join(options)}]"
         if line.course in ("left", "right"):
@@ -170,30 +155,22 @@ def _places(sheet: Sheet, layout: dict[str, Any]) -> Places:
     for number, frame in enumerate(sheet.frames):
         left, low, right, high = objects[f"cluster_{number}"]["bb"].split(",")
         frames[frame.id] = point(f"{left},{high}"), point(f"{right},{low}")
-    ends = _ends(sheet, boxes)
+    middles = {b.id: (boxes[b.id][0] + b.width / 2, boxes[b.id][1] + b.height / 2)
+               for b in sheet.boxes}  # fmt: skip
     for edge in layout.get("edges", ()):
         if "line" in edge:
             line = sheet.lines[int(edge["line"])]
             points = tuple(point(text) for text in edge["pos"].split(" ") if text[0] not in "es")
             label = point(edge["lp"]) if "lp" in edge else None
-            lines[line.id] = Route(_from_source(points, line, ends), label)
+            lines[line.id] = Route(_from_source(points, line, middles), label)
     return Places(width, height, boxes, frames, lines)
 
 
-def _ends(sheet: Sheet, boxes: dict[str, Point]) -> dict[tuple[str, str], Point]:
-    """Returns the middles of boxes and rows, where lines end nearby."""
-    return {
-        (box.id, row): (boxes[box.id][0] + box.width / 2, boxes[box.id][1] + down)
-        for box in sheet.boxes
-        for row, down in {**box.middles(), "": box.height / 2}.items()
-    }
-
-
 def _from_source(
-    points: tuple[Point, ...], line: Line, ends: dict[tuple[str, str], Point]
+    points: tuple[Point, ...], line: Line, middles: dict[str, Point]
 ) -> tuple[Point, ...]:
     """Returns the way from the source to the target: `dot` has some the other way round."""
-    source, target = ends[line.source], ends[line.target]
+    source, target = middles[line.source[0]], middles[line.target[0]]
     forwards = dist(points[0], source) + dist(points[-1], target)
     backwards = dist(points[-1], source) + dist(points[0], target)
     return points[::-1] if backwards < forwards else points
