@@ -29,7 +29,7 @@ SHIPPED = sorted(
 ARROWHEAD = 8
 """Pixels of the end of a line that an arrowhead takes."""
 
-ON_BORDERS = {"machine:Winch.ReceiveFSM": 3, "system jaus_only": 1, "system simulator": 1}
+ON_BORDERS = {"machine:Winch.ReceiveFSM": 3, "system jaus_only": 1, "system simulator": 3}
 """Labels of transitions that leave a frame and are longer than the way on either side of it, and of
 lines that run close to others all along."""
 

@@ -11,15 +11,15 @@ from bisect import bisect_right, insort
 from collections import defaultdict
 from dataclasses import replace
 from itertools import combinations, pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.views.diagrams.graph import Edge, Graph, Node
 
-_ROUNDS = 6
-"""Rounds after which an order is good enough."""
+_ROUNDS, _FEW_ROUNDS = 6, 2
+"""Rounds after which an order is good enough, and that of a large graph."""
 
 _MOST_EDGES = 120
 """Edges of graphs in which neighbours change places by trial."""
@@ -29,6 +29,7 @@ _MOVABLE = ("system", "map:")
 
 _Cost = tuple[int, float]
 
+PartT = TypeVar("PartT")
 _Part = tuple[str, bool]
 """The id of a box or frame, and whether it is a frame."""
 
@@ -78,17 +79,20 @@ class _Work:
     def improve(self) -> None:
         """Finds an order; the first of equally good ones stays."""
         best, least = self._order(), self._cost()
-        for _ in range(_ROUNDS):
+        is_large = len(self._edges) > _MOST_EDGES
+        for _ in range(_FEW_ROUNDS if is_large else _ROUNDS):
             self._sort_by_means()
             if (cost := self._cost()) < least:
                 best, least = self._order(), cost
         self._siblings, self._rows = best
-        if len(self._edges) > _MOST_EDGES:
+        if is_large:
             return
         for _ in range(_ROUNDS):
             before = least
-            for swaps in (*self._siblings.values(), *self._movable_rows()):
-                least = self._swap(swaps, least)
+            for siblings in self._siblings.values():
+                least = self._swap(siblings, least)
+            for rows in self._movable_rows():
+                least = self._swap(rows, least)
             if least == before:
                 return
 
@@ -128,8 +132,8 @@ class _Work:
             siblings.sort(key=means.__getitem__)
         heights = self._heights()
         for name, rows in self._rows.items() if self._graph.view == "system" else ():
-            means = {row: self._mean_of([(name, row)], heights) for row in rows}
-            rows.sort(key=means.__getitem__)
+            of_rows = {row: self._mean_of([(name, row)], heights) for row in rows}
+            rows.sort(key=of_rows.__getitem__)
 
     def _mean(self, boxes: Sequence[str], heights: Mapping[tuple[str, str], float]) -> float:
         return self._mean_of(
@@ -152,7 +156,7 @@ class _Work:
             return sum(heights[end] for end in ends) / len(ends) if ends else 0
         return sum(others) / len(others)
 
-    def _swap(self, parts: list[_Part] | list[str], least: _Cost) -> _Cost:
+    def _swap(self, parts: list[PartT], least: _Cost) -> _Cost:
         """Lets neighbours change places where that helps, and returns the cost then."""
         for one, other in pairwise(range(len(parts))):
             parts[one], parts[other] = parts[other], parts[one]

@@ -47,15 +47,13 @@ import { Line } from "./Line";
 import { useLevels } from "./levels";
 import { domId } from "./marks";
 import { areaOf } from "./navigation";
-import { FIT, Tools, type ToolsProps } from "./Tools";
+import { FEW_BOXES, FIT, Tools, type ToolsProps } from "./Tools";
 import { useFewAtOnce } from "./turns";
 
 // Outside the component: React Flow draws everything anew when these change.
 const NODE_TYPES = { box: Box, frame: Frame };
 const EDGE_TYPES = { line: Line };
 const MANY_BOXES = 100;
-/** So many are seen at a glance without a map. */
-const FEW_BOXES = 8;
 /** Below this zoom labels cannot be read, and are not drawn. */
 const FAR = 0.45;
 /** Zoom at which a box is shown that was asked for by name. */

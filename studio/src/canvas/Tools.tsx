@@ -31,6 +31,9 @@ export const FIT = {
 /** Name of the event by which keys of the page ask the diagram to fit. */
 export const FIT_EVENT = "studio-fit";
 
+/** A diagram of more boxes has a map. */
+export const FEW_BOXES = 8;
+
 export interface ToolsProps {
   graph: Graph;
   /** Whether a large diagram has a map where not all of it is in sight. */
@@ -108,14 +111,16 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
       <button type="button" onClick={() => void arrange()} title="Place all boxes anew (a)">
         Arrange
       </button>
-      <button
-        type="button"
-        aria-pressed={hasMap}
-        onClick={() => onMap(!hasMap)}
-        title="A map of a large diagram, where not all of it is in sight"
-      >
-        Map
-      </button>
+      {graph.nodes.length > FEW_BOXES && (
+        <button
+          type="button"
+          aria-pressed={hasMap}
+          onClick={() => onMap(!hasMap)}
+          title="A map of the diagram, where not all of it is in sight"
+        >
+          Map
+        </button>
+      )}
       {isService && (
         <button
           type="button"

@@ -73,6 +73,10 @@ class _Work:
         self._middles = {
             (b.id, row): down for b in sheet.boxes for row, down in b.middles().items()
         }
+        self._told = {box.id: number for number, box in enumerate(sheet.boxes)}
+        self._lines_from: dict[str, list[Line]] = defaultdict(list)
+        for line in sheet.lines:
+            self._lines_from[line.source[0]].append(line)
         self._linked = {end[0] for line in sheet.lines for end in (line.source, line.target)}
 
     def content(self, frame: str) -> Block:
@@ -117,8 +121,9 @@ class _Work:
     def _grid(self, boxes: Sequence[Box], frame: str) -> Block:
         """Returns boxes in columns, and the frames among them that stand in a frame."""
         names = {box.id for box in boxes}
-        lines = [line for line in self._sheet.lines
-                 if line.source[0] in names and line.target[0] in names]  # fmt: skip
+        lines = [
+            line for box in boxes for line in self._lines_from[box.id] if line.target[0] in names
+        ]
         item = self._item(frame, names, lines)
         lefts, width = self._lefts(boxes, lines, item.tops)
         return Block(
@@ -136,8 +141,7 @@ class _Work:
             inner = self._item(inner_frame.id, names, lines)
             if inner.tops:
                 items.append(inner.framed(FRAME_MARGIN, inner_frame.height))
-        told = {box.id: number for number, box in enumerate(self._sheet.boxes)}
-        items.sort(key=lambda item: min(told[name] for name in item.tops))
+        items.sort(key=lambda item: min(self._told[name] for name in item.tops))
         return levelled(items, [self._link(line) for line in lines])
 
     def _link(self, line: Line) -> Link:

@@ -51,7 +51,8 @@ class Graphviz:
     def place(self, sheet: Sheet) -> Places:
         """Returns where everything stands; what needs no search is placed without Graphviz."""
         if not sheet.downwards:
-            return cleared(sheet, in_columns(sheet))
+            places = in_columns(sheet)
+            return cleared(sheet, places) if any(line.width for line in sheet.lines) else places
         (layout,) = _run("\n".join(_graph(sheet)))
         return cleared(sheet, spaced(sheet, _places(sheet, layout)))
 

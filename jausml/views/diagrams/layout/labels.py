@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from jausml.views.diagrams.layout.sheet import Line, Places, Point, Sheet
 
-_TEXTS = 10
-"""How much a box or a label counts that is hidden; a line counts as one."""
+_TEXTS, _OTHERS = 10, 3
+"""How much a box or a label counts that is hidden, and a line of others; its own counts as one."""
 
 _TIP = 5
 """Pixels around the end of a line that belong to its arrowhead."""
@@ -106,7 +106,7 @@ class Ground:
         return (
             text_overlap
             + sum(map(area.overlaps, self._thin))
-            + len(self._entering(line, area))
+            + sum(1 if name == line else _OTHERS for name in self._entering(line, area))
             + (not _enters(self._paths[line], area.wider(_OFF)))
         )
 

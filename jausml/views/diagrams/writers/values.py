@@ -139,11 +139,16 @@ def settled(
     keys = {node.id: node.key or node.id for node in graph.nodes}
     fixed = {name for name, key in keys.items() if key in moved}
     _take_over(graph, keys, standing)
-    arranged = graph if standing.shown else ordered(graph)
-    graph = _with_rows(graph, arranged, standing)
-    sheet = _sheet(graph)
-    if not standing.shown:
-        drawn = engine.place(_sheet(arranged))
+    if standing.shown:
+        graph = _with_rows(graph, graph, standing)
+        sheet = _sheet(graph)
+    else:
+        arranged = ordered(graph)
+        graph = _with_rows(graph, arranged, standing)
+        sheet = _sheet(arranged)
+        drawn = engine.place(sheet)
+        boxes = {box.id: box for box in sheet.boxes}
+        sheet = replace(sheet, boxes=tuple(boxes[node.id] for node in graph.nodes))
         for name, (x, y) in drawn.boxes.items():
             standing.boxes.setdefault(keys[name], (round(x), round(y)))
         # Of so many lines each page draws those that it shows.
