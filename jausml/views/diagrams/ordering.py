@@ -58,10 +58,10 @@ class _Work:
         for group in graph.groups:
             self._siblings[group.parent].append((group.id, True))
         # A frame stands where the first of its boxes is told.
-        told = {node.id: number for number, node in enumerate(graph.nodes)}
+        positions = {node.id: number for number, node in enumerate(graph.nodes)}
         for siblings in self._siblings.values():
             siblings.sort(
-                key=lambda part: min((told[name] for name in self._boxes(part)), default=0)
+                key=lambda part: min((positions[name] for name in self._boxes(part)), default=0)
             )
         self._rows = {node.id: [port.id for port in node.ports] for node in graph.nodes}
         self._edges = [edge for edge in graph.edges if edge.source.node != edge.target.node]

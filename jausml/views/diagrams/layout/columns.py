@@ -12,7 +12,7 @@ from itertools import pairwise
 from math import sqrt
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.layout.lanes import ways
+from jausml.views.diagrams.layout.lanes import routes_in
 from jausml.views.diagrams.layout.levelling import Item, Link, levelled
 from jausml.views.diagrams.layout.settling import FRAME_MARGIN, MOST, chain, surrounding
 from jausml.views.diagrams.layout.sheet import Places
@@ -51,7 +51,7 @@ class Block:
 def in_columns(sheet: Sheet) -> Places:
     """Returns where everything stands."""
     corners = dict(_Work(sheet).content("").corners)
-    lines = ways(sheet, corners)
+    lines = routes_in(sheet, corners)
     frames = {
         name: ((area.left, area.top), (area.right, area.bottom))
         for name, area in surrounding(sheet, corners, lines).items()

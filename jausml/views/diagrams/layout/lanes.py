@@ -29,7 +29,7 @@ _LEVEL = 1
 """Pixels up or down that lines may lead which are drawn straight."""
 
 
-def ways(sheet: Sheet, corners: Mapping[str, Point]) -> dict[str, Route]:
+def routes_in(sheet: Sheet, corners: Mapping[str, Point]) -> dict[str, Route]:
     """Returns the ways of lines, with labels beside them.
 
     `corners`: upper left corners of boxes.

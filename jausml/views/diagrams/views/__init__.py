@@ -70,15 +70,15 @@ def graph_of(
     for names, make in _offered(model, library=True):
         for name in names:
             views.setdefault(name, make)
-    made = (
+    shown = (
         view.replace(services.BODIES, services.SERVICE)
         if view.startswith(services.BODIES)
         else view
     )
-    if made not in views:
-        raise UnknownViewError(made, views)
+    if shown not in views:
+        raise UnknownViewError(shown, views)
     with remembering():
-        return views[made](Context(model, view, diagnostics, root))
+        return views[shown](Context(model, view, diagnostics, root))
 
 
 def _offered(
