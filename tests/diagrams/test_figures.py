@@ -77,9 +77,11 @@ def test_a_sample_of_generated_systems():
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(600)
 def test_generated_systems():
+    """In the order of their models Graphviz made 32,311 crossings and 2,761 humps of them."""
     found = sum(map(drawn, map(generated, range(200))), Figures())
-    assert_no_worse(found, (0, 0, 0, 0), 0.5)
+    assert_no_worse(found, (11879, 0, 4939, 932), 0.45)
 
 
 def test_the_order_with_the_fewest_crossings_is_found_and_rows_of_maps_stay():
