@@ -11,7 +11,10 @@ from jausml import installing
 from jausml.views.diagrams.layout import graphviz
 from jausml.views.diagrams.writers import svg
 
-CAR = Path(__file__).resolve().parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
+MODELS = Path(__file__).resolve().parents[2] / "models"
+CAR = MODELS / "catvehicle" / "catvehicle.xmi"
+MACHINE = (MODELS / "examples" / "winch" / "service.xmi", "--view", "machine:ReceiveFSM")
+"""What is placed by Graphviz."""
 
 
 @pytest.mark.parametrize(
@@ -56,7 +59,7 @@ def test_without_a_font_no_picture_lacks_its_texts(jausml, tmp_path, monkeypatch
 
 def test_without_the_engine_one_line_says_how_to_get_it(jausml, tmp_path, monkeypatch):
     monkeypatch.setattr(graphviz, "program", lambda: None)
-    result = jausml("diagram", CAR, "-o", tmp_path / "x.svg")
+    result = jausml("diagram", *MACHINE, "-o", tmp_path / "x.svg")
     assert result.exit_code == 2
     assert result.output == f"Error: pictures need graphviz-pure: {installing.command('diagram')}\n"
     assert not (tmp_path / "x.svg").exists()
@@ -87,7 +90,7 @@ def test_an_engine_that_hangs_or_crashes_is_an_error(
     engine.chmod(0o755)
     monkeypatch.setattr(graphviz, "program", lambda: engine)
     monkeypatch.setattr(graphviz, "LONGEST", 0.2 if "sleep" in script else 60)
-    result = jausml("diagram", CAR, "-o", tmp_path / "x.svg")
+    result = jausml("diagram", *MACHINE, "-o", tmp_path / "x.svg")
     assert (result.exit_code, result.output) == (2, f"Error: {complaint}\n")
     assert not (tmp_path / "x.svg").exists()
 
@@ -96,7 +99,7 @@ def test_an_engine_that_does_not_start_is_an_error(jausml, tmp_path, monkeypatch
     engine = tmp_path / "engine"
     engine.touch(0o644)
     monkeypatch.setattr(graphviz, "program", lambda: engine)
-    result = jausml("diagram", CAR, "-o", tmp_path / "x.svg")
+    result = jausml("diagram", *MACHINE, "-o", tmp_path / "x.svg")
     assert result.exit_code == 2
     assert result.output == f"Error: Graphviz does not start: {engine}: Permission denied\n"
 
@@ -128,3 +131,15 @@ def test_a_broken_model_is_drawn_and_told(jausml, folder):
     assert result.exit_code == 1
     assert "1 error" in result.output
     assert "error: " in (folder / "bad.mmd").read_text(encoding="utf-8")
+
+
+def test_bodies_of_messages_are_for_services(jausml, tmp_path):
+    output = tmp_path / "winch.dot"
+    model = MACHINE[0]
+    for bodies in ((), ("--bodies",)):
+        result = jausml("diagram", model, "--view", "service:Winch", *bodies, "-o", output)
+        assert result.exit_code == 0, result.output
+        assert ("RopeSpeed" in output.read_text(encoding="utf-8")) == bool(bodies)
+    result = jausml("diagram", model, "--bodies", "-o", output)
+    assert result.exit_code == 2
+    assert "--bodies is for views of services, and not for 'system'" in result.output

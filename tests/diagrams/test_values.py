@@ -15,7 +15,6 @@ from test_pictures import large
 
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
-from jausml.views.diagrams.layout.columns import Columns
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.layout.settling import FRAME_MARGIN
 from jausml.views.diagrams.layout.sheet import Places, Route
@@ -113,7 +112,7 @@ def hosted(graph):
 @pytest.mark.parametrize("shown", [large(), hosted(large()), hosted(large(20, 200, 2000))])
 def test_a_large_system_has_frames_and_each_of_its_rows_and_lines(shown):
     assert is_crowded(shown)
-    found = values.render(framed(shown), Columns())
+    found = values.render(framed(shown), Graphviz())
     assert_apart(found)
     assert_framed(found)
     assert found["crowded"]
@@ -128,7 +127,7 @@ def test_a_large_system_has_frames_and_each_of_its_rows_and_lines(shown):
             above = one["y"] + one["height"] <= other["y"]
             assert apart or above or other["y"] + other["height"] <= one["y"]
     assert max(found["width"], found["height"]) < 4 * min(found["width"], found["height"])
-    assert values.render(framed(shown), Columns()) == found
+    assert values.render(framed(shown), Graphviz()) == found
 
 
 def test_what_runs_elsewhere_stands_in_the_frame_of_its_host():
@@ -150,7 +149,7 @@ def test_boxes_in_columns_stand_near_the_rows_that_they_are_joined_with():
         Edge(f"e{n}", End(f"c{n}", "p0"), End("b", f"p{8 - 4 * n}"), "message") for n in range(3)
     )
     shown = Graph("system", "s", (bridge, *others), (Group("f", "bridge", "b"),), edges)
-    found = values.render(shown, Columns())
+    found = values.render(shown, Graphviz())
     where = areas(found)
     assert where["component:c2"][1] < where["component:c1"][1] < where["component:c0"][1]
     assert where["component:c0"][2] < where["bridge:b"][0]

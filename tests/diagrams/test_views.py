@@ -272,3 +272,19 @@ def test_a_connection_is_shown_by_its_row_and_its_edges():
 def test_the_same_model_makes_the_same_graph():
     assert car("system") == car("system")
     assert view_names(read(CAR).model) == view_names(read(CAR).model)
+
+
+def test_a_service_stands_before_what_it_inherits_and_shows_bodies_on_request():
+    model = read(WINCH).model
+    plain, told = (graph_of(model, f"{kind}:Winch") for kind in ("service", "bodies"))
+    look_at(told)
+    assert plain.groups[0].kind == told.groups[0].kind == "subject"
+    assert {group.kind for group in told.groups[1:]} == {"service"}
+    takes, sends = (node for node in told.nodes if node.group == told.groups[0].id and node.column)
+    labels = [(port.label, port.depth) for port in takes.ports]
+    assert labels[:3] == [("SetWinchCommand", 0), ("RopeSpeed", 1), ("LockBrake", 0)]
+    assert ("Tension", 1) in [(port.label, port.depth) for port in sends.ports]
+    assert not [port for node in plain.nodes for port in node.ports if port.depth]
+    assert "bodies:Winch" not in view_names(model)
+    with pytest.raises(UnknownViewError, match="no view 'service:Winsh'; did you mean service"):
+        graph_of(model, "bodies:Winsh")

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.folding import is_large
-from jausml.views.diagrams.layout.columns import Columns
 from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.writers import values
@@ -119,11 +118,10 @@ class Drawings:
     ) -> values.Settled:
         if not view.standing.shown:
             view.is_crowded = is_crowded(graph)
-        engine = Columns() if view.is_crowded else self._engine
         shown = framed(graph) if view.is_crowded else graph
         if not view.standing.shown:
             view.is_large = is_large(shown)
-        return values.settled(shown, engine, moved, view.standing)
+        return values.settled(shown, self._engine, moved, view.standing)
 
     def number(self, file: str, picture: dict[str, Any]) -> int:
         """Remembers a picture that a page is sent, and returns its number."""

@@ -48,13 +48,21 @@ THEMES = ("auto", "light", "dark")
     help=f"The file to write; its ending says what: {', '.join(SUFFIXES)}.",
 )
 @click.option(
+    "--bodies",
+    "has_bodies",
+    is_flag=True,
+    help="With the members of the messages that a service itself defines; for views of services.",
+)
+@click.option(
     "--theme",
     type=click.Choice(THEMES),
     default="auto",
     help="Colours of pictures; auto follows the viewer's settings.",
 )
 @reading_options
-def diagram(model: str, view: str, output: str, theme: str, reading: Reading) -> None:
+def diagram(
+    model: str, view: str, output: str, has_bodies: bool, theme: str, reading: Reading
+) -> None:
     """Draw a view of MODEL.
 
     The view of the system shows components, bridges with their connections, and ROS nodes; a map,
@@ -66,11 +74,16 @@ def diagram(model: str, view: str, output: str, theme: str, reading: Reading) ->
     environment, 3 internal error.
     """
     from jausml.views.diagrams.views import UnknownViewError, graph_of
+    from jausml.views.diagrams.views.services import BODIES, SERVICE
 
     suffix = PurePath(output).suffix
     if suffix not in SUFFIXES:
         raise click.UsageError(f"-o {output!a} ends in none of {', '.join(SUFFIXES)}")
+    if has_bodies and not view.startswith(SERVICE):
+        raise click.UsageError(f"--bodies is for views of services, and not for {view!a}")
     validation_report = checked([model], reading)
+    if has_bodies:
+        view = BODIES + view.removeprefix(SERVICE)
     try:
         graph = graph_of(validation_report.model, view, validation_report.diagnostics)
     except UnknownViewError as error:

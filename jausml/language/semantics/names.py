@@ -12,6 +12,7 @@ LONGEST = 60
 """Characters to which names of generated code are cut."""
 
 _WORD_START = re.compile("(?<=[a-z])(?=[A-Z])|(?<=[A-Z0-9])(?=[A-Z][a-z])")
+_QOS = re.compile(r"^[Qq]o ?S\b")
 _NOT_NAME = re.compile("[^A-Za-z0-9]+")
 
 
@@ -33,7 +34,8 @@ def snake_case(name: str) -> str:
 
 def in_words(name: str) -> str:
     """Returns a name of the metamodels as words: `silenceTimeout` becomes `silence timeout`."""
-    return " ".join(word if word.isupper() else word.lower() for word in words(name))
+    said = " ".join(word if word.isupper() else word.lower() for word in words(name))
+    return _QOS.sub("QoS", said)
 
 
 _IDENTIFIER = re.compile("[A-Za-z][A-Za-z0-9_]*")

@@ -86,6 +86,7 @@ class Node(_Described):
     `kind`: `component`, `bridge`, `node`, `others`, `message`, `type`, `service`, `messages`,
     `state`. `group`: id of the group that it stands in, empty for none. `column`: from the left;
     where a graph goes downwards, 0 for the box that stands above the others of its group.
+    `is_initial`: whether it is the state that its group is entered in.
     """
 
     id: str
@@ -95,13 +96,15 @@ class Node(_Described):
     ports: tuple[Port, ...] = ()
     group: str = ""
     column: int = BRIDGE_COLUMN
+    is_initial: bool = False
 
 
 @dataclass(frozen=True)
 class Group(_Part):
     """A frame around nodes.
 
-    `kind`: `host`, `bridge`, `service` or `state`. `parent`: id of the group around it, empty for
+    `kind`: `host`, `bridge`, `service`, `state`, or `subject` for the service that a graph is
+    about. `parent`: id of the group around it, empty for
     none.
     """
 

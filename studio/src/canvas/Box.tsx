@@ -36,9 +36,9 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div
       id={domId(key)}
-      className={`box ${node.kind} ${severity} ${liveClass(live)} ${isNow ? "now" : ""} ${own}`}
+      className={`box ${node.kind} ${node.initial ? "initial" : ""} ${severity} ${liveClass(live)} ${isNow ? "now" : ""} ${own}`}
       role="group"
-      aria-label={`${labelOf(node)}${isNow ? ", the present state" : ""}`}
+      aria-label={`${labelOf(node)}${node.initial ? ", the initial state" : ""}${isNow ? ", the present state" : ""}`}
       data-part={key}
       style={isClosed ? closedStyle(node) : { width: node.width, height: node.height }}
       onPointerEnter={() => setWasNear(true)}

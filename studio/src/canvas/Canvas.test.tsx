@@ -194,3 +194,35 @@ test("a box gets another host by keys, and frames are gone to from inside", asyn
   await press("h");
   expect(state().dialog).toEqual({ kind: "hosts", boxes: ["bridge"] });
 });
+
+test("an initial state has its dot, and says so", () => {
+  const graph = smallGraph();
+  graph.nodes[0]!.initial = true;
+  update({ graph });
+  render(<Canvas />);
+  expect(box("component ocu.*, the initial state")).toHaveClass("initial");
+});
+
+test("the bodies of messages of a service are asked for, and left out again", async () => {
+  update({ graph: { ...smallGraph(), view: "service:Winch" } });
+  render(<Canvas />);
+  const bodies = () => screen.getByRole("button", { name: "Bodies" });
+  expect(bodies()).toHaveAttribute("aria-pressed", "false");
+  await userEvent.click(bodies());
+  expect(state().view).toBe("bodies:Winch");
+  act(() => update({ graph: { ...smallGraph(), view: "bodies:Winch" } }));
+  expect(bodies()).toHaveAttribute("aria-pressed", "true");
+  await userEvent.click(bodies());
+  expect(state().view).toBe("service:Winch");
+});
+
+test("the map of a large diagram can be hidden", async () => {
+  const graph = smallGraph();
+  const more = Array.from({ length: 9 }, (_, at) => ({ ...graph.nodes[0]!, id: `more${at}` }));
+  update({ graph: { ...graph, nodes: [...graph.nodes, ...more], width: 9000, height: 9000 } });
+  render(<Canvas />);
+  const map = () => document.querySelector(".react-flow__minimap");
+  expect(map()).not.toBeNull();
+  await userEvent.click(screen.getByRole("button", { name: "Map" }));
+  expect(map()).toBeNull();
+});

@@ -47,15 +47,13 @@ import { Line } from "./Line";
 import { useLevels } from "./levels";
 import { domId } from "./marks";
 import { areaOf } from "./navigation";
-import { FIT, Tools } from "./Tools";
+import { FEW_BOXES, FIT, Tools, type ToolsProps } from "./Tools";
 import { useFewAtOnce } from "./turns";
 
 // Outside the component: React Flow draws everything anew when these change.
 const NODE_TYPES = { box: Box, frame: Frame };
 const EDGE_TYPES = { line: Line };
 const MANY_BOXES = 100;
-/** So many are seen at a glance without a map. */
-const FEW_BOXES = 8;
 /** Below this zoom labels cannot be read, and are not drawn. */
 const FAR = 0.45;
 /** Zoom at which a box is shown that was asked for by name. */
@@ -66,15 +64,16 @@ export function Canvas() {
   const graph = useStudio((studio) => studio.graph);
   const fault = useStudio((studio) => studio.graphFault);
   const visits = useStudio((studio) => studio.visits);
+  const [hasMap, setHasMap] = useState(true);
   if (!graph) return fault ? <p className="quiet">{fault}</p> : <Nothing />;
   return (
     <ReactFlowProvider key={visits}>
-      <Diagram graph={graph} />
+      <Diagram graph={graph} hasMap={hasMap} onMap={setHasMap} />
     </ReactFlowProvider>
   );
 }
 
-function Diagram({ graph }: { graph: Graph }) {
+function Diagram({ graph, hasMap, onMap }: ToolsProps) {
   const selection = useStudio((studio) => studio.selection);
   const chosen = useMemo(() => new Set(selection), [selection]);
   const [moved, setMoved] = useMoved(graph);
@@ -86,6 +85,10 @@ function Diagram({ graph }: { graph: Graph }) {
     () => edgesWithStates(graph, lines, moved, chosen),
     [graph, lines, moved, chosen],
   );
+  const isWhole = useStore(({ transform: [x, y, zoom], width, height }) => {
+    const isInside = x + graph.width * zoom <= width && y + graph.height * zoom <= height;
+    return isInside && x >= 0 && y >= 0;
+  });
   const isFar = useStore((flow) => flow.transform[2] < FAR);
   const here = useStudio(active);
   const keys = useCanvasKeys(graph, setMoved);
@@ -126,7 +129,7 @@ function Diagram({ graph }: { graph: Graph }) {
       ref={diagram}
       className={`diagram ${isFar ? "far" : ""} ${graph.crowded ? "crowded" : ""} ${isFitted ? "" : "unfitted"}`}
     >
-      <Tools graph={graph} />
+      <Tools graph={graph} hasMap={hasMap} onMap={onMap} />
       <ReactFlow
         className="flow"
         nodes={nodes}
@@ -182,7 +185,7 @@ function Diagram({ graph }: { graph: Graph }) {
             </marker>
           </defs>
         </svg>
-        {graph.nodes.length > FEW_BOXES && (
+        {hasMap && graph.nodes.length > FEW_BOXES && !isWhole && (
           <MiniMap pannable zoomable ariaLabel="Map of the diagram" nodeClassName={classInMap} />
         )}
       </ReactFlow>

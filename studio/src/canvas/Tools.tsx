@@ -7,6 +7,7 @@ import {
   filterBy,
   focusOn,
   offerEnds,
+  openView,
   type PictureFormat,
   place,
   removeSelected,
@@ -19,6 +20,9 @@ import { ALIGNMENTS, type Alignment, aligned } from "./aligning";
 import { matches } from "./following";
 import { boxesOf } from "./frames";
 
+/** Kinds of views of a service, without and with bodies of messages. */
+export const [SERVICE, BODIES] = ["service", "bodies"];
+
 export const FIT = {
   padding: 0.05,
   maxZoom: 1.2,
@@ -27,8 +31,18 @@ export const FIT = {
 /** Name of the event by which keys of the page ask the diagram to fit. */
 export const FIT_EVENT = "studio-fit";
 
+/** A diagram of more boxes has a map. */
+export const FEW_BOXES = 8;
+
+export interface ToolsProps {
+  graph: Graph;
+  /** Whether a large diagram has a map where not all of it is in sight. */
+  hasMap: boolean;
+  onMap: (isShown: boolean) => void;
+}
+
 /** What can be done with the diagram as a whole. */
-export function Tools({ graph }: { graph: Graph }) {
+export function Tools({ graph, hasMap, onMap }: ToolsProps) {
   const flow = useReactFlow();
   const filter = useStudio((studio) => studio.filter);
   const isFocused = useStudio((studio) => studio.bright !== null && !studio.filter);
@@ -40,6 +54,8 @@ export function Tools({ graph }: { graph: Graph }) {
   const several = useStudio((studio) => studio.selection).filter(
     (key) => partOf(key).of === "node",
   );
+  const hasBodies = graph.view.startsWith(`${BODIES}:`);
+  const isService = hasBodies || graph.view.startsWith(`${SERVICE}:`);
   const found = filter ? matches(graph, filter) : [];
 
   useEffect(() => {
@@ -95,6 +111,26 @@ export function Tools({ graph }: { graph: Graph }) {
       <button type="button" onClick={() => void arrange()} title="Place all boxes anew (a)">
         Arrange
       </button>
+      {graph.nodes.length > FEW_BOXES && (
+        <button
+          type="button"
+          aria-pressed={hasMap}
+          onClick={() => onMap(!hasMap)}
+          title="A map of the diagram, where not all of it is in sight"
+        >
+          Map
+        </button>
+      )}
+      {isService && (
+        <button
+          type="button"
+          aria-pressed={hasBodies}
+          onClick={() => void openView(graph.view.replace(/^\w+/, hasBodies ? SERVICE : BODIES))}
+          title="The fields of the messages that the service itself defines"
+        >
+          Bodies
+        </button>
+      )}
       <select
         aria-label="Align the chosen boxes"
         title="Align the chosen boxes, or spread them"

@@ -27,7 +27,10 @@ export function Header() {
       </label>
       <label>
         View
-        <select value={view} onChange={(event) => void openView(event.currentTarget.value)}>
+        <select
+          value={view.replace(/^bodies:/, "service:")}
+          onChange={(event) => void openView(event.currentTarget.value)}
+        >
           {views
             .filter((each) => !each.library)
             .map((each) => (

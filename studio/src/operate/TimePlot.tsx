@@ -34,25 +34,29 @@ export function TimePlot({ title, caption, lines, range, look, period = 0, isClo
   useEffect(() => {
     const element = place.current;
     if (!element) return;
-    const width = Math.max(200, element.clientWidth);
+    const roomy = () => Math.max(200, element.clientWidth);
     const style = getComputedStyle(document.documentElement);
     const colour = (name: string) => style.getPropertyValue(name) || "#888";
-    const axis = { stroke: colour("--ink"), grid: { stroke: colour("--faint") } };
+    // Asked at each drawing: the page may have turned dark since.
+    const axis = { stroke: () => colour("--ink"), grid: { stroke: () => colour("--faint") } };
+    const clock: uPlot.Axis = {
+      values: (_, times) => times.map((at) => new Date(1000 * at).toTimeString().slice(0, 8)),
+    };
     const plot = new uPlot(
       {
-        width,
+        width: roomy(),
         height: HEIGHT,
         legend: { show: false },
         series: [
           {},
           ...lines.map((each) => ({
             label: each.label,
-            stroke: colour(each.colour),
+            stroke: () => colour(each.colour),
             width: 1.5,
             spanGaps: lines.length > 1,
           })),
         ],
-        axes: [axis, { ...axis, size: 60 }],
+        axes: [isClock ? { ...axis, ...clock } : axis, { ...axis, size: 60 }],
         scales: { x: { time: Boolean(isClock), range } },
       },
       [[], ...lines.map(() => [])] as unknown as uPlot.AlignedData,
@@ -61,7 +65,7 @@ export function TimePlot({ title, caption, lines, range, look, period = 0, isClo
     let isWanted = true;
     async function show() {
       try {
-        const found = await look(width * POINTS);
+        const found = await look(roomy() * POINTS);
         if (!isWanted) return;
         plot.setData(found);
         const told = found.slice(1).flatMap((line) => {
@@ -76,10 +80,17 @@ export function TimePlot({ title, caption, lines, range, look, period = 0, isClo
       }
     }
     void show();
+    const resized = new ResizeObserver(() => plot.setSize({ width: roomy(), height: HEIGHT }));
+    resized.observe(element);
+    const dark = window.matchMedia("(prefers-color-scheme: dark)");
+    const redraw = () => plot.redraw(false);
+    dark.addEventListener("change", redraw);
     const timer = period ? setInterval(() => void show(), period) : undefined;
     return () => {
       isWanted = false;
       clearInterval(timer);
+      resized.disconnect();
+      dark.removeEventListener("change", redraw);
       plot.destroy();
     };
   }, [lines, range, look, period, isClock]);
@@ -88,7 +99,7 @@ export function TimePlot({ title, caption, lines, range, look, period = 0, isClo
       <figcaption>
         {caption}: <output>{last}</output>
       </figcaption>
-      <div ref={place} />
+      <div ref={place} className="plot-place" />
     </figure>
   );
 }

@@ -46,6 +46,8 @@ export interface GraphNode {
   head: number;
   /** Its place is the user's, not the layout's. */
   moved: boolean;
+  /** Whether it is the state that its frame is entered in. */
+  initial: boolean;
   ports: GraphPort[];
 }
 

@@ -24,6 +24,8 @@ export interface FormField {
   kind: FieldKind;
   many: boolean;
   required: boolean;
+  /** What it is about, above fields that are about the same; empty for what it is. */
+  group: string;
   values: string[];
   /** Labels of references. */
   shown: string[];

@@ -107,6 +107,21 @@ def test_a_connection_tells_values_defaults_units_and_targets():
     assert peers == {"vehicle", "operator_control_unit", "bridge"}
 
 
+def test_fields_of_a_connection_stand_in_groups():
+    scope = scope_of(CAR)
+    found = form(scope, named(scope, bridge.Connection, "bridge.speed_command"))
+    groups = [field.group for field in found.fields]
+    runs = [group for at, group in enumerate(groups) if at == 0 or groups[at - 1] != group]
+    assert runs == ["", "rates and limits", "silence and stops", "trust and control", ""]
+    assert max(map(groups.count, runs)) < len(groups) / 2
+
+
+def test_names_of_the_metamodels_are_words():
+    assert in_words("silenceTimeout") == "silence timeout"
+    assert in_words("QoSProfile") == "QoS profile"
+    assert in_words("qos") == "qos"
+
+
 def test_what_must_be_given_has_no_default_and_a_rate_is_that_of_its_bridge():
     scope = scope_of("library/jaus/mobility.xmi")
     fields = {field.feature: field for field in form_of(scope, scale_of(scope), ()).fields}

@@ -38,6 +38,7 @@ class Field:
 
     Attributes:
         kind: `text`, `multiline`, `number`, `integer`, `boolean`, `choice` or `reference`.
+        group: What it is about, above fields that are about the same; empty for what it is.
         values: What is set; empty while the default holds.
         unit: Unit of its number, empty for none or an unknown one.
     """
@@ -47,6 +48,7 @@ class Field:
     kind: str
     many: bool
     required: bool
+    group: str = ""
     values: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
     default: str = ""
@@ -215,15 +217,46 @@ def _name(table: ClassTable) -> str:
 
 
 def _shown(table: ClassTable) -> list[FeatureTable]:
-    """The features of a form: the name, what is required, the others, the documentation."""
+    """The features of a form: the name, the others by what they are about, the documentation."""
     features = [
         feature
         for feature in table.features.values()
         if feature.kind is not FeatureKind.CONTAINER and feature.settable
     ]
     return sorted(
-        features, key=lambda feature: (feature.name == "documentation", feature.name != "name")
+        features,
+        key=lambda feature: (
+            feature.name == "documentation",
+            list(_GROUPS).index(_GROUP_OF.get(feature.name, "")),
+            feature.name != "name",
+        ),
     )
+
+
+_GROUPS = {
+    "": (),
+    "rates and limits": (
+        *("query", "rate", "rateCap", "maxRate", "decimation", "ageLimit", "priority"),
+        *("frequency", "maxEvents", "eventRateBudget", "maxPeers", "maxConnections"),
+        *("amplificationLimit",),
+    ),
+    "silence and stops": (
+        *("silenceTimeout", "safeValue", "onSilence", "whenSilent", "holdReason", "freshness"),
+        *(
+            "whenStale",
+            "outOfRange",
+            "controlTimeout",
+            "idleTimeout",
+            "eventTimeout",
+            "openDecisions",
+        ),
+    ),
+    "trust and control": (
+        *("acknowledge", "control", "controls", "authority", "defaultAuthority", "guardian"),
+        *("allowedHosts", "fixedSources", "greet"),
+    ),
+}
+_GROUP_OF = {name: group for group, names in _GROUPS.items() for name in names}
 
 
 class _Problems:
@@ -269,6 +302,7 @@ def _field(
         kind="reference" if is_reference else _kind(feature),
         many=feature.many,
         required=is_required,
+        group=_GROUP_OF.get(feature.name, ""),
         values=texts,
         shown=shown,
         default="" if is_required else _default(element, feature),

@@ -6,28 +6,41 @@ between boxes of one rank on each other.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 from math import dist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from jausml.views.diagrams.layout.settling import Area, area_of, label_area
 from jausml.views.diagrams.layout.sheet import samples
 from jausml.views.diagrams.layout.ways import fitted
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from jausml.views.diagrams.layout.sheet import Line, Places, Point, Sheet
 
-_TEXTS = 10
-"""How much a box or a label counts that is hidden; a line counts as one."""
+_TEXTS, _OTHERS = 10, 3
+"""How much a box or a label counts that is hidden, and a line of others; its own counts as one."""
 
 _TIP = 5
 """Pixels around the end of a line that belong to its arrowhead."""
 
-_BESIDE = 3
-"""Pixels between a line and a label beside it."""
+_BESIDE = (0.5, 4)
+"""Pixels between a line and a label beside it: if it is level, and if it bends there."""
+
+_FROM_OTHERS = 1.4
+"""Pixels between a label and lines of others, which shall be farther away than its own."""
+
+_TILE = 48
+"""Size of the tiles in which lines are looked for."""
+
+_Tile = tuple[int, int]
+_Segment: TypeAlias = "tuple[Point, Point]"
+
+_OFF = 5
+"""Pixels from its line at which a label seems to belong to none."""
 
 
 def cleared(sheet: Sheet, places: Places) -> Places:
@@ -51,6 +64,11 @@ class Ground:
         self.labels = {name: route.label for name, route in places.lines.items() if route.label}
         self._lines = {line.id: line for line in sheet.lines}
         self._paths = {name: samples(route.points) for name, route in places.lines.items()}
+        self._segments: dict[_Tile, list[tuple[str, _Segment]]] = defaultdict(list)
+        for name, way in self._paths.items():
+            for segment in pairwise(way):
+                for tile in _tiles(_around(segment)):
+                    self._segments[tile].append((name, segment))
         self._boxes = [area_of(box, places.boxes[box.id]) for box in sheet.boxes]
         self._thin = [
             Area(x - _TIP, y - _TIP, x + _TIP, y + _TIP)
@@ -77,9 +95,10 @@ class Ground:
                 return
 
     def hidden(self, line: str, middle: Point) -> int:
-        """Returns how much the label of a line would hide; its own line does not count.
+        """Returns how much the label of a line would hide, or come too near to.
 
-        Texts count more than what can be followed beneath a label.
+        Texts count more than what can be followed beneath a label; one that stands off its line
+        counts as if it hid something.
         """
         area = self.area(line, middle)
         others = [self.area(name, centre) for name, centre in self.labels.items() if name != line]
@@ -87,22 +106,30 @@ class Ground:
         return (
             text_overlap
             + sum(map(area.overlaps, self._thin))
-            + sum(
-                any(_crosses(segment, area) for segment in pairwise(way))
-                for name, way in self._paths.items()
-                if name != line
-            )
+            + sum(1 if name == line else _OTHERS for name in self._entering(line, area))
+            + (not _enters(self._paths[line], area.wider(_OFF)))
         )
+
+    def _entering(self, line: str, area: Area) -> set[str]:
+        """Returns the lines that are in an area, or nearly so, which is that of a label."""
+        near = area.wider(_FROM_OTHERS)
+        return {
+            name
+            for tile in _tiles(near)
+            for name, segment in self._segments.get(tile, ())
+            if _crosses(segment, area if name == line else near)
+        }
 
     def area(self, line: str, middle: Point) -> Area:
         """Returns what the label of a line covers."""
         return label_area(self._lines[line], middle)
 
     def _candidates(self, line: Line) -> Iterator[Point]:
-        right, down = line.width / 2 + _BESIDE, line.height / 2 + _BESIDE
         for x, y in self._paths[line.id]:
-            for across, along in ((0, 0), (0, -down), (0, down), (-right, 0), (right, 0)):
-                yield round(x + across, 1), round(y + along, 1)
+            for gap in _BESIDE:
+                right, down = line.width / 2 + gap, line.height / 2 + gap
+                for across, along in product((0, -right, right), (0, -down, down)):
+                    yield round(x + across, 1), round(y + along, 1)
 
 
 def _borders(area: Area) -> Iterator[Area]:
@@ -113,7 +140,23 @@ def _borders(area: Area) -> Iterator[Area]:
     yield Area(right, top, right, bottom)
 
 
-def _crosses(segment: tuple[Point, Point], area: Area) -> bool:
+def _tiles(area: Area) -> Iterator[_Tile]:
+    """Yields the tiles in which an area has a part."""
+    for column in range(int(area.left // _TILE), int(area.right // _TILE) + 1):
+        for row in range(int(area.top // _TILE), int(area.bottom // _TILE) + 1):
+            yield column, row
+
+
+def _around(segment: _Segment) -> Area:
+    (x, y), (a, b) = segment
+    return Area(min(x, a), min(y, b), max(x, a), max(y, b))
+
+
+def _enters(way: Sequence[Point], area: Area) -> bool:
+    return any(_crosses(segment, area) for segment in pairwise(way))
+
+
+def _crosses(segment: _Segment, area: Area) -> bool:
     (x, y), (a, b) = segment
     if max(x, a) <= area.left or min(x, a) >= area.right:
         return False

@@ -32,8 +32,8 @@ def parted(sheet: Sheet, places: Places) -> dict[str, Route]:
     lines = dict(places.lines)
     beside: dict[frozenset[str], list[Line]] = defaultdict(list)
     for line in sheet.lines:
-        (source, leaving), (target, entering) = line.source, line.target
-        if source != target and not (leaving or entering):  # from box to box, not row to row
+        source, target = line.source[0], line.target[0]
+        if source != target:
             beside[frozenset((source, target))].append(line)
     pairs = (pair for bundle in beside.values() for pair in combinations(bundle, 2))
     for one, other in pairs:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Literal, Protocol
 
@@ -98,7 +99,6 @@ class Sheet:
     lines: tuple[Line, ...]
     downwards: bool = False
     packed: bool = False
-    facing: bool = False
 
 
 @dataclass(frozen=True)
@@ -116,8 +116,9 @@ _SAMPLES = 12
 """Points of a curve, between which it is taken as straight."""
 
 
-def samples(points: Sequence[Point]) -> list[Point]:
-    """Returns points on a way of cubic Bezier curves."""
+@lru_cache(maxsize=1 << 14)
+def samples(points: tuple[Point, ...]) -> list[Point]:
+    """Returns points on a way of cubic Bezier curves, which are not to be changed."""
     sampled_points = list(points[:1])
     for at in range(0, len(points) - 3, 3):
         curve = points[at : at + 4]

@@ -59,7 +59,8 @@ def graph_of(
     """Returns the graph of a view.
 
     Args:
-        view: Name of the view, such as `system` or `map:odometry`.
+        view: Name of the view, such as `system` or `map:odometry`; a service that has one has
+            `bodies:NAME` too, with the members of its messages.
         root: The folder to which references are relative; None for that of the first file.
 
     Raises:
@@ -69,10 +70,15 @@ def graph_of(
     for names, make in _offered(model, library=True):
         for name in names:
             views.setdefault(name, make)
-    if view not in views:
-        raise UnknownViewError(view, views)
+    shown = (
+        view.replace(services.BODIES, services.SERVICE)
+        if view.startswith(services.BODIES)
+        else view
+    )
+    if shown not in views:
+        raise UnknownViewError(shown, views)
     with remembering():
-        return views[view](Context(model, view, diagnostics, root))
+        return views[shown](Context(model, view, diagnostics, root))
 
 
 def _offered(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from jausml.language.semantics.jaus.inherited_machines import DEEPEST, machine_w
 from jausml.language.semantics.jaus.services import lineage, query_name
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.views.context import Builder, details, name_of
+from jausml.views.diagrams.views.members import jaus_members
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
     from jausml.language.semantics.jaus.inherited_machines import Machine
     from jausml.views.diagrams.views.context import Context
+    from jausml.views.diagrams.views.members import Member
+
+SERVICE, BODIES = "service:", "bodies:"
+"""What stands before the name of a service in views of it, without and with bodies of messages."""
 
 
 def offered(
@@ -28,7 +34,7 @@ def offered(
     for service in model.instances(jaus.Service, library=library):
         if service.name:
             names = (service.name, f"{service.name}/{service.version}", service.urn)
-            yield tuple(f"service:{name}" for name in names), partial(graph, service=service)
+            yield tuple(f"{SERVICE}{name}" for name in names), partial(graph, service=service)
 
 
 def graph(context: Context, service: jaus.Service) -> Graph:
@@ -36,7 +42,7 @@ def graph(context: Context, service: jaus.Service) -> Graph:
     builder = Builder(context)
     chain = lineage(service)
     for ancestor in chain:
-        _add_service(builder, ancestor)
+        _add_service(builder, ancestor, is_subject=ancestor is service)
     for heir, parent in pairwise(chain):
         own = context.id_of(heir)
         builder.edges.append(
@@ -46,10 +52,11 @@ def graph(context: Context, service: jaus.Service) -> Graph:
     return builder.graph(f"service {name_of(service)} {service.version or ''}".strip(), service)
 
 
-def _add_service(builder: Builder, service: jaus.Service) -> None:
+def _add_service(builder: Builder, service: jaus.Service, *, is_subject: bool) -> None:
     context = builder.context
     own = context.id_of(service)
-    builder.groups.append(Group(own, "service", f"{name_of(service)} {service.version or ''}"))
+    kind = "subject" if is_subject else "service"
+    builder.groups.append(Group(own, kind, f"{name_of(service)} {service.version or ''}"))
     builder.add(
         Node(
             own,
@@ -63,8 +70,9 @@ def _add_service(builder: Builder, service: jaus.Service) -> None:
             findings=context.findings(service, deep=False),
         )
     )
-    takes = _messages(builder, service, service.inputs, "takes", 1)
-    sends = _messages(builder, service, service.outputs, "sends", 2)
+    has_bodies = is_subject and context.view.startswith(BODIES)
+    takes = _messages(builder, service, service.inputs, "takes", 1, has_bodies=has_bodies)
+    sends = _messages(builder, service, service.outputs, "sends", 2, has_bodies=has_bodies)
     if takes:
         builder.edges.append(Edge(f"{takes}!edge", End(own), End(takes), "owns", "takes"))
     reports = {name_of(output): output for output in service.outputs}
@@ -92,14 +100,31 @@ def _messages(
     messages: Iterable[jaus.MessageDef],
     way: str,
     column: int,
+    *,
+    has_bodies: bool,
 ) -> str:
-    """Adds a box of messages, and returns its id, empty when there are none."""
+    """Adds a box of messages, and returns its id, empty when there are none.
+
+    `has_bodies`: whether the members of messages are shown too.
+    """
     context = builder.context
     own = context.id_of(service)
-    ports = tuple(_message(context, message) for message in messages)
+    ports: list[Port] = []
+    for message in messages:
+        ports.append(_message(context, message))
+        members = jaus_members(context, message) if has_bodies else ()
+        ports += _body(context.id_of(message), members, 1)
     if not ports:
         return ""
-    return builder.add(Node(f"{own}!{way}", "messages", way, ports=ports, group=own, column=column))
+    return builder.add(
+        Node(f"{own}!{way}", "messages", way, ports=tuple(ports), group=own, column=column)
+    )
+
+
+def _body(message: str, members: Iterable[Member], depth: int) -> Iterator[Port]:
+    for member in members:
+        yield replace(member.port, id=f"{message}!{member.path}", depth=depth)
+        yield from _body(message, member.inner, depth + 1)
 
 
 def _message(context: Context, message: jaus.MessageDef) -> Port:
@@ -188,6 +213,7 @@ def _add_state(builder: Builder, machine: Machine, path: str, *, is_composite: b
             tuple(rows),
             own if is_composite else around,
             column=0 if initial and not is_composite else 1,
+            is_initial=initial,
             details=tuple(detail for state in elements for detail in details(state)),
             findings=tuple(f for s in elements for f in context.findings(s, deep=False)),
             element=element,

@@ -7,8 +7,9 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.views.diagrams.bundling import bundled
+from jausml.views.diagrams.bundling import bundled, is_crowded
 from jausml.views.diagrams.graph import Edge
+from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes, svg
 from jausml.views.diagrams.writers.shapes import cut
 from jausml.views.pages import hashed
@@ -25,11 +26,11 @@ _PAGE = Path(__file__).parent / "page"
 
 def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
     """Returns a graph as a page."""
-    shown = bundled(graph)
+    shown = ordered(bundled(graph))
     script = (_PAGE / "diagram.js").read_text(encoding="utf-8")
     style = shapes.variables() + (_PAGE / "diagram.css").read_text(encoding="utf-8")
     keys = svg.Keys()
-    picture = svg.picture(shown, engine, theme, is_bundled=shown is not graph, keys=keys)
+    picture = svg.picture(shown, engine, theme, is_bundled=is_crowded(graph), keys=keys)
     # Of a text within a script the sign that could end it is written as JSON writes any sign.
     known = json.dumps(dict(_known(shown, keys)), ensure_ascii=True).replace("<", "\\u003c")
     policy = "; ".join(

@@ -48,7 +48,9 @@ def title_of(node: Node) -> str:
 
 def subtitles(node: Node) -> list[tuple[str, str]]:
     """Returns the lines below the title of a box, each with a severity or an empty text."""
-    lines = [(cut(node.subtitle, _LONGEST_NOTE), "")] if node.subtitle else []
+    # Of an initial state a dot says that it is one.
+    is_told = node.subtitle and not node.is_initial
+    lines = [(cut(node.subtitle, _LONGEST_NOTE), "")] if is_told else []
     lines += [
         (finding_text(finding), finding.severity) for finding in node.findings[:_MOST_FINDINGS]
     ]
@@ -104,7 +106,6 @@ def sheet_of(graph: Graph, *, packed: bool) -> Sheet:
         tuple(_line(edge, is_labelled=not packed) for edge in graph.edges),
         graph.downwards,
         packed,
-        facing=graph.view.startswith("map:"),
     )  # fmt: skip
 
 
@@ -147,7 +148,7 @@ def _line(edge: Edge, *, is_labelled: bool) -> Line:
         (edge.source.node, edge.source.port),
         (edge.target.node, edge.target.port),
         math.ceil(widest) + 8 if lines else 0,
-        LINE_HEIGHT * len(lines) + 4 if lines else 0,
+        LINE_HEIGHT * len(lines) + 3 if lines else 0,
     )
 
 
@@ -267,7 +268,8 @@ _SHARED = (
     ".diagram{font-family:Helvetica,Arial,'Liberation Sans',sans-serif}"
     ".edge{fill:none;stroke-width:1.2}.control,.owns{stroke-dasharray:5 4}"
     ".bridge .body{stroke-width:3}.body{stroke-width:1.5}.frame rect{stroke-width:1}"
-    ".doubled{fill:none;stroke-width:1.5}.rule{stroke-width:.6;fill:none}.behind{opacity:.85}"
+    ".doubled{fill:none;stroke-width:1.5}.rule{stroke-width:.6;fill:none}"
+    ".label text{paint-order:stroke;stroke-width:3px;stroke-linejoin:round}"
 )
 
 
@@ -306,9 +308,12 @@ def variables() -> str:
 
 def _rules(colours: dict[str, str]) -> str:
     rules = [
-        ".ground,.behind{fill:%(ground)s}.body{fill:%(body)s;stroke:%(line)s}",
+        ".ground{fill:%(ground)s}.body{fill:%(body)s;stroke:%(line)s}",
+        ".label text{stroke:%(ground)s}",
         "text{fill:%(ink)s}.muted{fill:%(muted)s}.mark{fill:%(ink)s}.flow{fill:%(ink)s}",
-        ".frame rect{fill:%(frame)s;stroke:%(muted)s}.rule{stroke:%(muted)s}",
+        ".frame rect{fill:%(frame)s;stroke:%(muted)s}",
+        ".frame.subject rect{stroke:%(ink)s;stroke-width:2.5}",
+        ".rule{stroke:%(muted)s}",
         ".edge{stroke:%(line)s}.head{fill:%(line)s}",
         *(f".box.{kind} .body{{stroke:%({side})s}}" for kind, side in SIDES.items()),
         ".edge.message,.edge.to_ros{stroke:%(jaus)s}.edge.topic,.edge.to_jaus{stroke:%(ros)s}",

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 from xml.sax.saxutils import escape, quoteattr
 
 from jausml import installing
-from jausml.views.diagrams.bundling import bundled
+from jausml.views.diagrams.bundling import bundled, is_crowded
 from jausml.views.diagrams.graph import IDLE, severity
 from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut, style, width
 
@@ -24,11 +25,15 @@ if TYPE_CHECKING:
 MARGIN, TOP = 16, 54
 _ROUND = {"node": 9, "type": 9, "state": 12, "others": 9}
 _LONGEST_TITLE = 90
+_DOT = 14
+"""How far the dot of an initial state stands above it, and from its left corner."""
+_SERVICE = "arrows of messages: what answers · dashed: what a service takes and sends"
 _LEGENDS = {
     "system": "square: JAUS · thick: bridge · rounded: ROS · dashed: control",
     "map": "left: JAUS · right: ROS · blue: JAUS to ROS · green: ROS to JAUS",
-    "service": "arrows of messages: what answers · dashed: what a service takes and sends",
-    "machine": "rows: what a state does and stays · all inside: in each state of the frame",
+    "service": _SERVICE,
+    "bodies": _SERVICE,
+    "machine": "dot: entered first · rows: what a state does and stays · all inside: in each state",
 }
 
 _STATES = (
@@ -42,8 +47,8 @@ def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
 
     `theme`: `light`, `dark`, or `auto` for that of whoever looks.
     """
-    shown = bundled(graph)
-    return picture(shown, engine, theme, is_bundled=shown is not graph, keys=Keys())
+    shown = ordered(bundled(graph))
+    return picture(shown, engine, theme, is_bundled=is_crowded(graph), keys=Keys())
 
 
 def size_of(picture: str) -> tuple[float, float]:
@@ -162,6 +167,10 @@ def _node(node: Node, places: Places, keys: Keys) -> Iterator[str]:
         outer = f'width="{sheet.width + 6}" height="{sheet.height + 6}"'
         yield f'<rect class="doubled" x="{_n(x - 3)}" y="{_n(y - 3)}" {corner}{outer}/>'
     yield f'<rect class="body" x="{x}" y="{y}" {corner}{size}/>'
+    if node.is_initial:
+        dot = f'<circle class="head" cx="{_n(x + _DOT)}" cy="{_n(y - _DOT)}" r="3.5"/>'
+        way = f'd="M{_n(x + _DOT)} {_n(y - _DOT)}V{_n(y - 1)}"'
+        yield f'{dot}<path class="edge" {way} marker-end="url(#arrow)"/>'
     left, line = x + shapes.PADDING, y + shapes.TITLE + 4
     yield text_element(left, line, shapes.title_of(node), shapes.TITLE, "title", bold=True)
     for text, kind in shapes.subtitles(node):
@@ -220,11 +229,8 @@ def _label(edge: Edge, route: Route, keys: Keys) -> Iterator[str]:
         return
     x, y = route.label
     grave = severity(edge.findings)
-    widest = max(width(line, shapes.SMALL) for line in lines) + 6
     height = shapes.LINE_HEIGHT * len(lines) + 2
     yield f'<g class="label" data-key="{keys.edge(edge.id)}">'
-    corner = f'x="{_n(x - widest / 2)}" y="{_n(y - height / 2)}"'
-    yield f'<rect class="behind" {corner} width="{_n(widest)}" height="{height}" rx="2"/>'
     for index, text in enumerate(lines):
         base = y - height / 2 + 10.5 + index * shapes.LINE_HEIGHT
         yield text_element(

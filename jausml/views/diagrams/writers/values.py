@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.views.diagrams.folding import CLOSED, folded
 from jausml.views.diagrams.layout.settling import area_of, settle, surrounding
+from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut
 
@@ -58,7 +59,8 @@ class Placed:
 class Standing:
     """Where the parts of a view stood whenever it was drawn; a new one knows nothing.
 
-    Boxes that are gone are kept: what undo brings back stands where it stood. `shown`: kinds and
+    Boxes that are gone are kept: what undo brings back stands where it stood. `rows`: the rows of
+    each box by its key, in the order of the model and in that of the picture. `shown`: kinds and
     corners of the boxes of the last picture by their keys, in its order. `last`: what the last
     picture was made of; most edits change no size, so that the next one is made of the same.
     """
@@ -66,6 +68,7 @@ class Standing:
     boxes: dict[str, Point] = field(default_factory=dict)
     shown: dict[str, tuple[str, Point]] = field(default_factory=dict)
     routes: dict[_Way, Route] = field(default_factory=dict)
+    rows: dict[str, tuple[list[str], list[str]]] = field(default_factory=dict)
     last: Placed | None = None
 
 
@@ -133,15 +136,24 @@ def settled(
     """
     moved = moved or {}
     standing = standing if standing is not None else Standing()
-    sheet = _sheet(graph)
     keys = {node.id: node.key or node.id for node in graph.nodes}
     fixed = {name for name, key in keys.items() if key in moved}
     _take_over(graph, keys, standing)
-    if not standing.shown:
+    if standing.shown:
+        graph = _with_rows(graph, graph, standing)
+        sheet = _sheet(graph)
+    else:
+        arranged = ordered(graph)
+        graph = _with_rows(graph, arranged, standing)
+        sheet = _sheet(arranged)
         drawn = engine.place(sheet)
+        boxes = {box.id: box for box in sheet.boxes}
+        sheet = replace(sheet, boxes=tuple(boxes[node.id] for node in graph.nodes))
         for name, (x, y) in drawn.boxes.items():
             standing.boxes.setdefault(keys[name], (round(x), round(y)))
-        _keep_routes(sheet, {n: standing.boxes[k] for n, k in keys.items()}, drawn.lines, standing)
+        # Of so many lines each page draws those that it shows.
+        routes = {} if graph.is_crowded else drawn.lines
+        _keep_routes(sheet, {n: standing.boxes[k] for n, k in keys.items()}, routes, standing)
     stood = {**standing.boxes, **moved}
     places = _placed(sheet, {n: stood[k] for n, k in keys.items() if k in stood}, fixed, standing)
     corners = places.corners
@@ -149,6 +161,29 @@ def settled(
     standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
     standing.shown = {keys[node.id]: (node.kind, corners[node.id]) for node in graph.nodes}
     return Settled(graph, places)
+
+
+def _with_rows(graph: Graph, arranged: Graph, standing: Standing) -> Graph:
+    """Returns a graph whose rows keep their order: new ones come last, renamed ones stay."""
+    first = arranged.by_id
+    nodes = []
+    for node in graph.nodes:
+        ports = {port.key or port.id: port for port in node.ports}
+        own = list(ports)
+        before, order = standing.rows.get(node.key or node.id, (own, own))
+        if not standing.shown:
+            order = [port.key or port.id for port in first[node.id].ports]
+        elif len(before) == len(own):
+            # Names change no order, so that one that is new stands for one that is gone.
+            gone = [key for key in before if key not in ports]
+            new = [key for key in own if key not in before]
+            names = dict(zip(gone, new, strict=True))
+            order = [names.get(key, key) for key in order]
+        order = [key for key in order if key in ports]
+        order += [key for key in own if key not in order]
+        standing.rows[node.key or node.id] = own, order
+        nodes.append(replace(node, ports=tuple(ports[key] for key in order)))
+    return replace(graph, nodes=tuple(nodes))
 
 
 def _placed(
@@ -194,7 +229,7 @@ def _plain(part: PartT) -> PartT:
 
 
 def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> None:
-    """Gives boxes that were renamed the places that they had.
+    """Gives boxes that were renamed the places that they had, and their rows.
 
     Names change no order: they are found where a picture has as many boxes of a kind as before.
     """
@@ -204,6 +239,7 @@ def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> Non
         for (before, corner), key in zip(old, new, strict=False) if len(old) == len(new) else ():
             if before not in new and key not in standing.boxes:
                 standing.boxes[key] = corner
+                standing.rows[key] = standing.rows[before]
 
 
 def _keep_routes(
@@ -244,6 +280,7 @@ def _closed(node: Node, area: Area) -> dict[str, Any]:
         "height": height,
         "head": height,
         "moved": False,
+        "initial": False,
         "ports": [],
     }
 
@@ -258,6 +295,7 @@ def _node(node: Node, box: Box, corner: Point, *, is_moved: bool) -> dict[str, A
         "height": box.height,
         "head": box.head,
         "moved": is_moved,
+        "initial": node.is_initial,
         "ports": [_port(port, tops[port.id]) for port in node.ports],
     }
 

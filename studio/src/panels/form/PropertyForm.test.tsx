@@ -26,6 +26,7 @@ function field(feature: string, more: Partial<FormField> = {}): FormField {
     choices: [],
     problems: [],
     changeable: true,
+    group: "",
     ...more,
   };
 }
@@ -111,6 +112,17 @@ const set = (feature: string, ...values: string[]) => ({
 
 describe("the property form", () => {
   beforeEach(() => show());
+
+  it("has fields that are about the same in groups", async () => {
+    const fields = FIELDS.map((each) =>
+      each.feature === "rate" ? { ...each, group: "rates and limits" } : each,
+    );
+    server.answer("form", () => ({ ...FORM, fields }));
+    act(() => update({ project: { ...PROJECT, revision: 2 } }));
+    const group = await screen.findByRole("group", { name: "rates and limits" });
+    expect(within(group).getByLabelText("rate")).toBeVisible();
+    expect(within(group).queryByLabelText("name")).toBeNull();
+  });
 
   it("changes once, on Enter and not again when the focus goes", async () => {
     const rate = await screen.findByLabelText("rate");

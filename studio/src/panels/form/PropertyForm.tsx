@@ -97,15 +97,20 @@ export function PropertyForm() {
       </header>
       {form.readonly && <Quiet>This belongs to the library and is not changed here.</Quiet>}
       <Fault>{fault || error}</Fault>
-      {form.fields.map((each) => (
-        <FieldRow
-          key={`${choice} ${each.feature}`}
-          element={element}
-          of={form.title}
-          field={form.readonly ? { ...each, changeable: false } : each}
-          onSet={(values) => set(each, values)}
-          onJump={(target) => choose(target)}
-        />
+      {inGroups(form.fields).map(([group, fields]) => (
+        <fieldset key={`${group} ${fields[0]?.feature}`}>
+          {group && <legend>{group}</legend>}
+          {fields.map((each) => (
+            <FieldRow
+              key={`${choice} ${each.feature}`}
+              element={element}
+              of={form.title}
+              field={form.readonly ? { ...each, changeable: false } : each}
+              onSet={(values) => set(each, values)}
+              onJump={(target) => choose(target)}
+            />
+          ))}
+        </fieldset>
       ))}
       {form.children.map((each) => (
         <ChildrenRow
@@ -120,4 +125,15 @@ export function PropertyForm() {
       ))}
     </form>
   );
+}
+
+/** Fields that follow each other and are about the same, with what that is. */
+function inGroups(fields: FormField[]): [group: string, fields: FormField[]][] {
+  const groups: [string, FormField[]][] = [];
+  for (const field of fields) {
+    const last = groups.at(-1);
+    if (last?.[0] === field.group) last[1].push(field);
+    else groups.push([field.group, [field]]);
+  }
+  return groups;
 }

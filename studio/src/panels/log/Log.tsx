@@ -80,7 +80,7 @@ function Faults({ revision }: { revision: number }) {
       {value.faults.map((each) => (
         <details key={`${each.time} ${each.text}`}>
           <summary>
-            {new Date(1000 * each.time).toLocaleTimeString()} {each.level}: {each.text}
+            {new Date(1000 * each.time).toTimeString().slice(0, 8)} {each.level}: {each.text}
           </summary>
           {each.details && <pre>{each.details}</pre>}
         </details>
