@@ -117,9 +117,7 @@ def test_a_warning_can_be_allowed_with_a_reason(tmp_path):
     assert [finding["rule"] for finding in told["found"]] == ["JML933"]
     assert told["allowed"] == [{"rule": "JML932", "reason": "the operator asks once"}]
     (log,) = json.loads(run(model, "--format", "sarif", status=1).stdout)["runs"]
-    assert [
-        sarif_result["ruleId"] for sarif_result in log["results"] if "suppressions" in sarif_result
-    ] == ["JML932"]
+    assert [result["ruleId"] for result in log["results"] if "suppressions" in result] == ["JML932"]
     validated = CliRunner().invoke(main, ["validate", str(model)])
     assert "JML80" not in validated.output
 

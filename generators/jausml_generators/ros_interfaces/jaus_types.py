@@ -193,11 +193,9 @@ class _Fields:
 
     def _named(self, field: str, kind: str, listed: Iterable[wire.Listed]) -> None:
         limits = wire.INTEGERS[kind]
-        for listed_value in listed:
-            if limits.lower <= listed_value.value <= limits.upper:
-                self._constant(
-                    field, listed_value.name, kind, listed_value.value, listed_value.documentation
-                )
+        for value in listed:
+            if limits.lower <= value.value <= limits.upper:
+                self._constant(field, value.name, kind, value.value, value.documentation)
 
     def _constant(self, field: str, name: str, kind: str, value: int, text: str = "") -> None:
         claimed = self._constants.claim(constant_name(field, name))

@@ -151,9 +151,7 @@ def _full(message: str) -> str:
     known = {
         ros_name(attribute_map.type) for attribute_map in maps if attribute_map.type is not None
     }
-    return min(
-        (type_name for type_name in known if type_name.partition("/")[2] == message), default=""
-    )
+    return min((name for name in known if name.partition("/")[2] == message), default="")
 
 
 def chosen_crossings(

@@ -325,10 +325,8 @@ def _with_frequency(
     # A number without a point is an integer to ROS, which the parameter is not.
     said = (_ROS_ARGUMENTS, "-p", f"frequency:={frequency!r}")
     return [
-        replace(passed_arguments, ros=(*said, *passed_arguments.ros))
-        if entry["kind"] == "bridge"
-        else passed_arguments
-        for entry, passed_arguments in zip(entries, passed, strict=True)
+        replace(arguments, ros=(*said, *arguments.ros)) if entry["kind"] == "bridge" else arguments
+        for entry, arguments in zip(entries, passed, strict=True)
     ]
 
 

@@ -49,9 +49,7 @@ class WholeLibraryOption(click.Option):
         targets = _installed().values()
         able = ((target.name, target.whole_library) for target in targets)
         texts = "; ".join(
-            f"with --target {name} {whole_library.help}"
-            for name, whole_library in able
-            if whole_library
+            f"with --target {name} {library.help}" for name, library in able if library
         )
         self.help = f"Describe more: {texts}."
         return super().get_help_record(ctx)

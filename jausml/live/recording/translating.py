@@ -327,11 +327,9 @@ def _joins(
     connection: bridge.Connection, translated: Sequence[TranslatedJoin]
 ) -> Iterator[RouteJoin]:
     parameters = {join.join: join for join in translated}
-    for joined_report in joined_reports(connection):
-        named = joined_report.source.peers if joined_report.source is not None else ()
-        yield RouteJoin(
-            parameters[joined_report.join], code(joined_report.join.message), _addresses(named)
-        )
+    for report in joined_reports(connection):
+        named = report.source.peers if report.source is not None else ()
+        yield RouteJoin(parameters[report.join], code(report.join.message), _addresses(named))
 
 
 def _addresses(peers: Iterable[jaus.Component]) -> Addresses:

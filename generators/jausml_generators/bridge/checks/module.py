@@ -321,12 +321,9 @@ def _check(
 ) -> Check:
     source = JausMessage(there.map.message, there.view.message, "source")
     scope = Scope(frozenset(_NOTHING))
-    names = [scope.claim(short_name(returned_value.place.path)) for returned_value in returning]
+    names = [scope.claim(short_name(value.place.path)) for value in returning]
     jaus = there.view.source_name
-    varied = {
-        returned_value.place.path: Code(name)
-        for name, returned_value in zip(names, returning, strict=True)
-    }
+    varied = {value.place.path: Code(name) for name, value in zip(names, returning, strict=True)}
     lines = [f"bridge = {class_name}()", *source.fill({**sample.values, **varied})]
     lines += [
         f"source = {jaus}.decode(source.encode())",
@@ -340,17 +337,14 @@ def _check(
     for name, returned_value in zip(names, returning, strict=True):
         place = back.message("back", is_ros=False).place(returned_value.place.path)
         lines += [*is_there(place), _returned(place.code, name, returned_value)]
-    strategies = tuple(
-        _strategy(name, returned_value)
-        for name, returned_value in zip(names, returning, strict=True)
-    )
+    strategies = tuple(_strategy(name, value) for name, value in zip(names, returning, strict=True))
     decorators = (
         f"@settings(deadline=None, derandomize=True, database=None, max_examples={_EXAMPLES})",
         f"@{call('given', *strategies)}",
     )
     parameters = tuple(
-        f"{name}: {'int' if returned_value.place.kind == INTEGER else 'float'}"
-        for name, returned_value in zip(names, returning, strict=True)
+        f"{name}: {'int' if value.place.kind == INTEGER else 'float'}"
+        for name, value in zip(names, returning, strict=True)
     )
     about = f"What {there.name} gives to ROS comes back by {back.name}, within a step."
     return Check(f"{there.name}_and_back", about, tidy(lines), decorators, parameters)
