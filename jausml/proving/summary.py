@@ -53,11 +53,7 @@ class Swept:
 
 
 def summed_up(
-    trip: RoundTrip,
-    planned: Field,
-    sweep_result: Swept,
-    python: PythonForm,
-    form: CompiledForm,
+    trip: RoundTrip, planned: Field, sweep_result: Swept, python: PythonForm, form: CompiledForm
 ) -> FieldResult:
     """Returns what becomes of the values of a number of a map."""
     number, tally = planned.number, sweep_result.wide or sweep_result.tally

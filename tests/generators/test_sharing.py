@@ -219,11 +219,7 @@ def test_maps_that_say_the_same_share_as_one_map_does(tmp_path):
 
 @pytest.mark.parametrize(
     "words",
-    [
-        "{ whenAbsent: useDefault defaultValue: 1 }",
-        "{ whenAbsent: dropMessage }",
-        ": negate",
-    ],
+    ["{ whenAbsent: useDefault defaultValue: 1 }", "{ whenAbsent: dropMessage }", ": negate"],
 )
 def test_whatever_an_assignment_says_tells_maps_apart(words, tmp_path):
     text = NUMBERS.replace("Velocity_X -> data )\n}", f"Velocity_X -> data {words} )\n}}")

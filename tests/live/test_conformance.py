@@ -42,10 +42,7 @@ def port(tmp_path):
 
 def jausml(*arguments):
     return subprocess.run(
-        [*warm.command(), *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=120,
+        [*warm.command(), *map(str, arguments)], capture_output=True, text=True, timeout=120
     )
 
 

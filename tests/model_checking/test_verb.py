@@ -20,10 +20,7 @@ from jausml.cli import main
 ROOT = Path(__file__).resolve().parents[2]
 CARELESS = Path(__file__).with_name("careless.ros2jaus")
 EXAMPLES = ROOT / "models" / "examples"
-FOUND = {
-    "front.speed": {"JML932", "JML933"},
-    "station.velocity to rover": {"JML933"},
-}
+FOUND = {"front.speed": {"JML932", "JML933"}, "station.velocity to rover": {"JML933"}}
 
 
 def run(*words, status):

@@ -459,10 +459,7 @@ MUTANTS = {
         small("factor", up="Speed -> linear.x : scale(-1.01) Turn -> linear.y : scale(0.5)"),
         {"JML922"},
     ),
-    "offset": (
-        small("offset", up='Speed -> linear.x : expression("0.02 - value")'),
-        {"JML922"},
-    ),
+    "offset": (small("offset", up='Speed -> linear.x : expression("0.02 - value")'), {"JML922"}),
     "swapped": (
         small("swapped", up="Speed -> linear.y : negate Turn -> linear.x : scale(0.5)"),
         {"JML923"},

@@ -31,11 +31,7 @@ READY = (
     *("set_lamps", "visual_sensor_zoom", "local_vector"),
 )
 
-pytestmark = [
-    pytest.mark.needs("compiler"),
-    pytest.mark.slow,
-    pytest.mark.timeout(600),
-]
+pytestmark = [pytest.mark.needs("compiler"), pytest.mark.slow, pytest.mark.timeout(600)]
 
 
 def proved(path: Path, names: Sequence[str] = ()) -> list[MapResult]:

@@ -83,10 +83,7 @@ def test_recordings_carry_the_quality_of_service_of_publishers(tmp_path, publish
         (profile.durability.name, profile.reliability.name, profile.deadline.sec)
         for profile in profiles
     }
-    assert found == {
-        ("TRANSIENT_LOCAL", "RELIABLE", 9223372036),
-        ("VOLATILE", "BEST_EFFORT", 1),
-    }
+    assert found == {("TRANSIENT_LOCAL", "RELIABLE", 9223372036), ("VOLATILE", "BEST_EFFORT", 1)}
     metadata = by_mcap(path)[0][1].metadata
     assert {profile.deadline.nsec for profile in profiles} == {854775807, 500_000_000}
     assert re.fullmatch("RIHS01_[0-9a-f]{64}", metadata["topic_type_hash"])

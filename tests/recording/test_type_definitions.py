@@ -8,11 +8,7 @@ from rosbags.typesys import get_types_from_msg
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import library_root, read_models
-from jausml.live.recording.schemas import (
-    full_name,
-    installed_definition,
-    modelled_definition,
-)
+from jausml.live.recording.schemas import full_name, installed_definition, modelled_definition
 
 
 @pytest.fixture(scope="module")

@@ -180,16 +180,11 @@ class ConnectionView:
     @property
     def arguments(self) -> tuple[tuple[str, str], ...]:
         """Arguments of the runtime class after name and translate."""
-        arguments = [
-            ("message", self.message_name),
-            ("type", self.ros_name),
-        ]
+        arguments = [("message", self.message_name), ("type", self.ros_name)]
         if self.query is not None:
             query = (
                 query_call(
-                    self.query,
-                    self.message,
-                    self.requested.get(self.message_element, frozenset()),
+                    self.query, self.message, self.requested.get(self.message_element, frozenset())
                 )
                 if self.to_ros
                 else self.query.class_name

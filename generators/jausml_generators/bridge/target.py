@@ -59,10 +59,7 @@ def tasks(model: Model) -> list[Task]:
             imports=lambda bridge: bridge.light.imports,
         ),
         *program_tasks(
-            bridges,
-            base="base.py.j2",
-            skeleton="skeleton.py.j2",
-            words=lambda view: view.words,
+            bridges, base="base.py.j2", skeleton="skeleton.py.j2", words=lambda view: view.words
         ),
         FileTask("core.cpp.j2", with_core, _source),
         TextTask(

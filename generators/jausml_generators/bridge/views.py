@@ -122,12 +122,7 @@ class BridgeView(ProgramView):
         )
         return (
             *(
-                ConnectionView(
-                    connection,
-                    translation,
-                    self.message_of,
-                    requested,
-                )
+                ConnectionView(connection, translation, self.message_of, requested)
                 for connection, translation in own
             ),
             *(

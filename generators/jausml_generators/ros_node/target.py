@@ -293,12 +293,7 @@ class NodeView(ProgramView):
 
     @property
     def _endpoints(self) -> tuple[EndpointView, ...]:
-        return (
-            *self.publishers,
-            *self.subscriptions,
-            *self.service_servers,
-            *self.service_clients,
-        )
+        return (*self.publishers, *self.subscriptions, *self.service_servers, *self.service_clients)
 
     @functools.cached_property
     def _names(self) -> Mapping[Endpoint, str]:

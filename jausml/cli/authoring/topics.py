@@ -275,10 +275,7 @@ def _fed_joins(way: Crossing) -> Sequence[bridge.Join]:
 
 
 def _without(
-    topic: TopicEnd,
-    maps: Sequence[bridge.AttributeMap],
-    side: str,
-    left_out: LeftOut | None,
+    topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str, left_out: LeftOut | None
 ) -> None:
     from jausml.authoring.proposals.bridging import is_served
     from jausml.authoring.proposals.topic_names import is_emergency_stop

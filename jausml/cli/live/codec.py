@@ -71,9 +71,7 @@ Line = tuple[str, str]
     "optionally with /VERSION.",
 )
 @click.option(
-    "--message",
-    metavar="NAME",
-    help="Message to decode, if a code has several meanings even then.",
+    "--message", metavar="NAME", help="Message to decode, if a code has several meanings even then."
 )
 @click.option(
     "--format",
@@ -93,10 +91,7 @@ Line = tuple[str, str]
     "--count", type=click.IntRange(1), help="End after this number of messages or datagrams."
 )
 @click.option(
-    "--duration",
-    type=FiniteRange(0),
-    metavar="S",
-    help="Listen for this number of seconds.",
+    "--duration", type=FiniteRange(0), metavar="S", help="Listen for this number of seconds."
 )
 def decode(
     inputs: tuple[str, ...],

@@ -41,12 +41,7 @@ def _or_only_system(_: click.Context, __: click.Parameter, value: str | None) ->
 @click.command("latency")
 @click.argument("source", metavar="[ID|MODEL]", required=False, callback=_or_only_system)
 @click.argument("messages", metavar="[MESSAGE]...", nargs=-1)
-@click.option(
-    "--duration",
-    type=FiniteRange(0.1, 3600),
-    default=10.0,
-    help="Seconds to measure.",
-)
+@click.option("--duration", type=FiniteRange(0.1, 3600), default=10.0, help="Seconds to measure.")
 @click.option(
     "--rate",
     type=FiniteRange(min=0, max=1092, min_open=True),

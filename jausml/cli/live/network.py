@@ -101,10 +101,7 @@ def network_options(function: Callable[..., Any]) -> Callable[..., Any]:
 def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Adds the options that say how long a test waits for what comes and what does not."""
     timeout = click.option(
-        "--timeout",
-        type=FiniteRange(0.05, 60),
-        default=1.0,
-        help="Seconds to wait for an answer.",
+        "--timeout", type=FiniteRange(0.05, 60), default=1.0, help="Seconds to wait for an answer."
     )
     quiet = click.option(
         "--quiet-time",
@@ -329,19 +326,12 @@ def operator_options(function: Callable[..., None]) -> Callable[..., None]:
     @network_options
     @transport_options
     @click.option(
-        "--timeout",
-        type=FiniteRange(0.05, 600),
-        default=3.0,
-        help="Seconds to wait for an answer.",
+        "--timeout", type=FiniteRange(0.05, 600), default=3.0, help="Seconds to wait for an answer."
     )
     @format_option("Format of the output.")
     @wraps(function)
     def run(
-        *arguments: Any,
-        models: tuple[str, ...],
-        timeout: float,
-        output_format: str,
-        **others: Any,
+        *arguments: Any, models: tuple[str, ...], timeout: float, output_format: str, **others: Any
     ) -> None:
         network = network_from(**{name: others.pop(name) for name in _NETWORK})
         settings = Settings(network, models, timeout, output_format == "json")

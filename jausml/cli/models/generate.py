@@ -9,13 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
-from jausml.cli.shared.models import (
-    bridge_options,
-    checked,
-    fail,
-    model_argument,
-    reading_options,
-)
+from jausml.cli.shared.models import bridge_options, checked, fail, model_argument, reading_options
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
 from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
@@ -64,12 +58,7 @@ class WholeLibraryOption(click.Option):
     help="Output folder; by default <name of the model file>_ws/src, a colcon workspace.",
 )
 @click.option("--target", "names", multiple=True, metavar="NAME", help="Generate only this target.")
-@click.option(
-    "--all",
-    "whole_library",
-    is_flag=True,
-    cls=WholeLibraryOption,
-)
+@click.option("--all", "whole_library", is_flag=True, cls=WholeLibraryOption)
 @click.option(
     "--check",
     is_flag=True,

@@ -138,11 +138,7 @@ def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     def with_assumptions(
         *arguments: object, rates: tuple[str, ...], lengths: tuple[str, ...], **others: object
     ) -> None:
-        from jausml.views.analysis.sizes import (
-            DEFAULT_LENGTH,
-            DEFAULT_RATE,
-            Assumptions,
-        )
+        from jausml.views.analysis.sizes import DEFAULT_LENGTH, DEFAULT_RATE, Assumptions
 
         hertz = _named(rates, _rate)
         elements = _named(lengths, _length)

@@ -235,12 +235,7 @@ def read(
         return read_project(paths, reading, is_one=is_one)
 
 
-def valid_model(
-    path: str,
-    reading: Reading | None = None,
-    *,
-    outcome: str = "",
-) -> Model:
+def valid_model(path: str, reading: Reading | None = None, *, outcome: str = "") -> Model:
     """Returns a model without errors; any other ends the verb, with its findings on stderr.
 
     `outcome`: what stands behind the summary, such as `nothing generated`.

@@ -88,11 +88,7 @@ def refuse_options(reason: str, *names: str) -> None:
 def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorator:
     """Returns `--format`; the verb takes it as `output_format`."""
     return click.option(
-        "--format",
-        "output_format",
-        type=click.Choice(formats),
-        default=formats[0],
-        help=text,
+        "--format", "output_format", type=click.Choice(formats), default=formats[0], help=text
     )
 
 

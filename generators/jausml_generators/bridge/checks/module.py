@@ -178,11 +178,7 @@ class TestModule:
         """Shows that the bridge can be made, where there is nothing else to show."""
         about = "The bridge has its connections."
         count = len(self.bridge.connections) + len(self.bridge.calls)
-        return Check(
-            "connections",
-            about,
-            (f"assert len(bridge.connections) == {count}",),
-        )
+        return Check("connections", about, (f"assert len(bridge.connections) == {count}",))
 
 
 _EXAMPLES = 50
@@ -313,11 +309,7 @@ def _angles(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning
 
 
 def _check(
-    there: Ends,
-    back: Ends,
-    sample: Sample,
-    returning: Sequence[_Returning],
-    class_name: str,
+    there: Ends, back: Ends, sample: Sample, returning: Sequence[_Returning], class_name: str
 ) -> Check:
     source = JausMessage(there.map.message, there.view.message, "source")
     scope = Scope(frozenset(_NOTHING))

@@ -24,9 +24,7 @@ from jausml_generators.python.codec.classes import (
     Enumeration,
     SubField,
 )
-from jausml_generators.python.codec.members import (
-    Member,
-)
+from jausml_generators.python.codec.members import Member
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Iterator, Sequence

@@ -19,12 +19,7 @@ if TYPE_CHECKING:
 SCHEMA = 1
 """Version of the layout; it changes when a reader of the present one would be misled."""
 
-_WORDS = {
-    Verdict.PASS: "pass",
-    Verdict.FAIL: "FAIL",
-    Verdict.SKIPPED: "skip",
-    Verdict.NOTE: "note",
-}
+_WORDS = {Verdict.PASS: "pass", Verdict.FAIL: "FAIL", Verdict.SKIPPED: "skip", Verdict.NOTE: "note"}
 _ID_WIDTH = 44
 _MARKS = {"sent": ">>", "received": "<<", "remark": "--"}
 
