@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
@@ -128,14 +129,5 @@ def _count(findings: Sequence[Finding], word: str) -> str:
 
 
 def _as_json(findings: Sequence[Finding]) -> str:
-    checks = [
-        {
-            "topic": finding.topic,
-            "name": finding.name,
-            "verdict": finding.verdict.value,
-            "text": finding.text,
-            "cure": finding.cure,
-        }
-        for finding in findings
-    ]
+    checks = [{**asdict(finding), "verdict": finding.verdict.value} for finding in findings]
     return json.dumps({"checks": checks}, indent=2, ensure_ascii=False)

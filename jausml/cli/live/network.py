@@ -82,20 +82,15 @@ _NETWORK = (
 )
 
 
-def transport_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Adds the options that choose a transport."""
-    return reduce(
-        lambda decorated_function, option: option(decorated_function),
-        reversed(_TRANSPORT_OPTIONS),
-        function,
-    )
+def _adding(options: Sequence[Callable[..., Any]]) -> Callable[..., Any]:
+    """Returns a decorator that adds options, in their order."""
+    return lambda function: reduce(lambda inner, add: add(inner), reversed(options), function)
 
 
-def network_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Adds the options that `network_from` and `open_catalogue` take."""
-    return reduce(
-        lambda decorated_function, option: option(decorated_function), reversed(_OPTIONS), function
-    )
+transport_options = _adding(_TRANSPORT_OPTIONS)
+"""Adds the options that choose a transport."""
+network_options = _adding(_OPTIONS)
+"""Adds the options that `network_from` and `open_catalogue` take."""
 
 
 def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:

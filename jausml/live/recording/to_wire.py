@@ -170,11 +170,8 @@ class WireReplay:
         self.undefined: Counter[str] = Counter()
         self.connections: dict[str, dict[str, Any]] = {}
         if not speakers.bridges:
-            hint = (
-                "; --allow-commands sends " + ", ".join(speakers.commands)
-                if speakers.commands
-                else ""
-            )
+            names = ", ".join(speakers.commands)
+            hint = f"; --allow-commands sends {names}" if names else ""
             raise RecordingError(f"no bridge of the model has reports to give{hint}")
         self._topics, self._types = frozenset(speakers.topics), RecordedTypes(speakers.topics)
         self._worker = Worker(bridge_code(speakers.model), _WORKER)

@@ -272,19 +272,12 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
     make = Maker(model.metamodels)
-    kept = [
-        bridge_connection
-        for bridge_connection in owner.bridgeConnections
-        if _is_to_ros(bridge_connection)
-    ]
-    others = [
-        bridge_connection
-        for bridge_connection in owner.bridgeConnections
-        if not _is_to_ros(bridge_connection)
-    ]
-    used = {connection.map for connection in kept}
+    own = list(owner.bridgeConnections)
+    used = {connection.map for connection in own if connection.direction.name == TO_ROS}
     senders_by_connection = {}
-    for other in others:
+    for other in own:
+        if other.direction.name == TO_ROS:
+            continue
         editable.bridgeConnections.remove(other)
         if other.map not in used and other.map.toRos:
             used.add(other.map)
@@ -296,10 +289,6 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
             make.link(owner, "bridgeConnections", turned)
             senders_by_connection[turned] = frozenset({str(owner.address)})
     return senders_by_connection
-
-
-def _is_to_ros(connection: bridge.Connection) -> bool:
-    return bool(connection.direction.name == TO_ROS)
 
 
 def _routes(view: BridgeView, sent: dict[bridge.Connection, Addresses]) -> Iterator[Route]:
