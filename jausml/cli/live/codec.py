@@ -20,6 +20,7 @@ from jausml.cli.shared.files import (
     PROBLEMS,
     STDIN,
     EnvironmentFault,
+    ending_at,
     read_lines,
     reason_of,
     shown_path,
@@ -332,10 +333,8 @@ class _Reading:
         from jausml.live.traffic.listening import MulticastListener
 
         settings = transport_settings(interface, port, multicast_group)
-        try:
+        with ending_at(TrafficError):
             listener = MulticastListener(settings)
-        except TrafficError as error:
-            raise EnvironmentFault(str(error)) from error
         with listener:
             click.echo(f"listening to {multicast_group}:{port} on {interface}", err=True)
             try:

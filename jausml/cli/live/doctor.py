@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS
+from jausml.cli.shared.files import PROBLEMS, ending_at
 from jausml.cli.shared.models import project_files, read, reading_options
 from jausml.cli.shared.options import (
     format_option,
@@ -60,10 +60,8 @@ def command(
     from jausml.live import machine
     from jausml.live.machine import Outcome
 
-    try:
+    with ending_at(ValueError, kind=click.UsageError):
         settings = machine.settings_of(interface, port, multicast_group)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
     findings = [*machine.python_checks(), *machine.program_checks(), *machine.ros_checks(packages)]

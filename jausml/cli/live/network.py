@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import EnvironmentFault, ending_at
 from jausml.cli.shared.models import explained, model_option, open_catalogue
 from jausml.cli.shared.names import beginning, field_paths, input_names
 from jausml.cli.shared.options import (
@@ -136,10 +136,8 @@ def target_of(target: str, network: Network) -> JausAddress:
     """Returns the component that is tested, which is not on our own node."""
     from jausml.live.peers.network import component_address
 
-    try:
+    with ending_at(ValueError, kind=click.UsageError):
         address = component_address(target)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
     if (address.subsystem, address.node) == (network.own.subsystem, network.own.node):
         raise click.UsageError(f"{target} is on the node of this tool; choose another --id")
     return address
@@ -160,10 +158,8 @@ def network_from(
     from jausml.live.peers.network import make_network, silence_log
 
     silence_log()
-    try:
+    with ending_at(ValueError, kind=click.UsageError):
         return make_network(own_id, interface, port, multicast_group, peers, **transport)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
 
 
 _REMEDY = (
@@ -225,10 +221,8 @@ def parsed_address(_context: click.Context, _parameter: click.Parameter, value: 
     """Returns the JAUS id of a component, as a callback of options and arguments."""
     from jausml.live.peers.network import component_address
 
-    try:
+    with ending_at(ValueError, kind=click.BadParameter):
         return component_address(value)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from error
 
 
 _FIELDS_BESIDE = "jausml.fields"
@@ -259,10 +253,8 @@ def _fields(
         raise click.BadParameter("the fields stand in the object of the message already")
     from jausml.live.messages.entries import parse_fields
 
-    try:
+    with ending_at(ValueError, kind=click.BadParameter):
         return parse_fields(" ".join(words))
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from error
 
 
 _COMPLETION_TIME = 0.7

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, ending_at, write_report
 from jausml.cli.shared.models import bridge_options, checked, fail, model_argument, reading_options
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
 from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
@@ -209,20 +209,16 @@ def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
     from jausml.generation.errors import SelectionError
     from jausml.generation.workspace import select
 
-    try:
+    with ending_at(SelectionError, kind=click.UsageError):
         return select(_installed(), names, whole_library=whole_library)
-    except SelectionError as error:
-        raise click.UsageError(str(error)) from error
 
 
 def _installed() -> dict[str, Target[Any]]:
     from jausml.generation.errors import GenerationError
     from jausml.generation.target import load_targets
 
-    try:
+    with ending_at(GenerationError):
         return load_targets()
-    except GenerationError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def _generated(model: Model, selection: Selection, folder: Path, **options: Any) -> Result:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault, write_report
+from jausml.cli.shared.files import EnvironmentFault, ending_at, write_report
 from jausml.cli.shared.models import (
     checked,
     fail,
@@ -96,7 +96,7 @@ def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
             return render_mermaid(graph)
         case ".dot":
             return render_dot(graph)
-    try:
+    with ending_at(LayoutError):
         match suffix:
             case ".png":
                 return svg.render_png(graph, Graphviz(), theme)
@@ -104,8 +104,6 @@ def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
                 return html.render(graph, Graphviz(), theme)
             case _:
                 return svg.render(graph, Graphviz(), theme)
-    except LayoutError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 Number = TypeVar("Number", int, float)
