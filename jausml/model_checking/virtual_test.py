@@ -103,11 +103,7 @@ def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str
         return None
     if not isinstance(connection, bridge.Connection):
         return None
-    view = next(
-        bridge_view
-        for bridge_view in bridge_views(model)
-        if bridge_view.bridge is connection.eContainer()
-    )
+    view = next(view for view in bridge_views(model) if view.bridge is connection.eContainer())
     own = next(
         connection_view
         for connection_view in view.connections

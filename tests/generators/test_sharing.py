@@ -155,9 +155,7 @@ def test_frames_and_memories_are_those_of_each_connection(tmp_path):
 def test_a_name_that_is_taken_is_told_apart(tmp_path):
     text, _ = multiplied(EVERY_POLICY, ("{0}", "b", "b_frame_id"))
     text = only(text, "speed").replace("  connection speed", "  connection b_frame_id", 1)
-    line = next(
-        text_line for text_line in text.splitlines() if "connection b_frame_id" in text_line
-    )
+    line = next(line for line in text.splitlines() if "connection b_frame_id" in line)
     lines = [line.replace("b_frame_id", name) for name in ("b_frame_id", "a", "b")]
     view = viewed(text.replace(line, "\n".join(lines)), tmp_path)
 
