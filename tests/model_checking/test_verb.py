@@ -59,10 +59,7 @@ def test_a_way_is_told_with_its_times():
 
 def test_json_has_all_products_and_steps():
     told = json.loads(run(CARELESS, "--format", "json", status=1).stdout)
-    found = {
-        checked_product["name"]: {e["rule"] for e in checked_product["found"]}
-        for checked_product in told["products"]
-    }
+    found = {checked["name"]: {e["rule"] for e in checked["found"]} for checked in told["products"]}
     assert found == FOUND
     assert told["digests"] == {CARELESS.name: sha256(CARELESS.read_bytes()).hexdigest()}
     for product in told["products"]:

@@ -16,11 +16,7 @@ def types():
     """The message types of the library, those of services and actions left out."""
     files = sorted((library_root() / "ros").glob("*.xmi"))
     found = read_models(files).model.instances(ros.MessageType)
-    return [
-        message_type
-        for message_type in found
-        if isinstance(message_type.eContainer(), ros.InterfacePackage)
-    ]
+    return [kind for kind in found if isinstance(kind.eContainer(), ros.InterfacePackage)]
 
 
 def fields(text, name):

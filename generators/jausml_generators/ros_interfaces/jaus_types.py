@@ -213,9 +213,7 @@ def _holding(reach: tuple[int, int]) -> str:
     lower, upper = reach
     kinds = wire.UNSIGNED if lower >= 0 else wire.INTEGERS
     fitting = (
-        name
-        for name, integer_type in kinds.items()
-        if integer_type.lower <= lower and upper <= integer_type.upper
+        name for name, integer in kinds.items() if integer.lower <= lower and upper <= integer.upper
     )
     return next(fitting, "uint64" if lower >= 0 else "int64")
 

@@ -195,9 +195,7 @@ def _entries(folder: Path) -> list[Mapping[str, Any]]:
     if manifest.problem:
         raise EnvironmentFault(f"{folder}: {manifest.problem}; generate it again")
     lists = [known.get("processes") for known in manifest.models.values()]
-    entries = [
-        entry for process_list in lists if isinstance(process_list, list) for entry in process_list
-    ]
+    entries = [entry for listed in lists if isinstance(listed, list) for entry in listed]
     if not any(isinstance(process_list, list) for process_list in lists) or not all(
         map(_is_entry, entries)
     ):

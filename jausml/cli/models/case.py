@@ -101,9 +101,7 @@ def _readable(path: str, reading: Reading) -> Report:
 def _errors(report: Report) -> list[Diagnostic]:
     from jausml.language.model import Severity
 
-    return [
-        diagnostic for diagnostic in report.diagnostics if diagnostic.severity is Severity.ERROR
-    ]
+    return [error for error in report.diagnostics if error.severity is Severity.ERROR]
 
 
 def _evidence(

@@ -242,9 +242,7 @@ def _warn(name: str, result: ReadResult) -> None:
     """Tells the first error of a state, and how many more there are."""
     from jausml.language.model.diagnostics import Severity
 
-    errors = [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
-    ]
+    errors = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     if not errors:
         return
     first = errors[0]

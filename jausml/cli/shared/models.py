@@ -263,9 +263,7 @@ def readable_model(
     from jausml.language.validation.formats.text import one_line
 
     result = read(paths, reading, is_one=is_one)
-    errors = [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
-    ]
+    errors = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     if errors:
         raise ModelFault("\n".join(one_line(f"{e.location}: {e.rule} {e.message}") for e in errors))
     return result.model

@@ -252,12 +252,10 @@ def _of_maps(model: Model) -> Model:
     """Makes a model with a bridge that has a connection for each map to ROS."""
     libraries = [root for root in model.documents[0].roots if isinstance(root, bridge.MapLibrary)]
     maps = {
-        str(attribute_map.name): (attribute_map, True)
+        str(mapping.name): (mapping, True)
         for library in libraries
-        for attribute_map in library.maps
-        if attribute_map.toRos
-        and attribute_map.message is not None
-        and attribute_map.type is not None
+        for mapping in library.maps
+        if mapping.toRos and mapping.message is not None and mapping.type is not None
     }
     return bridge_of_maps(model.metamodels, "maps", maps)
 

@@ -97,11 +97,7 @@ def _graph(node: Any) -> RunningGraph:
         tuple(sorted(topic for topic in topics if topic.publishers or topic.subscriptions)),
         services,
         actions,
-        tuple(
-            sorted(
-                node_name for node_name in nodes if not node_name.endswith(f"/{node.get_name()}")
-            )
-        ),
+        tuple(sorted(other for other in nodes if not other.endswith(f"/{node.get_name()}"))),
     )
 
 
