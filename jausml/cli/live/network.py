@@ -27,6 +27,7 @@ from jausml.cli.shared.options import (
 from jausml.cli.shared.terminal import remark, warn
 
 if TYPE_CHECKING:
+    from jausml.cli.shared.options import Decorator
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
@@ -82,7 +83,7 @@ _NETWORK = (
 )
 
 
-def _adding(options: Sequence[Callable[..., Any]]) -> Callable[..., Any]:
+def _adding(options: Sequence[Callable[..., Any]]) -> Decorator:
     """Returns a decorator that adds options, in their order."""
     return lambda function: reduce(lambda inner, add: add(inner), reversed(options), function)
 
