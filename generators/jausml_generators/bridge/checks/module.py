@@ -70,21 +70,6 @@ class TestModule:
         """Model file."""
         return self.bridge.source
 
-    @property
-    def name(self) -> str:
-        """Name of the bridge."""
-        return self.bridge.name
-
-    @property
-    def package(self) -> str:
-        """Package of the bridge."""
-        return self.bridge.package
-
-    @property
-    def class_name(self) -> str:
-        """Class of the user's skeleton."""
-        return self.bridge.class_name
-
     @functools.cached_property
     def checks(self) -> tuple[Check, ...]:
         """The tests in the order of the connections, under names of their own."""
@@ -109,7 +94,7 @@ class TestModule:
 
     def parameters(self, check: Check) -> tuple[str, ...]:
         """Returns the parameters of a test with their types."""
-        return check.parameters or (f"bridge: {self.class_name}",)
+        return check.parameters or (f"bridge: {self.bridge.class_name}",)
 
     @property
     def imports(self) -> Imports:
@@ -118,13 +103,13 @@ class TestModule:
         return Imports(
             {
                 **runtime_names(),
-                **self.bridge.light.origins(self._ros_classes, f"{self.package}.ros_types"),
+                **self.bridge.light.origins(self._ros_classes, f"{self.bridge.package}.ros_types"),
                 **offered("hypothesis", "given", "settings"),
                 "st": Origin("hypothesis", "strategies"),
-                **offered(f"{self.package}.{self.package}", self.class_name),
-                **offered(f"{self.package}.messages", *messages),
+                **offered(f"{self.bridge.package}.{self.bridge.package}", self.bridge.class_name),
+                **offered(f"{self.bridge.package}.messages", *messages),
             },
-            own=self.package,
+            own=self.bridge.package,
         )
 
     @functools.cached_property
@@ -148,7 +133,7 @@ class TestModule:
             if sample is not None:
                 sampled.append((ends, sample))
             yield from safe_values(ends)
-        yield from round_trips(sampled, self.class_name)
+        yield from round_trips(sampled, self.bridge.class_name)
         yield from times(self.bridge.connections)
         for call_view in self.bridge.calls:
             for half in call_view.halves.values():
