@@ -123,11 +123,7 @@ def paragraphs(text: str) -> list[str]:
 
 def _wrap(text: str, width: int, continued: str = "", *, breaks: bool = False) -> list[str]:
     return textwrap.wrap(
-        text,
-        width,
-        subsequent_indent=continued,
-        break_long_words=breaks,
-        break_on_hyphens=False,
+        text, width, subsequent_indent=continued, break_long_words=breaks, break_on_hyphens=False
     )
 
 

@@ -16,13 +16,7 @@ from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
 from jausml.generation import literals
-from jausml.generation.artifact import (
-    CANNOT_PARSE,
-    Artifact,
-    Kind,
-    add_header,
-    syntax_problem,
-)
+from jausml.generation.artifact import CANNOT_PARSE, Artifact, Kind, add_header, syntax_problem
 from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.python import Modules
 from jausml.generation.target import FileTask, Target, Task, TextTask, View

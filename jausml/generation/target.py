@@ -186,8 +186,7 @@ def system_of(model: Model) -> system.System:
     systems = [root for root in document.roots if isinstance(root, system.System)]
     if len(systems) != 1:
         maps = [
-            str(attribute_map.name)
-            for attribute_map in model.instances(bridge.AttributeMap, library=False)
+            str(mapping.name) for mapping in model.instances(bridge.AttributeMap, library=False)
         ]
         raise NoSystemError(document.display, [str(candidate.name) for candidate in systems], maps)
     return systems[0]

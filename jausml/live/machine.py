@@ -242,11 +242,7 @@ _ROS = "ros"
 _RANGES = ("SUBNET", "LOCALHOST", "OFF", "SYSTEM_DEFAULT")
 _DISTRIBUTIONS = ("jazzy", "kilted")
 _DEFAULT_MIDDLEWARE = "rmw_fastrtps_cpp"
-_PROFILES = (
-    "FASTDDS_DEFAULT_PROFILES_FILE",
-    "FASTRTPS_DEFAULT_PROFILES_FILE",
-    "CYCLONEDDS_URI",
-)
+_PROFILES = ("FASTDDS_DEFAULT_PROFILES_FILE", "FASTRTPS_DEFAULT_PROFILES_FILE", "CYCLONEDDS_URI")
 _SHARED_BY_A_NODE = 4 << 20
 """Bytes of shared memory without which a node does not start surely; it takes about 1 MiB."""
 

@@ -63,10 +63,7 @@ class Outcome:
 
 
 def check_system(
-    system_: system.System,
-    states: int,
-    is_over: Callable[[], bool],
-    demanded: float = 0.0,
+    system_: system.System, states: int, is_over: Callable[[], bool], demanded: float = 0.0
 ) -> list[Outcome]:
     """Checks all that there is to check of a system."""
     bounds = Bounds(states, is_over)

@@ -11,11 +11,7 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import stops
 from jausml.language.semantics.connections.calls import driver_messages
 from jausml.language.semantics.jaus.commands import guard_of, guard_of_receivers
-from jausml.language.semantics.jaus.core_services import (
-    CORE,
-    SERVED_BY_RUNTIME,
-    standard_services,
-)
+from jausml.language.semantics.jaus.core_services import CORE, SERVED_BY_RUNTIME, standard_services
 from jausml.language.semantics.jaus.inherited_machines import Machine, machines_of
 from jausml.language.semantics.jaus.services import (
     find_same,

@@ -103,16 +103,8 @@ def virtual_test(model: Model, subject: Subject, example: CounterExample) -> str
         return None
     if not isinstance(connection, bridge.Connection):
         return None
-    view = next(
-        bridge_view
-        for bridge_view in bridge_views(model)
-        if bridge_view.bridge is connection.eContainer()
-    )
-    own = next(
-        connection_view
-        for connection_view in view.connections
-        if connection_view.connection is connection
-    )
+    view = next(view for view in bridge_views(model) if view.bridge is connection.eContainer())
+    own = next(candidate for candidate in view.connections if candidate.connection is connection)
     message = " ".join(example.message.split())
     names = {"package": view.package, "class_name": view.class_name}
     lines = [_HEAD.format(name=subject.name, message=message, **names), CLIENTS]
@@ -188,11 +180,7 @@ def _commanding(
         emergency=EMERGENCY_CLIENT,
         tick=subject.tick,
     ).splitlines()
-    topics = (
-        connection_topic.name
-        for connection_topic in connection.topics
-        if connection_topic.join is None
-    )
+    topics = (end.name for end in connection.topics if end.join is None)
     topic = resolve_topic(str(next(topics)), owner.namespace or "", str(owner.name))
 
     def done(moment: Moment) -> str:

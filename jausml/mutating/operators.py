@@ -287,10 +287,7 @@ OPERATORS = (
         "bridge.TableEntry ros",
     ),
     Operator(
-        "table",
-        "leaves out an entry",
-        _left_out,
-        "bridge.ValueTable entries, jaus.ValueSet values",
+        "table", "leaves out an entry", _left_out, "bridge.ValueTable entries, jaus.ValueSet values"
     ),
     Operator(
         "number of a name",
@@ -364,10 +361,7 @@ OPERATORS = (
         "bridge.RosActionConnection control, jaus.MessageDef isCommand moves",
     ),
     Operator(
-        "authority",
-        "halves an authority",
-        _times(0.5),
-        "jaus.Component authority defaultAuthority",
+        "authority", "halves an authority", _times(0.5), "jaus.Component authority defaultAuthority"
     ),
     Operator(
         "wiring",
@@ -385,10 +379,7 @@ OPERATORS = (
     ),
     Operator("guard", "leaves out the guard of a transition", _no_text, "jaus.Transition guard"),
     Operator(
-        "target",
-        "leads a transition to another state",
-        other_state,
-        "jaus.Transition target",
+        "target", "leads a transition to another state", other_state, "jaus.Transition target"
     ),
     Operator(
         "behaviour",

@@ -208,9 +208,7 @@ class _Planner:
             for number in layout.numbers:
                 if not known.get(number.path):
                     known[number.path] = self._add(layout.data, number, has_back=has_back)
-        not_carried = [
-            f"{self._side.name} {path}" for path, is_added in known.items() if not is_added
-        ]
+        not_carried = [f"{self._side.name} {path}" for path, added in known.items() if not added]
         self._plan.not_carried += not_carried
         own = self._plan.fields[before:]
         self._plan.fields[before:] = [

@@ -53,11 +53,7 @@ class Swept:
 
 
 def summed_up(
-    trip: RoundTrip,
-    planned: Field,
-    sweep_result: Swept,
-    python: PythonForm,
-    form: CompiledForm,
+    trip: RoundTrip, planned: Field, sweep_result: Swept, python: PythonForm, form: CompiledForm
 ) -> FieldResult:
     """Returns what becomes of the values of a number of a map."""
     number, tally = planned.number, sweep_result.wide or sweep_result.tally
@@ -106,9 +102,7 @@ def _largest(planned: Field, tally: Tally, form: CompiledForm) -> Extreme | None
     between = form.translate(number.put(sweep.message, raw), to_ros=sweep.to_ros) or b""
     is_alike = len(between) == sweep.between
     values = {
-        watched_number.path: watched_number.value(watched_number.read(between))
-        for watched_number in sweep.watched
-        if is_alike
+        watched.path: watched.value(watched.read(between)) for watched in sweep.watched if is_alike
     }
     back = number.value(tally.largest_back)
     return Extreme(tally.largest, raw, number.value(raw), values, back)
@@ -120,10 +114,7 @@ def _tolerance(planned: Field) -> float:
     if number.kind == FLOAT:
         return 0.0
     coarse = max(map(abs, number.ends)) * _SINGLE
-    is_single = any(
-        watched_number.kind == FLOAT and watched_number.size == 4
-        for watched_number in planned.watched
-    )
+    is_single = any(watched.kind == FLOAT and watched.size == 4 for watched in planned.watched)
     return max(_STEPS * number.step, coarse if is_single else 0.0)
 
 

@@ -394,6 +394,4 @@ def _gaps(row: Row[Any], element: Any, answers: Sequence[Answer]) -> Iterator[st
         yield row.gap if isinstance(row.gap, str) else row.gap(element)
     for owner in (element, *carried_maps(element)):
         if isinstance(owner, bridge.DecisionOwner):
-            yield from (
-                f"open decision: {open_decision.text}" for open_decision in owner.openDecisions
-            )
+            yield from (f"open decision: {decision.text}" for decision in owner.openDecisions)

@@ -200,9 +200,7 @@ def _connections(
     wanted: Callable[[bridge.Connection], bool],
 ) -> Callable[[Subject], list[bridge.Connection]]:
     return lambda subject: [
-        sound_connection
-        for sound_connection in sound_connections(subject)
-        if wanted(sound_connection)
+        connection for connection in sound_connections(subject) if wanted(connection)
     ]
 
 

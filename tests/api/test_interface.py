@@ -59,10 +59,7 @@ def test_messages_there_and_back():
     assert payload.hex() == "02400100000000"
     for given in (payload, payload.hex(" ")):
         found = jausml.decode(given)
-        assert (found.entry.name, found.fields["ReportStatusRec"]["Status"]) == (
-            "ReportStatus",
-            1,
-        )
+        assert (found.entry.name, found.fields["ReportStatusRec"]["Status"]) == ("ReportStatus", 1)
 
 
 @pytest.mark.parametrize(

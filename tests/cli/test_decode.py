@@ -544,11 +544,7 @@ def test_list_services(jausml):
     head, *rows = result.stdout.splitlines()
     assert head.split() == ["SERVICE", "VERSION", "SET", "INHERITS"]
     assert len(rows) == 16
-    row = next(
-        service_row
-        for service_row in rows
-        if "Management" in service_row.split()[0] and " 1.1 " in service_row
-    )
+    row = next(row for row in rows if "Management" in row.split()[0] and " 1.1 " in row)
     assert row.split()[-1] == "urn:jaus:jss:core:AccessControl/1.1"
     found = objects(jausml("list", "services", "--format", "json"))
     assert len(found) == 93

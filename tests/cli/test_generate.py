@@ -447,10 +447,7 @@ def test_a_report_of_a_check_has_models_and_stale_files_too(jausml):
         assert result.exit_code == 1
         (run,) = json.loads(result.stdout)["runs"]
         rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
-        assert all(
-            rules[sarif_result["ruleIndex"]] == sarif_result["ruleId"]
-            for sarif_result in run["results"]
-        )
+        assert all(rules[finding["ruleIndex"]] == finding["ruleId"] for finding in run["results"])
         return {
             (
                 sarif_result["ruleId"],

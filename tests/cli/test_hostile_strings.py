@@ -125,11 +125,7 @@ def free_features():
 def errors_of(features, folder):
     path = folder / "model.xmi"
     path.write_text(with_payload(features), encoding="utf-8")
-    return [
-        diagnostic
-        for diagnostic in check_project([path]).diagnostics
-        if diagnostic.severity.value == "error"
-    ]
+    return [error for error in check_project([path]).diagnostics if error.severity.value == "error"]
 
 
 def test_texts_that_are_free_are_free_together(tmp_path):

@@ -64,10 +64,7 @@ def test_a_reader_that_has_gone_is_no_problem_of_the_models(words):
 
 @pytest.mark.parametrize(
     ("verb", "line", "said"),
-    [
-        ("decode", "02400000000000", "ReportStatus"),
-        ("encode", "QueryStatus", "0220"),
-    ],
+    [("decode", "02400000000000", "ReportStatus"), ("encode", "QueryStatus", "0220")],
 )
 def test_what_comes_of_a_line_is_there_before_the_next_and_an_interrupt_ends_it(verb, line, said):
     """A loop of a shell ends with a program that died of the signal, and goes on otherwise."""

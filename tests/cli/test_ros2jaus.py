@@ -70,9 +70,7 @@ def test_generates_what_the_same_xmi_generates(jausml, text):
     assert jausml("generate", "demo.xmi", "-o", "theirs").exit_code == 0
     ours, theirs = contents("ours"), contents("theirs")
     manifest = ".jausml/manifest.json"
-    processes = [
-        json.loads(folder_content.pop(manifest))["models"] for folder_content in (ours, theirs)
-    ]
+    processes = [json.loads(content.pop(manifest))["models"] for content in (ours, theirs)]
     assert processes[0] == processes[1]
     assert {
         name: file_text.replace("demo.xmi", "demo.ros2jaus") for name, file_text in theirs.items()

@@ -226,9 +226,7 @@ def test_maps_of_a_joined_type_and_a_message_in_json(jausml):
 
 def test_maps_of_a_joined_report(jausml):
     result = jausml("list", "maps", "--jaus", "ReportVelocityState", "--format", "json")
-    found = {
-        listed_map["map"]: listed_map for listed_map in map(json.loads, result.stdout.splitlines())
-    }
+    found = {entry["map"]: entry for entry in map(json.loads, result.stdout.splitlines())}
     (join,) = found["odometry"]["reportJoins"]
     assert (join["name"], join["message"]) == ("velocity", "ReportVelocityState")
     shown = jausml("show", "map", "odometry").stdout

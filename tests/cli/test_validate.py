@@ -160,9 +160,7 @@ def test_what_is_no_model_is_a_problem_with_a_place(jausml, folder, content):
 
 
 @settings(
-    max_examples=15,
-    deadline=None,
-    suppress_health_check=[HealthCheck.function_scoped_fixture],
+    max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(data=st.data())
 def test_spoilt_models_never_end_in_a_traceback(jausml, folder, model_text, data):

@@ -13,21 +13,9 @@ LONG = "and says what the peer is to do with it when the time has come"
     ("text", "first", "others"),
     [
         (f"Takes a value. {LONG} {LONG}", "Takes a value.", f"{LONG} {LONG}."),
-        (
-            f"Takes a value; {LONG} {LONG}",
-            "Takes a value.",
-            f"{LONG[0].upper()}{LONG[1:]} {LONG}.",
-        ),
-        (
-            f"Takes: one; {LONG} {LONG}",
-            "Takes: one.",
-            f"{LONG[0].upper()}{LONG[1:]} {LONG}.",
-        ),
-        (
-            f"Takes one: two, {LONG} {LONG}",
-            "Takes one.",
-            f"Two, {LONG} {LONG}.",
-        ),
+        (f"Takes a value; {LONG} {LONG}", "Takes a value.", f"{LONG[0].upper()}{LONG[1:]} {LONG}."),
+        (f"Takes: one; {LONG} {LONG}", "Takes: one.", f"{LONG[0].upper()}{LONG[1:]} {LONG}."),
+        (f"Takes one: two, {LONG} {LONG}", "Takes one.", f"Two, {LONG} {LONG}."),
         (f"Takes one, {LONG} {LONG}", "Takes one.", f"Takes one, {LONG} {LONG}."),
         (f"{LONG} {LONG}", f"{LONG} and says what the peer is to.", f"{LONG} {LONG}."),
         ("x" * 120, f"{'x' * 95}.", f"{'x' * 96}{'x' * 24}."),

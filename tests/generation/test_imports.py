@@ -4,13 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.generation.python import (
-    Imports,
-    Modules,
-    Origin,
-    UnknownNameError,
-    offered,
-)
+from jausml.generation.python import Imports, Modules, Origin, UnknownNameError, offered
 
 HEAD = "from __future__ import annotations\n"
 NAMES = {

@@ -99,10 +99,7 @@ def formatted(text: str) -> str:
 
 
 @settings(
-    max_examples=10,
-    deadline=None,
-    phases=[Phase.generate],
-    suppress_health_check=list(HealthCheck),
+    max_examples=10, deadline=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck)
 )
 @given(st.lists(statements, min_size=40, max_size=40))
 def test_random_statements_are_laid_out_as_ruff_does(lines: list[str]) -> None:

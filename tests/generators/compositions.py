@@ -83,9 +83,7 @@ def ready_maps() -> tuple[ReadyMap, ...]:
     assert not result.has_errors, result.diagnostics
     maps = result.model.instances(bridge.AttributeMap)
     for_topics = (
-        attribute_map
-        for attribute_map in maps
-        if not isinstance(attribute_map.type.eContainer(), ros.ServiceType)
+        mapping for mapping in maps if not isinstance(mapping.type.eContainer(), ros.ServiceType)
     )
     return tuple(_ready_map(for_topic, result.model) for for_topic in for_topics)
 
@@ -113,9 +111,7 @@ def composition(choose: Choose) -> str:
     """
     counts = range(choose((1, 1, 1, 2)))
     bridges = [_Bridge(choose, f"{choose(_NAMES)}_{n}" if n else choose(_NAMES)) for n in counts]
-    lines = [
-        line for n, drawn_bridge in enumerate(bridges) for line in drawn_bridge.lines(f"10.{n + 1}")
-    ]
+    lines = [line for n, bridge in enumerate(bridges) for line in bridge.lines(f"10.{n + 1}")]
     files = sorted({ready.file for drawn_bridge in bridges for ready in drawn_bridge.maps})
     return "\n".join([*(f"import mappings.{file}" for file in files), *lines, ""])
 
@@ -138,9 +134,7 @@ class _Bridge:
 
     def lines(self, area: str) -> Iterator[str]:
         """Yields the bridge and the component that it speaks with; area is the subsystem."""
-        connections = [
-            line for n, ready_map in enumerate(self.maps) for line in self._talk(n, ready_map)
-        ]
+        connections = [line for n, ready in enumerate(self.maps) for line in self._talk(n, ready)]
         yield from (f"bridge `{self.name}` {{", f"  address: {area}.1")
         yield from self._feature("namespace", ("fleet", "a/b", "class"))
         yield from self._feature("frequency", ("1", "10", "1000", "0.001"))

@@ -71,10 +71,7 @@ def says(**values):
 
 
 DISCOVERY = [
-    *(
-        (core.QueryIdentification(query_type), core.ReportIdentification)
-        for query_type in (1, 2, 3, 4)
-    ),
+    *((core.QueryIdentification(scope), core.ReportIdentification) for scope in (1, 2, 3, 4)),
     (services(255, 255), core.ReportServices),
     (services(1, 1), core.ReportServices),
     (listed(), core.ReportServiceList),

@@ -67,9 +67,7 @@ class Made:
 def light_module(paths, name):
     """Returns the module of the light classes of all message types in some files."""
     result = read_models(list(paths))
-    assert [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name == "ERROR"
-    ] == []
+    assert [error for error in result.diagnostics if error.severity.name == "ERROR"] == []
     packages = list(result.model.instances(ros.InterfacePackage))
     light = LightModule([message for package in packages for message in package.messages])
     target = Target(

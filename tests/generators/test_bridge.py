@@ -29,9 +29,7 @@ LIBRARY = "http://www.jausml.org/library"
 
 def files_of(path):
     result = read_models([path])
-    assert [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name == "ERROR"
-    ] == []
+    assert [error for error in result.diagnostics if error.severity.name == "ERROR"] == []
     return {artifact.path: artifact for artifact in render(result.model, [TARGET])}
 
 

@@ -105,9 +105,7 @@ def small(tmp_path, template=SYSTEM, **texts):
     path = tmp_path / "small.xmi"
     path.write_text(template.format(**{**DEFAULTS, **texts}), encoding="utf-8")
     result = read_models([path], project_root=tmp_path)
-    assert [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity.name == "ERROR"
-    ] == []
+    assert [error for error in result.diagnostics if error.severity.name == "ERROR"] == []
     return result.model
 
 

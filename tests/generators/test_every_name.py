@@ -317,9 +317,7 @@ def system(folder: Path, names: Sequence[str]) -> Path:
 def generated(folder: Path, names: Sequence[str], targets: Sequence[Target[Any]] = ()) -> Path:
     """Returns the workspace of a system of these names, whose Python can be imported."""
     result = check(read_models([system(folder, names)], notations=NOTATIONS))
-    faults = [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
-    ]
+    faults = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     assert not faults, faults[:3]
     workspace = folder / "ws"
     write(result.model, [*PYTHON, *targets], workspace)

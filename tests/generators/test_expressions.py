@@ -38,14 +38,8 @@ def python(text):
             "not (x < 1 or y) and isfinite(x)",
             "float(not (source.x < 1.0 or y != 0) and arithmetic.is_finite(source.x))",
         ),
-        (
-            "max(0, min(x, 1))",
-            "arithmetic.greatest(0.0, arithmetic.least(source.x, 1.0))",
-        ),
-        (
-            "if(isfinite(x), 1, nan)",
-            '1.0 if arithmetic.is_finite(source.x) else float("nan")',
-        ),
+        ("max(0, min(x, 1))", "arithmetic.greatest(0.0, arithmetic.least(source.x, 1.0))"),
+        ("if(isfinite(x), 1, nan)", '1.0 if arithmetic.is_finite(source.x) else float("nan")'),
         ("(x < y) < 1", "float(float(source.x < y) < 1.0)"),
     ],
 )

@@ -72,10 +72,7 @@ DAMAGES = {
         "roll, pitch, yaw = conversions.enu",
         "roll, yaw, pitch = conversions.enu",
     ),
-    "the required field": (
-        'raise AbsentFieldError("Velocity_X")',
-        "source.velocity_x = 0.0",
-    ),
+    "the required field": ('raise AbsentFieldError("Velocity_X")', "source.velocity_x = 0.0"),
     "the default value": ("twist.linear.z = 0.25", "twist.linear.z = 0.5"),
     "the last value": (
         "self.last_speed_twist_twist_angular_z = conversions.negate(source.yaw_rate)",
@@ -83,14 +80,8 @@ DAMAGES = {
     ),
     "a square": ("= conversions.square(source.velocity_rms)", "= source.velocity_rms"),
     "the constant": ('frame_id = "odom"', 'frame_id = "map"'),
-    "the time": (
-        "set_time(\n",
-        "(\n",
-    ),
-    "a figure of a stop": (
-        "target.twist.linear.z = 0.125",
-        "target.twist.linear.z = 0.25",
-    ),
+    "the time": ("set_time(\n", "(\n"),
+    "a figure of a stop": ("target.twist.linear.z = 0.125", "target.twist.linear.z = 0.25"),
     "more in a stop than the model says": (
         "target.twist.linear.z = 0.125",
         "target.twist.linear.z = target.twist.angular.z = 0.125",

@@ -49,26 +49,11 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_ruff_would_format_nothing(generated: Path) -> None:
-    run(
-        "ruff",
-        "format",
-        "--check",
-        "--config",
-        str(ROOT / "pyproject.toml"),
-        ".",
-        cwd=generated,
-    )
+    run("ruff", "format", "--check", "--config", str(ROOT / "pyproject.toml"), ".", cwd=generated)
 
 
 def test_ruff_finds_nothing(generated: Path) -> None:
-    run(
-        "ruff",
-        "check",
-        "--config",
-        str(ROOT / "pyproject.toml"),
-        ".",
-        cwd=generated,
-    )
+    run("ruff", "check", "--config", str(ROOT / "pyproject.toml"), ".", cwd=generated)
 
 
 @pytest.mark.slow

@@ -52,9 +52,7 @@ def guards(folder, text):
     path = folder / "demo.ros2jaus"
     path.write_text(f"import `jaus.core-1.1`\n{text}", encoding="utf-8")
     read = read_models([path], notations=NOTATIONS)
-    assert [
-        diagnostic for diagnostic in read.diagnostics if diagnostic.severity.name == "ERROR"
-    ] == []
+    assert [error for error in read.diagnostics if error.severity.name == "ERROR"] == []
     bases = {
         Path(artifact.path).name: artifact.text
         for artifact in render(read.model, [BRIDGES, COMPONENTS])

@@ -203,8 +203,7 @@ def test_what_does_not_fit_is_an_error(name, field, value):
 
 
 @pytest.mark.parametrize(
-    "value",
-    [[1.0, 2.0], (1.0, 2.0), array("f", [1.0, 2.0]), array("d", [1.0, 2.0]), [1, 2]],
+    "value", [[1.0, 2.0], (1.0, 2.0), array("f", [1.0, 2.0]), array("d", [1.0, 2.0]), [1, 2]]
 )
 def test_elements_may_stand_in_any_sequence(value):
     kind = library().kind("std_msgs/msg/Float32MultiArray")

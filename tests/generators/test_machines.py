@@ -68,10 +68,7 @@ def run(*command: str, cwd: Path, workspace: Path) -> None:
 
 def jausml(*arguments: str | Path) -> str:
     done = subprocess.run(
-        [*warm.command(), *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=60,
+        [*warm.command(), *map(str, arguments)], capture_output=True, text=True, timeout=60
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr

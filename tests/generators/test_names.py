@@ -71,8 +71,7 @@ def test_constant_name(name: str, expected: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name",
-    ["operator", "json", "rclpy", "test", "tomllib", "imp", "class", "main", "messages"],
+    "name", ["operator", "json", "rclpy", "test", "tomllib", "imp", "class", "main", "messages"]
 )
 def test_a_package_hides_no_module(name: str) -> None:
     assert names.package_name(name) == f"{name}_jaus"

@@ -28,12 +28,12 @@ ORDER = ("name", "version", "description", "maintainer", "license", "exec_depend
 ONCE = ("name", "version", "description", "export")
 DEPENDENCIES = {
     "everything": [
-        *("geometry_msgs", "jausml_runtime", "rcl_interfaces", "rclpy", "std_msgs", "std_srvs"),
+        *("geometry_msgs", "jausml_runtime", "rcl_interfaces", "rclpy", "std_msgs", "std_srvs")
     ],
     "odometry": ["jausml_runtime", "nav_msgs", "rcl_interfaces", "rclpy", "std_msgs", "std_srvs"],
     "idle": ["jausml_runtime", "rclpy"],
     "features_bringup": [
-        *("ament_index_python", "everything", "idle", "launch", "launch_ros", "odometry"),
+        *("ament_index_python", "everything", "idle", "launch", "launch_ros", "odometry")
     ],
 }
 

@@ -16,10 +16,7 @@ from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
-EXAMPLES = [
-    MODELS / "catvehicle" / "catvehicle.xmi",
-    MODELS / "examples" / "winch" / "winch.xmi",
-]
+EXAMPLES = [MODELS / "catvehicle" / "catvehicle.xmi", MODELS / "examples" / "winch" / "winch.xmi"]
 
 
 @pytest.fixture(scope="module", params=EXAMPLES, ids=lambda path: path.stem)

@@ -130,7 +130,7 @@ def test_a_node_of_the_model_may_use_what_it_has() -> None:
     made = policies(ROOT / "tests" / "cases" / "ros_node" / "talk.xmi")
     (text,) = (text for name, text in made.items() if name.endswith("/talker.policy.xml"))
     assert names(text, "topic", "publish") == {
-        *("/parameter_events", "/rosout", "/team/state", "/team/word"),
+        *("/parameter_events", "/rosout", "/team/state", "/team/word")
     }
     assert not names(text, "topic", "subscribe")
     assert names(text, "service", "request") == {"/listener/double"}

@@ -206,9 +206,7 @@ def test_messages_of_maps_have_their_ros_type_already():
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     some = {path for path in render(model) if path.endswith(".msg")}
     every = {path for path in render(model, TARGET.for_whole_library()) if path.endswith(".msg")}
-    mapped = {
-        str(attribute_map.message.name) for attribute_map in model.instances(bridge.AttributeMap)
-    }
+    mapped = {str(mapping.message.name) for mapping in model.instances(bridge.AttributeMap)}
     assert mapped
     for name in mapped:
         assert f"catvehicle_jaus_msgs/msg/{name}.msg" not in some

@@ -155,9 +155,7 @@ def test_frames_and_memories_are_those_of_each_connection(tmp_path):
 def test_a_name_that_is_taken_is_told_apart(tmp_path):
     text, _ = multiplied(EVERY_POLICY, ("{0}", "b", "b_frame_id"))
     text = only(text, "speed").replace("  connection speed", "  connection b_frame_id", 1)
-    line = next(
-        text_line for text_line in text.splitlines() if "connection b_frame_id" in text_line
-    )
+    line = next(line for line in text.splitlines() if "connection b_frame_id" in line)
     lines = [line.replace("b_frame_id", name) for name in ("b_frame_id", "a", "b")]
     view = viewed(text.replace(line, "\n".join(lines)), tmp_path)
 
@@ -219,11 +217,7 @@ def test_maps_that_say_the_same_share_as_one_map_does(tmp_path):
 
 @pytest.mark.parametrize(
     "words",
-    [
-        "{ whenAbsent: useDefault defaultValue: 1 }",
-        "{ whenAbsent: dropMessage }",
-        ": negate",
-    ],
+    ["{ whenAbsent: useDefault defaultValue: 1 }", "{ whenAbsent: dropMessage }", ": negate"],
 )
 def test_whatever_an_assignment_says_tells_maps_apart(words, tmp_path):
     text = NUMBERS.replace("Velocity_X -> data )\n}", f"Velocity_X -> data {words} )\n}}")

@@ -51,10 +51,8 @@ def generated_anew() -> Any:
     """The class that is generated for the layout when the runtime is not asked."""
     view = MessageBuilder(LAYOUT, "SetTime").build()
     nested = tuple(
-        replace(nested_class, is_inherited=False)
-        if isinstance(nested_class, BitFieldClass)
-        else nested_class
-        for nested_class in view.nested
+        replace(inner, is_inherited=False) if isinstance(inner, BitFieldClass) else inner
+        for inner in view.nested
     )
     return load(render((replace(view, nested=nested),)), "time_stamp_anew").SetTime.TimeStamp
 

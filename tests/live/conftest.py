@@ -22,6 +22,16 @@ def peer():
         made.close()
 
 
+@pytest.fixture
+def ros(monkeypatch):
+    """A ROS node beside the tested one, in a domain of the test."""
+    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
+    made = RosPeer()
+    yield made
+    made.close()
+
+
 @pytest.fixture(params=["listener", "wait-set"])
 def waiting(request):
     """Each way to wait for topics."""

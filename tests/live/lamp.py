@@ -13,10 +13,7 @@ from front.messages import ConfirmLamp, QueryLamp, RejectLamp, ReportLamp, SetLa
 from jausml_runtime import Guard, JausComponent, ServiceIdentity
 from roles import FOUND, core, run, say
 
-SERVICES = [
-    *core(*FOUND),
-    ServiceIdentity("urn:jausml:tests:Lamp", 1, 0),
-]
+SERVICES = [*core(*FOUND), ServiceIdentity("urn:jausml:tests:Lamp", 1, 0)]
 
 LATE = 1.6
 """Seconds after which it answers when it is late: longer than the bridge waits."""

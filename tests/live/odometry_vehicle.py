@@ -22,10 +22,7 @@ class Sensor(JausComponent):
     """Reports what stays the same: a turn to the right."""
 
     def __init__(self, kind, transport, address, settings):
-        services = [
-            *core(*FOUND),
-            ServiceIdentity(f"urn:jaus:jss:mobility:{SERVICES[kind]}", 1, 0),
-        ]
+        services = [*core(*FOUND), ServiceIdentity(f"urn:jaus:jss:mobility:{SERVICES[kind]}", 1, 0)]
         super().__init__(transport, address, name=kind, services=services, settings=settings)
         if kind == "pose":
             pose = ReportLocalPose(x=3.0, y=4.0, z=0.0, yaw=1.5707963)

@@ -24,9 +24,7 @@ def port(tmp_path):
     folder = tmp_path / "car"
     shutil.copytree(EXAMPLE / "src", folder)
     jausml("generate", EXAMPLE / "catvehicle.xmi", "-o", folder)
-    path = os.pathsep.join(
-        str(package_path) for package_path in folder.iterdir() if package_path.is_dir()
-    )
+    path = os.pathsep.join(str(path) for path in folder.iterdir() if path.is_dir())
     number = free_port()
     process = subprocess.Popen(
         [sys.executable, "-m", "vehicle.main", "--jaus-port", str(number)],
@@ -42,10 +40,7 @@ def port(tmp_path):
 
 def jausml(*arguments):
     return subprocess.run(
-        [*warm.command(), *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=120,
+        [*warm.command(), *map(str, arguments)], capture_output=True, text=True, timeout=120
     )
 
 

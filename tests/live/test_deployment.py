@@ -28,12 +28,7 @@ pytestmark = [
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
 BRIDGES = {"waypoints": "waypoint_vehicle", "catvehicle": "bridge"}
 # Lifting an emergency is an act, and no setting that a file could hold.
-OF_ROS = (
-    "lift_emergency",
-    "qos_overrides.",
-    "start_type_description_service",
-    "use_sim_time",
-)
+OF_ROS = ("lift_emergency", "qos_overrides.", "start_type_description_service", "use_sim_time")
 
 
 @pytest.fixture(scope="module")

@@ -29,8 +29,7 @@ def ros(tmp_path, monkeypatch):
     path = generate(MODEL)
     peer = RosPeer()
     bridges = [
-        Process(["-m", f"{package_name}.main"], path, tmp_path / package_name)
-        for package_name in ("rover", "panel")
+        Process(["-m", f"{name}.main"], path, tmp_path / name) for name in ("rover", "panel")
     ]
     yield peer
     peer.close()

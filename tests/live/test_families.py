@@ -9,14 +9,14 @@ from pathlib import Path
 import jts_winch
 import needs
 import pytest
-from ports import free_domain, free_port
+from ports import free_port
 from sweeps import sweep
 
 needs.ask("rclpy")
 
 from jausml.live.peers.makes.vehicle import Place
 
-from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
+from .bridge_support import Process, Repeater, generate_text, wait_for
 
 pytestmark = [
     pytest.mark.live,
@@ -52,15 +52,6 @@ QUERIES = "peers: vehicle exchange: query rate: 20"
 EFFORT, SPEED = 25, 0.5
 """Percent of its effort, and metres per second of which it reports then."""
 FOUND = "search: { services: VelocityStateSensor } exchange: periodicEvent rate: 20"
-
-
-@pytest.fixture
-def ros(monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    made = RosPeer()
-    yield made
-    made.close()
 
 
 @pytest.fixture

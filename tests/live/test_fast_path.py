@@ -19,13 +19,7 @@ needs.ask("rclpy")
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
-from jausml.runtime.messages import (
-    ConfirmEventRequest,
-    CreateEvent,
-    Event,
-    RequestControl,
-    Resume,
-)
+from jausml.runtime.messages import ConfirmEventRequest, CreateEvent, Event, RequestControl, Resume
 from jausml.runtime.transports.packets.packet import (
     AckNak,
     DataFlags,

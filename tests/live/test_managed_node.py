@@ -8,13 +8,13 @@ import subprocess
 import needs
 import pytest
 import warm
-from ports import free_domain, free_port
+from ports import free_port
 
 needs.ask("rclpy")
 
 from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 
-from .bridge_support import ROOT, Process, RosPeer, generate_text, wait_for
+from .bridge_support import ROOT, Process, generate_text, wait_for
 
 pytestmark = [
     pytest.mark.live,
@@ -24,15 +24,6 @@ pytestmark = [
 AT_MOST_2 = IntegerRange(from_value=0, to_value=2, step=1)
 PAGE = ROOT / "docs" / "how-to" / "ready-mappings.md"
 MODEL = re.compile(r"^\$ cat > managed\.ros2jaus <<'END'\n(.*?)^END$", re.MULTILINE | re.DOTALL)
-
-
-@pytest.fixture
-def ros(monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    made = RosPeer()
-    yield made
-    made.close()
 
 
 def test_an_operator_activates_and_deactivates_a_node(ros, tmp_path):

@@ -112,12 +112,7 @@ def test_it_lists_what_runs_and_proposes_a_bridge(tmp_path, monkeypatch):
         for bridge_connection in made.bridgeConnections
     }
     assert found == {
-        "car/arm/cmd": (
-            "car_arm_cmd_set_joint_positions",
-            "jausToRos",
-            "reliable",
-            "volatile",
-        ),
+        "car/arm/cmd": ("car_arm_cmd_set_joint_positions", "jausToRos", "reliable", "volatile"),
         "car/joint_states": (
             "car_joint_states_joint_positions",
             "rosToJaus",
@@ -238,8 +233,7 @@ def crane(monkeypatch):
 def test_names_of_frames_go_into_maps_and_parameters_are_shown(tmp_path, monkeypatch, file):
     monkeypatch.chdir(tmp_path)
     done = CliRunner().invoke(
-        main,
-        ["new", "bridge", "face", "--from-graph", "--for", "60", "--yes", "--model", file],
+        main, ["new", "bridge", "face", "--from-graph", "--for", "60", "--yes", "--model", file]
     )
     assert done.exit_code == 0, done.output
     told = done.stdout.splitlines()

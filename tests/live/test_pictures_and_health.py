@@ -77,8 +77,7 @@ def test_what_the_vehicle_sees_and_how_it_is(ros, used, other, word):
         ros.listen(DiagnosticStatus, "out/health"),
     )
     image, unfit = (
-        CompressedImage(format=PICTURES[picture_name][0], data=PICTURES[picture_name][1])
-        for picture_name in (used, other)
+        CompressedImage(format=PICTURES[name][0], data=PICTURES[name][1]) for name in (used, other)
     )
     image.header.stamp = ros.node.get_clock().now().to_msg()
     unfit.header.stamp = image.header.stamp

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import needs
 import pytest
-from ports import free_domain, free_port
+from ports import free_port
 
 needs.ask("rclpy")
 
@@ -20,7 +20,7 @@ from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.ros_node.target import TARGET as NODES
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
-from .bridge_support import MODEL, ROOT, Process, RosPeer, generate, wait_for
+from .bridge_support import MODEL, ROOT, Process, generate, wait_for
 from .policy_support import allowed, graph
 
 pytestmark = [
@@ -29,15 +29,6 @@ pytestmark = [
 ]
 
 TALK = ROOT / "tests" / "cases" / "ros_node" / "talk.xmi"
-
-
-@pytest.fixture
-def ros(monkeypatch):
-    monkeypatch.setenv("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
-    made = RosPeer()
-    yield made
-    made.close()
 
 
 def policies(model):

@@ -31,13 +31,7 @@ from jausml.cli.shared.models import open_catalogue
 from jausml.live.peers.network import make_network
 from jausml.live.peers.operator import running_operator
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.messages import (
-    ClearEmergency,
-    Resume,
-    SetEmergency,
-    Shutdown,
-    Standby,
-)
+from jausml.runtime.messages import ClearEmergency, Resume, SetEmergency, Shutdown, Standby
 from jausml.runtime.services.definitions import Status
 
 from .bridge_support import ROOT, Process, Repeater, RosPeer, wait_for

@@ -71,10 +71,7 @@ class Process:
     """A process whose lines of output are waited for."""
 
     def __init__(self, workspace, name, *arguments):
-        environment = {
-            **os.environ,
-            "PYTHONPATH": python_path(workspace),
-        }
+        environment = {**os.environ, "PYTHONPATH": python_path(workspace)}
         self.popen = subprocess.Popen(
             [sys.executable, "-m", f"{name}.main", *arguments],
             env=environment,
@@ -265,10 +262,7 @@ main()
 
 @pytest.mark.slow
 def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
-    environment = {
-        **os.environ,
-        "PYTHONPATH": python_path(workspace),
-    }
+    environment = {**os.environ, "PYTHONPATH": python_path(workspace)}
     command = [sys.executable, "-c", UNSEEN]
     ended = subprocess.run(
         command, env=environment, capture_output=True, text=True, timeout=PATIENCE
@@ -279,10 +273,7 @@ def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
 
 @pytest.mark.parametrize(
     ("parameter", "words"),
-    [
-        ("factor:=2.0", "Parameter factor out of range"),
-        ("factor:=1", "expecting type 'DOUBLE'"),
-    ],
+    [("factor:=2.0", "Parameter factor out of range"), ("factor:=1", "expecting type 'DOUBLE'")],
 )
 def test_a_value_that_does_not_do_is_one_line_and_status_2(workspace, parameter, words):
     done = subprocess.run(

@@ -46,12 +46,7 @@ PROBE = Path(__file__).with_name("probe.py")
 ADDRESSES = {"onboard": "10.77.0.1", "station": "10.77.0.2"}
 STRANGER = "10.77.0.66"
 GROUP = "239.255.0.1"
-UNITS = {
-    "vehicle": "onboard",
-    "trailer": "onboard",
-    "display": "onboard",
-    "watcher": "station",
-}
+UNITS = {"vehicle": "onboard", "trailer": "onboard", "display": "onboard", "watcher": "station"}
 TARGETS = (BRIDGE, BRINGUP, DEPLOYMENT, COMPONENT, MESSAGES, ROS_NODE, RUNTIME)
 PATIENCE = 60
 SPEEDS = {"odometry": ("vehicle", 2.0), "trailing": ("trailer", 1.5)}

@@ -196,7 +196,7 @@ def test_shared_memory_that_is_nearly_full_is_told(doctor, monkeypatch):
 def test_extras_are_those_that_verbs_need(doctor, monkeypatch, tmp_path):
     _, checks = doctor("--port", free_port())
     assert {name for topic, name in checks if topic == "python"} == {
-        *("version", "diagram", "studio", "editor", "top", "record"),
+        *("version", "diagram", "studio", "editor", "top", "record")
     }
     assert checks["python", "diagram"]["verdict"] == "ok"
     monkeypatch.setattr("jausml.live.machine._is_installed", lambda name: name != "graphviz-pure")

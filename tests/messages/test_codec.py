@@ -139,11 +139,7 @@ def test_the_name_of_a_value_stands_for_it(kinds, catalogue):
             "did you mean 'Set current command'?",
         ),
         ("SetTravelSpeed", {"TravelSpeedRec": {}}, "absent, it takes 0.0 .. 327.67 meter per"),
-        (
-            "CreateEvent",
-            {},
-            "CreateEventRec.RequestID: this field is absent, it takes 0 .. 255",
-        ),
+        ("CreateEvent", {}, "CreateEventRec.RequestID: this field is absent, it takes 0 .. 255"),
     ],
 )
 def test_an_absent_field_tells_what_it_takes(catalogue, message, fields, error):

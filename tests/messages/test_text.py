@@ -11,10 +11,7 @@ from jausml.live.messages import text
     ("payload", "shown"),
     [
         ("0220", []),
-        (
-            "02400100000000",
-            ["ReportStatusRec", "  Status: 1 (READY)", "  Reserved: 0"],
-        ),
+        ("02400100000000", ["ReportStatusRec", "  Status: 1 (READY)", "  Reserved: 0"]),
         (
             "1140 03 67f1de5b 3264",
             [

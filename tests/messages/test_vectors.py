@@ -71,9 +71,7 @@ class Generated:
 
     def __init__(self, vector):
         views, module = generated(vector["model"])
-        view = next(
-            message_view for message_view in views if message_view.jaus_name == vector["message"]
-        )
+        view = next(view for view in views if view.jaus_name == vector["message"])
         self._names = FieldNames(view, module)
 
     def decode(self, data):

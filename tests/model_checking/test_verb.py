@@ -20,10 +20,7 @@ from jausml.cli import main
 ROOT = Path(__file__).resolve().parents[2]
 CARELESS = Path(__file__).with_name("careless.ros2jaus")
 EXAMPLES = ROOT / "models" / "examples"
-FOUND = {
-    "front.speed": {"JML932", "JML933"},
-    "station.velocity to rover": {"JML933"},
-}
+FOUND = {"front.speed": {"JML932", "JML933"}, "station.velocity to rover": {"JML933"}}
 
 
 def run(*words, status):
@@ -62,10 +59,7 @@ def test_a_way_is_told_with_its_times():
 
 def test_json_has_all_products_and_steps():
     told = json.loads(run(CARELESS, "--format", "json", status=1).stdout)
-    found = {
-        checked_product["name"]: {e["rule"] for e in checked_product["found"]}
-        for checked_product in told["products"]
-    }
+    found = {checked["name"]: {e["rule"] for e in checked["found"]} for checked in told["products"]}
     assert found == FOUND
     assert told["digests"] == {CARELESS.name: sha256(CARELESS.read_bytes()).hexdigest()}
     for product in told["products"]:
@@ -117,9 +111,7 @@ def test_a_warning_can_be_allowed_with_a_reason(tmp_path):
     assert [finding["rule"] for finding in told["found"]] == ["JML933"]
     assert told["allowed"] == [{"rule": "JML932", "reason": "the operator asks once"}]
     (log,) = json.loads(run(model, "--format", "sarif", status=1).stdout)["runs"]
-    assert [
-        sarif_result["ruleId"] for sarif_result in log["results"] if "suppressions" in sarif_result
-    ] == ["JML932"]
+    assert [result["ruleId"] for result in log["results"] if "suppressions" in result] == ["JML932"]
     validated = CliRunner().invoke(main, ["validate", str(model)])
     assert "JML80" not in validated.output
 

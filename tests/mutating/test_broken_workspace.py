@@ -90,11 +90,7 @@ def test_why_no_test_can_see_a_change(workspace):
 
 
 @pytest.mark.parametrize(
-    "text",
-    [
-        FILES[CODE].replace("Lamp.", "A lamp."),
-        f"# lamp\n{FILES[CODE]}",
-    ],
+    "text", [FILES[CODE].replace("Lamp.", "A lamp."), f"# lamp\n{FILES[CODE]}"]
 )
 def test_comments_and_docstrings_are_no_difference(workspace, text):
     assert workspace.differing({**FILES, CODE: text}) == []

@@ -286,10 +286,9 @@ class FaultyPeer:
     def on_query_services(self, message, sender):
         own = self.address
         wanted = any(
-            node.node_rec.node_id in (own.node, 255)
-            and component_record.component_id in (own.component, 255)
+            node.node_rec.node_id in (own.node, 255) and record.component_id in (own.component, 255)
             for node in message.node_list
-            for component_record in node.component_list
+            for record in node.component_list
         )
         self.send(
             self.listed(core.ReportServices, SERVICES)

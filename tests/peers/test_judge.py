@@ -149,7 +149,7 @@ def test_each_task_has_the_points_of_the_rules():
     sheet = judged()
     assert [sheet.possible(task) for task in sheet.tasks] == [10] * 6
     assert [task.name for task in sheet.tasks] == [
-        *("discovery", "capabilities", "management", "velocity", "position", "waypoints"),
+        *("discovery", "capabilities", "management", "velocity", "position", "waypoints")
     ]
 
 

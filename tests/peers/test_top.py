@@ -114,9 +114,7 @@ def test_what_a_model_declares_is_not_heard(jausml, component, tmp_path):
     result = jausml("top", model, "--once", "--json", "--duration", "2.5")
     assert result.exit_code == 2, result.output
     found = json.loads(result.stdout)
-    levels = {
-        component_entry["id"]: component_entry["level"] for component_entry in found["components"]
-    }
+    levels = {entry["id"]: entry["level"] for entry in found["components"]}
     assert levels == {"100.1.1": "ok", "100.1.2": "not heard"}
     (speed,) = found["connections"]
     assert (speed["connection"], speed["level"]) == ("speed", "unknown")

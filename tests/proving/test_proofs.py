@@ -86,11 +86,7 @@ class Proofs:
         self.path = folder / "proved.ros2jaus"
         self.path.write_text(text, encoding="utf-8")
         report = check_project([self.path])
-        errors = {
-            diagnostic.rule
-            for diagnostic in report.diagnostics
-            if diagnostic.severity.name == "ERROR"
-        }
+        errors = {error.rule for error in report.diagnostics if error.severity.name == "ERROR"}
         assert errors <= {"JML422", "JML423"}, report.diagnostics  # nobody to talk to
         settings = Settings(str(compiler()), budget, 1)
         maps = round_trips(report.model)
@@ -459,10 +455,7 @@ MUTANTS = {
         small("factor", up="Speed -> linear.x : scale(-1.01) Turn -> linear.y : scale(0.5)"),
         {"JML922"},
     ),
-    "offset": (
-        small("offset", up='Speed -> linear.x : expression("0.02 - value")'),
-        {"JML922"},
-    ),
+    "offset": (small("offset", up='Speed -> linear.x : expression("0.02 - value")'), {"JML922"}),
     "swapped": (
         small("swapped", up="Speed -> linear.y : negate Turn -> linear.x : scale(0.5)"),
         {"JML923"},

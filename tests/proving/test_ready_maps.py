@@ -31,21 +31,13 @@ READY = (
     *("set_lamps", "visual_sensor_zoom", "local_vector"),
 )
 
-pytestmark = [
-    pytest.mark.needs("compiler"),
-    pytest.mark.slow,
-    pytest.mark.timeout(600),
-]
+pytestmark = [pytest.mark.needs("compiler"), pytest.mark.slow, pytest.mark.timeout(600)]
 
 
 def proved(path: Path, names: Sequence[str] = ()) -> list[MapResult]:
     """Results of maps of a file, in which nothing falls short."""
     report = check_project([path])
-    maps = [
-        round_trip
-        for round_trip in round_trips(report.model)
-        if not names or round_trip.name in names
-    ]
+    maps = [trip for trip in round_trips(report.model) if not names or trip.name in names]
     assert maps, path
     results = list(prove(report.model, maps, Settings(str(compiler()), 0.01, 2)))
     judged = with_proofs(report, maps, results)
@@ -125,7 +117,7 @@ def test_an_integer_of_which_one_value_counts_is_carried() -> None:
 
 def test_a_map_that_is_left_to_python_is_called_so() -> None:
     report = check_project([library_root() / "mappings/cost_map_2d.ros2jaus"])
-    maps = [round_trip for round_trip in round_trips(report.model) if round_trip.name == "cost_map"]
+    maps = [trip for trip in round_trips(report.model) if trip.name == "cost_map"]
     (found,) = prove(report.model, maps, Settings(str(compiler()), 0.01, 1))
     assert not found.fields
     assert [remark.partition(": ")[0] for remark in found.remarks] == ["left to Python"] * 2

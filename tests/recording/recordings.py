@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+import time
 from dataclasses import dataclass
 
 from capture_files import ETHERNET, ethernet, ipv4, udp
@@ -14,6 +15,17 @@ BEGIN = 1_700_000_000_123_456_789
 """Time of the first frame of a capture in nanoseconds: 2023-11-14 22:13:20.123456789."""
 
 LARGEST = 0xFFFFFFFF
+
+PATIENCE = 90.0
+"""Seconds after which what a test waits for counts as missing."""
+
+
+def wait_for(condition, what):
+    """Waits until a condition holds."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
+        time.sleep(0.02)
 
 
 def scaled(value, lower, upper, largest=LARGEST):

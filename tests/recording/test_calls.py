@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 
 import needs
 import pytest
+from recordings import PATIENCE, wait_for
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
@@ -20,16 +20,8 @@ from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits
 from jausml.live.recording.ros_topics import RosTopics
 from jausml.live.recording.schemas import installed_definition
 
-PATIENCE = 60.0
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet" / "fleet.ros2jaus"
 CALLS = "/switch/_service_event"
-
-
-def wait_for(condition, what):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
-        time.sleep(0.02)
 
 
 def read(path):

@@ -13,12 +13,7 @@ from recordings import by_mcap, by_rosbags
 
 from jausml.cli import main
 from jausml.live.recording.bags import Bag
-from jausml.live.recording.mcap_files import (
-    COMPRESSIONS,
-    McapFile,
-    RecordingError,
-    TimeSpan,
-)
+from jausml.live.recording.mcap_files import COMPRESSIONS, McapFile, RecordingError, TimeSpan
 from jausml.live.recording.mcap_reading import McapRecording
 
 EACH, FLUSHES = 3, 4

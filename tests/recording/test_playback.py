@@ -8,15 +8,7 @@ from functools import cache, reduce
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from recorded_systems import (
-    BRIDGE,
-    MODEL,
-    OPERATOR,
-    VEHICLE,
-    Drive,
-    recorded,
-    recorded_traffic,
-)
+from recorded_systems import BRIDGE, MODEL, OPERATOR, VEHICLE, Drive, recorded, recorded_traffic
 
 from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import places_of

@@ -15,7 +15,7 @@ import needs
 import pytest
 from isolation import small_folder
 from ports import free_port
-from recordings import by_mcap, datagram, event, pose, velocity
+from recordings import PATIENCE, by_mcap, datagram, event, pose, velocity, wait_for
 
 from jausml.cli.live import record
 from jausml.live.recording.mcap_reading import McapRecording
@@ -23,14 +23,6 @@ from jausml.live.traffic.captures import read_frames
 from jausml.live.traffic.frames import UdpReader
 
 pytestmark = [pytest.mark.live, pytest.mark.ports]
-PATIENCE = 60.0
-
-
-def wait_for(condition, what):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
-        time.sleep(0.05)
 
 
 def test_topics_that_nobody_publishes_are_told_beside_the_recording(capsys):

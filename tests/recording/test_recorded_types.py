@@ -32,11 +32,7 @@ bridge b { address: 100.1.9  provides: Drives
 def modelled():
     """A type of the shared library of models that has a type in it."""
     found = read_models(["models/library/ros/geometry_msgs.xmi"], allow_outside=True).model
-    return next(
-        message_type
-        for message_type in found.instances(ros.MessageType)
-        if message_type.name == "Twist"
-    )
+    return next(kind for kind in found.instances(ros.MessageType) if kind.name == "Twist")
 
 
 def difference(text, kind="geometry_msgs/msg/Twist", encoding="ros2msg"):

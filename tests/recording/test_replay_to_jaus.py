@@ -13,6 +13,7 @@ import warm
 from click.testing import CliRunner
 from mcap.writer import Writer
 from ports import free_port
+from recordings import PATIENCE, wait_for
 
 from jausml.cli import main
 from jausml.live.api.component import Component
@@ -22,7 +23,6 @@ pytestmark = [pytest.mark.live, pytest.mark.ports]
 ROOT = Path(__file__).resolve().parents[2]
 FLEET = str(ROOT / "models" / "examples" / "fleet" / "fleet.ros2jaus")
 FINDER = str(ROOT / "tests" / "live" / "found_peers.ros2jaus")
-PATIENCE = 90.0
 SECOND = 10**9
 BEGIN = 1_700_000_000 * SECOND
 
@@ -74,13 +74,6 @@ class Replay:
     def close(self):
         self.process.kill()
         self.process.wait(timeout=PATIENCE)
-
-
-def wait_for(condition, what):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
-        time.sleep(0.05)
 
 
 def subscribed(component, target, name):

@@ -12,7 +12,7 @@ import pytest
 needs.ask("rclpy")
 
 from ports import free_domain
-from recordings import by_mcap
+from recordings import PATIENCE, by_mcap, wait_for
 from rosbags.rosbag2 import Reader
 
 from jausml.cli.shared.models import open_catalogue
@@ -26,7 +26,6 @@ pytestmark = [
     # The parser that the message packages import at their first use.
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
 ]
-PATIENCE = 60.0
 
 
 @pytest.fixture
@@ -45,13 +44,6 @@ def publisher(monkeypatch):
     yield lambda **qos: node.create_publisher(String, "/description", QoSProfile(**qos))
     node.destroy_node()
     context.try_shutdown()
-
-
-def wait_for(condition, what):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, f"no {what} within {PATIENCE} s"
-        time.sleep(0.02)
 
 
 def test_recordings_carry_the_quality_of_service_of_publishers(tmp_path, publisher):
@@ -83,10 +75,7 @@ def test_recordings_carry_the_quality_of_service_of_publishers(tmp_path, publish
         (profile.durability.name, profile.reliability.name, profile.deadline.sec)
         for profile in profiles
     }
-    assert found == {
-        ("TRANSIENT_LOCAL", "RELIABLE", 9223372036),
-        ("VOLATILE", "BEST_EFFORT", 1),
-    }
+    assert found == {("TRANSIENT_LOCAL", "RELIABLE", 9223372036), ("VOLATILE", "BEST_EFFORT", 1)}
     metadata = by_mcap(path)[0][1].metadata
     assert {profile.deadline.nsec for profile in profiles} == {854775807, 500_000_000}
     assert re.fullmatch("RIHS01_[0-9a-f]{64}", metadata["topic_type_hash"])

@@ -8,11 +8,7 @@ from rosbags.typesys import get_types_from_msg
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import library_root, read_models
-from jausml.live.recording.schemas import (
-    full_name,
-    installed_definition,
-    modelled_definition,
-)
+from jausml.live.recording.schemas import full_name, installed_definition, modelled_definition
 
 
 @pytest.fixture(scope="module")
@@ -20,11 +16,7 @@ def types():
     """The message types of the library, those of services and actions left out."""
     files = sorted((library_root() / "ros").glob("*.xmi"))
     found = read_models(files).model.instances(ros.MessageType)
-    return [
-        message_type
-        for message_type in found
-        if isinstance(message_type.eContainer(), ros.InterfacePackage)
-    ]
+    return [kind for kind in found if isinstance(kind.eContainer(), ros.InterfacePackage)]
 
 
 def fields(text, name):

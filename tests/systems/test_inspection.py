@@ -76,18 +76,14 @@ def test_services_and_actions_are_declared_too(name):
     read = read_models([path], notations=NOTATIONS)
     owners = read.model.instances(Bridge, library=False)
     called = [
-        service_connection
-        for o in owners
-        for service_connection in (*o.serviceConnections, *o.actionConnections)
+        connection for o in owners for connection in (*o.serviceConnections, *o.actionConnections)
     ]
     found = {declaration.key: declaration for declaration in declarations_of(read.model)}
     assert called
-    for decision_owner in called:
-        node = f"/{decision_owner.eContainer().name}"
+    for owner in called:
+        node = f"/{owner.eContainer().name}"
         (declared,) = [
-            one
-            for (at, name), one in found.items()
-            if name == decision_owner.name and at.endswith(node)
+            one for (at, name), one in found.items() if name == owner.name and at.endswith(node)
         ]
         assert declared.message
         assert (declared.topics, declared.rate, declared.is_report) == ((), None, False)

@@ -42,10 +42,7 @@ def test_what_is_sent_to_the_group_is_heard(settings, sender):
 
 
 def test_the_port_remains_free_for_those_who_take_part(settings):
-    with (
-        MulticastListener(settings),
-        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as component,
-    ):
+    with MulticastListener(settings), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as component:
         component.bind((LOOPBACK, settings.port))
 
 

@@ -83,10 +83,7 @@ def test_the_data_size_is_what_the_header_says():
         (observation.data_size, len(observation.packet.payload))
         for observation in seen
         if observation.packet
-    ] == [
-        (18, 2),
-        (18, 2),
-    ]
+    ] == [(18, 2), (18, 2)]
 
 
 @pytest.mark.parametrize(

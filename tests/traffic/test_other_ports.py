@@ -23,9 +23,7 @@ def read(*datagrams):
 
 def test_unicast_of_an_endpoint_that_has_multicast_is_taken():
     numbers, reader = read(
-        (QUERY_STATUS, 46884, 3794),
-        (QUERY_STATUS, 46884, 51000),
-        (QUERY_STATUS, 51000, 46884),
+        (QUERY_STATUS, 46884, 3794), (QUERY_STATUS, 46884, 51000), (QUERY_STATUS, 51000, 46884)
     )
     assert numbers == [1, 2]  # 10.9.0.1 speaks at 46884; the hosts of the third are the same ones
     assert reader.other_ports.unclaimed == 1

@@ -180,16 +180,11 @@ class ConnectionView:
     @property
     def arguments(self) -> tuple[tuple[str, str], ...]:
         """Arguments of the runtime class after name and translate."""
-        arguments = [
-            ("message", self.message_name),
-            ("type", self.ros_name),
-        ]
+        arguments = [("message", self.message_name), ("type", self.ros_name)]
         if self.query is not None:
             query = (
                 query_call(
-                    self.query,
-                    self.message,
-                    self.requested.get(self.message_element, frozenset()),
+                    self.query, self.message, self.requested.get(self.message_element, frozenset())
                 )
                 if self.to_ros
                 else self.query.class_name
@@ -267,9 +262,7 @@ class ConnectionView:
             return []
         query, report = self.view_of(answer.query), self.view_of(answer.report)
         arguments = [query.class_name, report.class_name]
-        chosen = [
-            query.find(chosen_field)[0].attribute for chosen_field in chosen_fields(answer) or ()
-        ]
+        chosen = [query.find(name)[0].attribute for name in chosen_fields(answer) or ()]
         if chosen:
             arguments.append(f"same={tuple_of(*map(python_string, chosen))}")
         if all(member.is_optional for member in report.body.members):

@@ -52,10 +52,8 @@ class LightModule:
     def classes(self) -> tuple[LightClass, ...]:
         """The classes, the inner ones first."""
         return tuple(
-            LightClass(
-                self.name_of(message_type), message_type, self.name_of, self._runs, self._sizes
-            )
-            for message_type in self.types
+            LightClass(self.name_of(kind), kind, self.name_of, self._runs, self._sizes)
+            for kind in self.types
         )
 
     def name_of(self, message: ros.MessageType) -> str:
@@ -79,9 +77,7 @@ class LightModule:
     @functools.cached_property
     def bodies(self) -> tuple[tuple[LightClass, tuple[str, ...], tuple[str, ...]], ...]:
         """The classes with the bodies of the methods that read and write them."""
-        return tuple(
-            (light_class, light_class.reading, light_class.writing) for light_class in self.classes
-        )
+        return tuple((light, light.reading, light.writing) for light in self.classes)
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -99,10 +95,7 @@ class LightModule:
         if any(snake_case(name) != name for name in names):
             remarks.append("# ruff: noqa: A002 - the fields have the names of ROS")
         kinds = {
-            field.primitive
-            for message_type in self.types
-            for field in fields_of(message_type)
-            if field.is_single
+            field.primitive for kind in self.types for field in fields_of(kind) if field.is_single
         }
         if PRIMITIVES["bool"] in kinds:
             remarks.append("# ruff: noqa: FBT001, FBT002 - the fields have the types of ROS")

@@ -16,10 +16,7 @@ if TYPE_CHECKING:
 
 
 def reading_lines(
-    message: ros.MessageType,
-    class_of: Callable[[ros.MessageType], str],
-    runs: Runs,
-    sizes: Sizes,
+    message: ros.MessageType, class_of: Callable[[ros.MessageType], str], runs: Runs, sizes: Sizes
 ) -> tuple[str, ...]:
     """Returns the body of a method that reads a message from `data` at `offset`."""
     reader = _Reader(class_of, runs, sizes)
@@ -116,10 +113,7 @@ _OWN_NAMES = frozenset({"append", "cdr_", "len", "offset", "run", "self"})
 
 
 def writing_lines(
-    message: ros.MessageType,
-    class_of: Callable[[ros.MessageType], str],
-    runs: Runs,
-    sizes: Sizes,
+    message: ros.MessageType, class_of: Callable[[ros.MessageType], str], runs: Runs, sizes: Sizes
 ) -> tuple[str, ...]:
     """Returns the body of a method that appends the message `self`, which begins at `offset`."""
     writer = _Writer(class_of, runs, sizes)

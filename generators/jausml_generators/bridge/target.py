@@ -59,10 +59,7 @@ def tasks(model: Model) -> list[Task]:
             imports=lambda bridge: bridge.light.imports,
         ),
         *program_tasks(
-            bridges,
-            base="base.py.j2",
-            skeleton="skeleton.py.j2",
-            words=lambda view: view.words,
+            bridges, base="base.py.j2", skeleton="skeleton.py.j2", words=lambda view: view.words
         ),
         FileTask("core.cpp.j2", with_core, _source),
         TextTask(
@@ -77,7 +74,7 @@ def tasks(model: Model) -> list[Task]:
         FileTask(
             "test_translations.py.j2",
             tests,
-            lambda view: f"{view.package}/test/test_{view.package}_translations.py",
+            lambda view: f"{view.bridge.package}/test/test_{view.bridge.package}_translations.py",
             imports=lambda view: view.imports,
             words=lambda view: view.bridge.words,
         ),

@@ -122,12 +122,7 @@ class BridgeView(ProgramView):
         )
         return (
             *(
-                ConnectionView(
-                    connection,
-                    translation,
-                    self.message_of,
-                    requested,
-                )
+                ConnectionView(connection, translation, self.message_of, requested)
                 for connection, translation in own
             ),
             *(
@@ -151,10 +146,7 @@ class BridgeView(ProgramView):
     def calls(self) -> tuple[CallView, ...]:
         """The service connections in model order."""
         pairs = zip(self.bridge.serviceConnections, self.translations.calls, strict=True)
-        return tuple(
-            CallView(connection, translated_call, self.message_of)
-            for connection, translated_call in pairs
-        )
+        return tuple(CallView(connection, call, self.message_of) for connection, call in pairs)
 
     @functools.cached_property
     def translated(self) -> tuple[ConnectionView, ...]:
@@ -277,8 +269,7 @@ class BridgeView(ProgramView):
         with suppress(AssignmentError, PathError):
             packages |= {kind.package for kind in self.translations.ros_classes.names}
             packages |= {
-                package_of(action_connection.type)
-                for action_connection in self.bridge.actionConnections
+                package_of(connection.type) for connection in self.bridge.actionConnections
             }
         return tuple(sorted(packages))
 

@@ -93,9 +93,7 @@ class PolicyView:
         for use, used_names in _uses(self.element):
             names[use] |= set(map(self._full, used_names))
         return tuple(
-            Grant(*use, tuple(sorted(full_names)))
-            for use, full_names in names.items()
-            if full_names
+            Grant(*use, tuple(sorted(granted))) for use, granted in names.items() if granted
         )
 
     def _full(self, name: str) -> str:

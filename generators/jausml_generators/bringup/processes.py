@@ -152,13 +152,10 @@ class ConfigView:
         first = ParameterLine("use_sim_time", value=False, is_comment=True)
         plain = [ParameterLine(*pair) for pair in self.process.parameters.items()]
         lines = []
-        for parameter_line in (first, *plain, *self.process.bridge_parameters):
-            about = " ".join(printable(parameter_line.about).split())
+        for line in (first, *plain, *self.process.bridge_parameters):
+            about = " ".join(printable(line.about).split())
             lines += [f"# {about}"] if about else []
-            lines.append(
-                f"{'# ' * parameter_line.is_comment}{_yaml_key(parameter_line.name)}: "
-                f"{_yaml(parameter_line.value)}"
-            )
+            lines.append(f"{'# ' * line.is_comment}{_yaml_key(line.name)}: {_yaml(line.value)}")
         return tuple(lines)
 
 

@@ -12,10 +12,7 @@ from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.semantics.hosts import host_of
 from jausml_generators.bringup.policies import PolicyView
 from jausml_generators.bringup.processes import SETTINGS, ConfigView, ProcessView, Setting
-from jausml_generators.common.components import (
-    TRANSPORTS,
-    plain_components,
-)
+from jausml_generators.common.components import TRANSPORTS, plain_components
 from jausml_generators.common.ros import parameter_value
 from jausml_generators.python.names import package_name
 

@@ -106,8 +106,7 @@ TARGET = Target(
     template_folders=(templates_beside(__file__),),
     is_on_request=True,
     whole_library=WholeLibrary(
-        help="every message of the library, not only those of the system",
-        tasks=whole_library_tasks,
+        help="every message of the library, not only those of the system", tasks=whole_library_tasks
     ),
 )
 """Structs that read and write themselves (AS5684), of fixed capacity where it is bounded."""

@@ -96,9 +96,7 @@ class Core:
 
     def __post_init__(self) -> None:
         self._jaus = JausCodec()
-        self._names = {
-            message_type: self.light.name_of(message_type) for message_type in self.light.types
-        }
+        self._names = {part: self.light.name_of(part) for part in self.light.types}
         self._ros = RosCodec(self.light.types, self._names)
         self._by_type = {ros_type(kind): struct for kind, struct in self._ros.structs.items()}
         self._ros_classes: dict[str, Struct] = {}

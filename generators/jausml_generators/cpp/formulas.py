@@ -49,11 +49,7 @@ _LOGICAL = {"and": "&&", "or": "||"}
 # How tightly an operator binds what stands beside it.
 _ATOM, _SIGNED, _PRODUCT, _SUM, _COMPARISON, _OR, _CHOICE = range(7)
 
-STRUCTS = {
-    QUATERNION: "jausml::Quaternion",
-    TIME: "jausml::Time",
-    TIME_STAMP: "jausml::TimeStamp",
-}
+STRUCTS = {QUATERNION: "jausml::Quaternion", TIME: "jausml::Time", TIME_STAMP: "jausml::TimeStamp"}
 """Structs of the values that are no single number."""
 
 

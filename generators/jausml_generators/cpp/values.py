@@ -215,8 +215,7 @@ class Values(Places):
         if not isinstance(condition, HasValue):
             return super().holds(condition)
         names = {
-            name: self._operand(values.marker_value(marker_operand))
-            for name, marker_operand in condition.operands
+            name: self._operand(values.marker_value(value)) for name, value in condition.operands
         }
         return joined_truth(condition.condition, names)
 

@@ -23,12 +23,6 @@ if TYPE_CHECKING:
     from jausml_generators.bringup.processes import ProcessView
     from jausml_generators.deployment.network import Deployed
 
-USER = "jaus"
-"""The user that the processes run as; it is no person, and owns nothing."""
-
-USER_NUMBER = 3794
-"""Its number in containers; on hosts the system picks one."""
-
 
 @dataclass(frozen=True)
 class DeploymentView:
@@ -40,6 +34,10 @@ class DeploymentView:
     policies: tuple[tuple[str, str], ...]
     packages_apart: tuple[str, ...] = ()
     """Packages of messages that the workspace needs, and that nothing in it or in ROS provides."""
+    user: str = "jaus"
+    """The user that the processes run as; it is no person, and owns nothing."""
+    user_number: int = 3794
+    """Its number in containers; on hosts the system picks one."""
 
     @property
     def element_id(self) -> str:
@@ -50,11 +48,6 @@ class DeploymentView:
     def name(self) -> str:
         """Name of the system in paths, units and images."""
         return package_name(self.system.name)
-
-    @property
-    def title(self) -> str:
-        """Name of the system."""
-        return str(self.system.name)
 
     @property
     def folder(self) -> str:
@@ -72,11 +65,6 @@ class DeploymentView:
         return f"{self.name}:{self.system.version}"
 
     @property
-    def ros_domain(self) -> int:
-        """ROS domain of the system."""
-        return int(self.system.rosDomain)
-
-    @property
     def workspace(self) -> str:
         """Where the packages are installed."""
         return f"/opt/jaus/{self.name}"
@@ -90,16 +78,6 @@ class DeploymentView:
     def start(self) -> str:
         """What starts a process."""
         return f"/usr/local/lib/jaus/{self.name}/start.sh"
-
-    @property
-    def user(self) -> str:
-        """The user that the processes run as."""
-        return USER
-
-    @property
-    def user_number(self) -> int:
-        """Number of that user in containers."""
-        return USER_NUMBER
 
     @property
     def hosts(self) -> tuple[HostView, ...]:
@@ -145,34 +123,14 @@ class HostView:
         return str(self.deployed.host.interface)
 
     @property
-    def group(self) -> str:
-        """Multicast group of JAUS."""
-        return str(self.deployed.host.multicastGroup)
-
-    @property
-    def port(self) -> int:
-        """Port of JAUS."""
-        return int(self.deployed.host.port)
-
-    @property
-    def transport(self) -> str:
-        """How JAUS travels: `judp`, `jtcp` or `nodeManager`."""
-        return self.deployed.transport
-
-    @property
     def protocol(self) -> str:
         """Protocol of its JAUS port."""
-        return "tcp" if self.transport == "jtcp" else "udp"
-
-    @property
-    def jaus_ports(self) -> str:
-        """Ports of JAUS, with commas between them."""
-        return ", ".join(self.deployed.jaus_ports)
+        return "tcp" if self.deployed.transport == "jtcp" else "udp"
 
     @property
     def ros_ports(self) -> str:
         """Ports at which its ROS 2 nodes are reached."""
-        return dds_ports(self.deployment.ros_domain)
+        return dds_ports(self.deployment.system.rosDomain)
 
     @property
     def target(self) -> str:
@@ -191,16 +149,6 @@ class HostView:
         return tuple(unit.enclave for unit in self.units if unit.enclave in known)
 
     @property
-    def speaks_jaus(self) -> bool:
-        """Whether some process of it is a JAUS component."""
-        return self.deployed.speaks_jaus
-
-    @property
-    def speaks_ros(self) -> bool:
-        """Whether some process of it is a ROS 2 node."""
-        return self.deployed.speaks_ros
-
-    @property
     def is_local(self) -> bool:
         """Whether its interface is that of the computer itself, which no other one reaches."""
         return ipaddress.IPv4Address(self.interface).is_loopback
@@ -215,12 +163,12 @@ class HostView:
     @property
     def needs_peers(self) -> bool:
         """Whether processes are to be told of peers: TCP knows those of the model by itself."""
-        return self.transport == "judp" and not self.deployed.finds_by_multicast
+        return self.deployed.transport == "judp" and not self.deployed.finds_by_multicast
 
     @property
     def has_node_manager(self) -> bool:
         """Whether a node manager, which is no part of the model, carries its messages."""
-        return self.transport == "nodeManager"
+        return self.deployed.transport == "nodeManager"
 
 
 @dataclass(frozen=True)
@@ -261,16 +209,6 @@ class UnitView:
         return f"{self.process.kind} {self.process.name}"
 
     @property
-    def speaks_jaus(self) -> bool:
-        """Whether it is a JAUS component."""
-        return self.process.speaks_jaus
-
-    @property
-    def speaks_ros(self) -> bool:
-        """Whether it is a ROS 2 node."""
-        return self.process.speaks_ros
-
-    @property
     def enclave(self) -> str:
         """Enclave that has its keys: the full name of the node."""
         return resolve_topic(self.process.name, self.process.namespace, self.process.name)
@@ -283,7 +221,7 @@ class UnitView:
     @property
     def command(self) -> tuple[str, ...]:
         """Module and options that it is started with."""
-        if not self.speaks_ros:
+        if not self.process.speaks_ros:
             return (self.process.module,)
         ros = ("--ros-args", "--params-file", self.parameters, "--enclave", self.enclave)
         return (self.process.module, *ros)
@@ -291,7 +229,7 @@ class UnitView:
     @property
     def environment_files(self) -> tuple[str, ...]:
         """Files of environment variables of the model that it reads."""
-        files = (("jaus.env", self.speaks_jaus), ("ros.env", self.speaks_ros))
+        files = (("jaus.env", self.process.speaks_jaus), ("ros.env", self.process.speaks_ros))
         return tuple(name for name, is_read in files if is_read)
 
 
@@ -303,8 +241,8 @@ def tasks(model: Model) -> list[Task]:
     """
     whole = _view(model)
     hosts, units = whole.hosts, whole.units
-    with_jaus = [host for host in hosts if host.speaks_jaus]
-    with_ros = [host for host in hosts if host.speaks_ros]
+    with_jaus = [host for host in hosts if host.deployed.speaks_jaus]
+    with_ros = [host for host in hosts if host.deployed.speaks_ros]
     return [
         FileTask("README.md.j2", [whole], lambda view: f"{view.folder}/README.md"),
         FileTask("Containerfile.j2", [whole], lambda view: f"{view.folder}/Containerfile"),
@@ -330,7 +268,7 @@ def tasks(model: Model) -> list[Task]:
 def _yours(hosts: Sequence[HostView], units: Sequence[UnitView]) -> list[Task]:
     """Returns what is written once, and then holds what differs from the model."""
     yours = Kind.SKELETON
-    nodes = [unit for unit in units if unit.speaks_ros]
+    nodes = [unit for unit in units if unit.process.speaks_ros]
     return [
         FileTask("local.env.j2", hosts, _of_host("local.env"), kind=yours),
         FileTask("firewall.local.nft.j2", hosts, _of_host("firewall.local.nft"), kind=yours),

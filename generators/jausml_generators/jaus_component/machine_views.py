@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING
 
 from jausml.generation.literals import clean, docstring, python_string
 from jausml.language.attributes.guards import AllOf, AnyOf, Condition, Guard, Negation, parse_guard
-from jausml.language.semantics.jaus.inherited_machines import (
-    Machine,
-    event_name,
-)
+from jausml.language.semantics.jaus.inherited_machines import Machine, event_name
 from jausml_generators.jaus_component.handlers import Method
 from jausml_generators.python.statements import call, tuple_of
 

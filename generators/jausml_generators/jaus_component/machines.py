@@ -225,10 +225,7 @@ class Machines:
         return code in self._taken
 
     def registration(
-        self,
-        message: jaus.MessageDef,
-        service: jaus.Service,
-        provided: tuple[jaus.Service, ...],
+        self, message: jaus.MessageDef, service: jaus.Service, provided: tuple[jaus.Service, ...]
     ) -> str:
         """Returns the statement of the constructor that gives a message to the machines."""
         view = self._view(message)

@@ -7,12 +7,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.target import FileTask, Target, Task, system_of, templates_beside
 from jausml_generators.jaus_component.views import component_views
 from jausml_generators.messages.target import SystemMessages
-from jausml_generators.python.package import (
-    FACE,
-    PACKAGE_TEMPLATES,
-    package_tasks,
-    program_tasks,
-)
+from jausml_generators.python.package import FACE, PACKAGE_TEMPLATES, package_tasks, program_tasks
 
 if TYPE_CHECKING:
     from jausml.language.model.model import Model
@@ -35,11 +30,7 @@ def tasks(model: Model) -> list[Task]:
             [messages.used_by(view) for view in views],
             lambda used: used.path,
         ),
-        *program_tasks(
-            views,
-            base="component_base.py.j2",
-            skeleton="component.py.j2",
-        ),
+        *program_tasks(views, base="component_base.py.j2", skeleton="component.py.j2"),
         FileTask(
             "test_component.py.j2",
             views,

@@ -7,12 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from jausml.generation.artifact import MethodContract, SkeletonContract
-from jausml.generation.literals import (
-    clean,
-    docstring,
-    python_string,
-    sentence,
-)
+from jausml.generation.literals import clean, docstring, python_string, sentence
 from jausml.generation.python import Imports, Origin, offered
 from jausml.generation.target import source_of, system_of
 from jausml.language.semantics.jaus.commands import guard_of

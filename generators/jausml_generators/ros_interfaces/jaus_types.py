@@ -193,11 +193,9 @@ class _Fields:
 
     def _named(self, field: str, kind: str, listed: Iterable[wire.Listed]) -> None:
         limits = wire.INTEGERS[kind]
-        for listed_value in listed:
-            if limits.lower <= listed_value.value <= limits.upper:
-                self._constant(
-                    field, listed_value.name, kind, listed_value.value, listed_value.documentation
-                )
+        for value in listed:
+            if limits.lower <= value.value <= limits.upper:
+                self._constant(field, value.name, kind, value.value, value.documentation)
 
     def _constant(self, field: str, name: str, kind: str, value: int, text: str = "") -> None:
         claimed = self._constants.claim(constant_name(field, name))
@@ -215,9 +213,7 @@ def _holding(reach: tuple[int, int]) -> str:
     lower, upper = reach
     kinds = wire.UNSIGNED if lower >= 0 else wire.INTEGERS
     fitting = (
-        name
-        for name, integer_type in kinds.items()
-        if integer_type.lower <= lower and upper <= integer_type.upper
+        name for name, integer in kinds.items() if integer.lower <= lower and upper <= integer.upper
     )
     return next(fitting, "uint64" if lower >= 0 else "int64")
 

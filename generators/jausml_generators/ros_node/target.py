@@ -205,16 +205,13 @@ class NodeView(ProgramView):
     def service_servers(self) -> tuple[EndpointView, ...]:
         """Service servers in model order."""
         return tuple(
-            self._service(service_server, "Answers requests of")
-            for service_server in self.node.serviceServers
+            self._service(server, "Answers requests of") for server in self.node.serviceServers
         )
 
     @functools.cached_property
     def service_clients(self) -> tuple[EndpointView, ...]:
         """Service clients in model order."""
-        return tuple(
-            self._service(service_client, "Calls") for service_client in self.node.serviceClients
-        )
+        return tuple(self._service(client, "Calls") for client in self.node.serviceClients)
 
     @functools.cached_property
     def parameters(self) -> tuple[ParameterView, ...]:
@@ -296,12 +293,7 @@ class NodeView(ProgramView):
 
     @property
     def _endpoints(self) -> tuple[EndpointView, ...]:
-        return (
-            *self.publishers,
-            *self.subscriptions,
-            *self.service_servers,
-            *self.service_clients,
-        )
+        return (*self.publishers, *self.subscriptions, *self.service_servers, *self.service_clients)
 
     @functools.cached_property
     def _names(self) -> Mapping[Endpoint, str]:

@@ -7,12 +7,7 @@ from typing import TYPE_CHECKING
 
 import jausml
 from jausml.generation.target import Target, Task, TextFile, TextTask, WholeLibrary
-from jausml_generators.python.package import (
-    FACE,
-    PACKAGE_TEMPLATES,
-    PackageView,
-    package_tasks,
-)
+from jausml_generators.python.package import FACE, PACKAGE_TEMPLATES, PackageView, package_tasks
 from jausml_generators.runtime.modules import copied, needed, runtime_modules
 
 if TYPE_CHECKING:

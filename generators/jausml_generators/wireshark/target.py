@@ -347,8 +347,7 @@ TARGET = Target(
     template_folders=(templates_beside(__file__),),
     is_on_request=True,
     whole_library=WholeLibrary(
-        help="every message of the library, not only those of the system",
-        tasks=whole_library_tasks,
+        help="every message of the library, not only those of the system", tasks=whole_library_tasks
     ),
 )
 """A dissector for JAUS over UDP and TCP (AS5669A) and the bodies of messages (AS5684)."""

@@ -9,11 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from jausml.authoring.projects.starting import EXAMPLE, STARTING_POINTS, starting_point
-from jausml.cli.authoring.topics import (
-    chosen_crossings,
-    topic_options,
-    topics_of,
-)
+from jausml.cli.authoring.topics import chosen_crossings, topic_options, topics_of
 from jausml.cli.authoring.topics_shown import show_chosen, show_unanswered, show_undecided
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.models import show_findings

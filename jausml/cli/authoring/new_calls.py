@@ -232,12 +232,12 @@ def _meant(candidates: list[ListWay], driver: str | None, element: str | None) -
     from jausml.language.model.names import name_of
 
     if driver is None and element is None:
-        return [list_way for list_way in candidates if list_way.is_usual] or candidates
+        return [way for way in candidates if way.is_usual] or candidates
     matches = [
-        list_way
-        for list_way in candidates
-        if driver in (None, name_of(list_way.driver), list_way.driver.urn)
-        and element in (None, name_of(list_way.map))
+        way
+        for way in candidates
+        if driver in (None, name_of(way.driver), way.driver.urn)
+        and element in (None, name_of(way.map))
     ]
     if candidates and not matches:
         raise click.UsageError(f"no such driver and map; there are{_listed(candidates)}")
@@ -245,7 +245,7 @@ def _meant(candidates: list[ListWay], driver: str | None, element: str | None) -
 
 
 def _listed(candidates: Sequence[ListWay]) -> str:
-    return "".join(f"\n  {list_way.says()}" for list_way in candidates)
+    return "".join(f"\n  {way.says()}" for way in candidates)
 
 
 def _chosen_way(
@@ -265,9 +265,7 @@ def _chosen_way(
     if not can_ask():
         text = f"{name} fits several: say --driver and --element, or take the first by --yes"
         raise click.UsageError(text + _listed(candidates))
-    return candidates[
-        choose(f"{name} fits several:", [list_way.says() for list_way in candidates])[0]
-    ]
+    return candidates[choose(f"{name} fits several:", [way.says() for way in candidates])[0]]
 
 
 def _free_name(owner: bridges.Bridge, name: str) -> str:

@@ -43,10 +43,7 @@ _OPTIONS = {True: "to_ros", False: "to_jaus"}
     help="Assignment to a field of the message from a member of the ROS type; may be repeated.",
 )
 @click.option(
-    "--direction",
-    type=click.Choice(list(_WAYS)),
-    default="both",
-    help="Directions to fill.",
+    "--direction", type=click.Choice(list(_WAYS)), default="both", help="Directions to fill."
 )
 @click.option("--copy", "ready", metavar="MAP", help="Copy this ready map.")
 @click.option("--fill", "fills", is_flag=True, help="Fill a new map even if a ready map exists.")
@@ -135,11 +132,7 @@ def _copy(
 ) -> Sequence[Command]:
     """Returns what copies a ready map, nothing where none is wanted or there is none."""
     from jausml.authoring.proposals.bridging import between, copied
-    from jausml.authoring.proposals.named_elements import (
-        are_examples,
-        copied_with_names,
-        names_in,
-    )
+    from jausml.authoring.proposals.named_elements import are_examples, copied_with_names, names_in
     from jausml.cli.authoring.topics import joints_of
     from jausml.language.model.names import name_of
     from jausml.language.semantics.assignments.named_places import named_places

@@ -16,11 +16,7 @@ from jausml.cli.authoring.running import (
     topics_in,
     what_runs_here,
 )
-from jausml.cli.authoring.topics import (
-    chosen_crossings,
-    topic_options,
-    topics_of,
-)
+from jausml.cli.authoring.topics import chosen_crossings, topic_options, topics_of
 from jausml.cli.authoring.topics_shown import show_chosen, show_unanswered, show_undecided
 
 if TYPE_CHECKING:
@@ -271,12 +267,7 @@ def connection(
 
     Exit status: 0 done, 2 usage or environment, 3 internal error.
     """
-    from jausml.authoring.projects.adding import (
-        add_connections,
-        namespace_of,
-        ready_maps,
-        scope_of,
-    )
+    from jausml.authoring.projects.adding import add_connections, namespace_of, ready_maps, scope_of
 
     with stopping():
         place = place_for(model)

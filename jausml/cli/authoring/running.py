@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import EnvironmentFault, ending_at
 from jausml.cli.shared.options import FiniteRange, refuse_options
 
 if TYPE_CHECKING:
@@ -58,10 +58,8 @@ def what_runs_here(seconds: float) -> Running:
     from jausml.live.ros.node import RosFault
     from jausml.live.ros.running import what_runs
 
-    try:
+    with ending_at(RosFault):
         running = what_runs(seconds, is_worth_reading)
-    except RosFault as error:
-        raise EnvironmentFault(str(error)) from error
     graph = running.graph
     if not graph:
         raise EnvironmentFault(f"no topic, service or action runs here (looked for {seconds:g} s)")

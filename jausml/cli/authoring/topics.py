@@ -148,12 +148,8 @@ def _full(message: str) -> str:
     from jausml.language.semantics.paths.ros_paths import ros_name
 
     maps = library().instances(bridge.AttributeMap)
-    known = {
-        ros_name(attribute_map.type) for attribute_map in maps if attribute_map.type is not None
-    }
-    return min(
-        (type_name for type_name in known if type_name.partition("/")[2] == message), default=""
-    )
+    known = {ros_name(carried.type) for carried in maps if carried.type is not None}
+    return min((name for name in known if name.partition("/")[2] == message), default="")
 
 
 def chosen_crossings(
@@ -277,10 +273,7 @@ def _fed_joins(way: Crossing) -> Sequence[bridge.Join]:
 
 
 def _without(
-    topic: TopicEnd,
-    maps: Sequence[bridge.AttributeMap],
-    side: str,
-    left_out: LeftOut | None,
+    topic: TopicEnd, maps: Sequence[bridge.AttributeMap], side: str, left_out: LeftOut | None
 ) -> None:
     from jausml.authoring.proposals.bridging import is_served
     from jausml.authoring.proposals.topic_names import is_emergency_stop
@@ -303,9 +296,7 @@ def _without(
     ]:
         _unsaid(topic, candidates, command, left_out)
         return
-    known = {
-        ros_name(attribute_map.type) for attribute_map in maps if attribute_map.type is not None
-    }
+    known = {ros_name(carried.type) for carried in maps if carried.type is not None}
     hint = suggest(topic.type, known - {topic.type}) if topic.type not in known else ""
     reason = f"no ready map carries {topic.type} of {topic.name} for a {side}"
     reason += "".join(f"; {note}" for note in _parts_carried(topic.type, maps))

@@ -20,6 +20,7 @@ from jausml.cli.shared.files import (
     PROBLEMS,
     STDIN,
     EnvironmentFault,
+    ending_at,
     read_lines,
     reason_of,
     shown_path,
@@ -71,9 +72,7 @@ Line = tuple[str, str]
     "optionally with /VERSION.",
 )
 @click.option(
-    "--message",
-    metavar="NAME",
-    help="Message to decode, if a code has several meanings even then.",
+    "--message", metavar="NAME", help="Message to decode, if a code has several meanings even then."
 )
 @click.option(
     "--format",
@@ -93,10 +92,7 @@ Line = tuple[str, str]
     "--count", type=click.IntRange(1), help="End after this number of messages or datagrams."
 )
 @click.option(
-    "--duration",
-    type=FiniteRange(0),
-    metavar="S",
-    help="Listen for this number of seconds.",
+    "--duration", type=FiniteRange(0), metavar="S", help="Listen for this number of seconds."
 )
 def decode(
     inputs: tuple[str, ...],
@@ -337,10 +333,8 @@ class _Reading:
         from jausml.live.traffic.listening import MulticastListener
 
         settings = transport_settings(interface, port, multicast_group)
-        try:
+        with ending_at(TrafficError):
             listener = MulticastListener(settings)
-        except TrafficError as error:
-            raise EnvironmentFault(str(error)) from error
         with listener:
             click.echo(f"listening to {multicast_group}:{port} on {interface}", err=True)
             try:

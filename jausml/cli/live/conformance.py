@@ -143,7 +143,7 @@ def command(
 def _checked(session: Session, groups: Sequence[CheckGroup], *, live: bool) -> ConformanceReport:
     """Runs the checks and, on a terminal, shows each result as it comes."""
     from jausml.live.peers.conformance.formats import heading, result_lines
-    from jausml.live.peers.conformance.run import run
+    from jausml.live.peers.conformance.run import begun, run
 
     latest = ""
 
@@ -158,11 +158,7 @@ def _checked(session: Session, groups: Sequence[CheckGroup], *, live: bool) -> C
             click.echo(line)
 
     if live:
-        host, port = session.probe.endpoint or ("", 0)
-        services = tuple(
-            f"{service.urn} {service.major}.{service.minor}" for service in session.services
-        )
-        for line in heading(str(session.probe.target), f"{host}:{port}", services):
+        for line in heading(begun(session)):
             click.echo(line)
     return run(session, groups, show)
 

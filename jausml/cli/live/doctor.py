@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS
+from jausml.cli.shared.files import PROBLEMS, ending_at
 from jausml.cli.shared.models import project_files, read, reading_options
 from jausml.cli.shared.options import (
     format_option,
@@ -59,10 +60,8 @@ def command(
     from jausml.live import machine
     from jausml.live.machine import Outcome
 
-    try:
+    with ending_at(ValueError, kind=click.UsageError):
         settings = machine.settings_of(interface, port, multicast_group)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
     findings = [*machine.python_checks(), *machine.program_checks(), *machine.ros_checks(packages)]
@@ -128,14 +127,5 @@ def _count(findings: Sequence[Finding], word: str) -> str:
 
 
 def _as_json(findings: Sequence[Finding]) -> str:
-    checks = [
-        {
-            "topic": finding.topic,
-            "name": finding.name,
-            "verdict": finding.verdict.value,
-            "text": finding.text,
-            "cure": finding.cure,
-        }
-        for finding in findings
-    ]
+    checks = [{**asdict(finding), "verdict": finding.verdict.value} for finding in findings]
     return json.dumps({"checks": checks}, indent=2, ensure_ascii=False)

@@ -15,7 +15,7 @@ import click
 from jausml.cli.live.network import TARGET, Settings, operator_options, until_interrupted
 from jausml.cli.shared import options
 from jausml.cli.shared.files import PROBLEMS, in_columns, to_json
-from jausml.cli.shared.models import only_system, readable_model
+from jausml.cli.shared.models import or_only_system, readable_model
 from jausml.cli.shared.options import FiniteRange
 from jausml.cli.shared.terminal import warn
 
@@ -34,19 +34,10 @@ _BRIDGE_HEAD = ("bridge", "connection", _PLACES[0], "", "", _PLACES[1], "", "")
 _BRIDGE_UNDER_HEAD = ("", "", *_WORDS, *_WORDS)
 
 
-def _or_only_system(_: click.Context, __: click.Parameter, value: str | None) -> str:
-    return value or only_system("ID|MODEL")
-
-
 @click.command("latency")
-@click.argument("source", metavar="[ID|MODEL]", required=False, callback=_or_only_system)
+@click.argument("source", metavar="[ID|MODEL]", required=False, callback=or_only_system("ID|MODEL"))
 @click.argument("messages", metavar="[MESSAGE]...", nargs=-1)
-@click.option(
-    "--duration",
-    type=FiniteRange(0.1, 3600),
-    default=10.0,
-    help="Seconds to measure.",
-)
+@click.option("--duration", type=FiniteRange(0.1, 3600), default=10.0, help="Seconds to measure.")
 @click.option(
     "--rate",
     type=FiniteRange(min=0, max=1092, min_open=True),

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import EnvironmentFault, ending_at
 from jausml.cli.shared.models import explained, model_option, open_catalogue
 from jausml.cli.shared.names import beginning, field_paths, input_names
 from jausml.cli.shared.options import (
@@ -27,6 +27,7 @@ from jausml.cli.shared.options import (
 from jausml.cli.shared.terminal import remark, warn
 
 if TYPE_CHECKING:
+    from jausml.cli.shared.options import Decorator
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
@@ -82,29 +83,21 @@ _NETWORK = (
 )
 
 
-def transport_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Adds the options that choose a transport."""
-    return reduce(
-        lambda decorated_function, option: option(decorated_function),
-        reversed(_TRANSPORT_OPTIONS),
-        function,
-    )
+def _adding(options: Sequence[Callable[..., Any]]) -> Decorator:
+    """Returns a decorator that adds options, in their order."""
+    return lambda function: reduce(lambda inner, add: add(inner), reversed(options), function)
 
 
-def network_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Adds the options that `network_from` and `open_catalogue` take."""
-    return reduce(
-        lambda decorated_function, option: option(decorated_function), reversed(_OPTIONS), function
-    )
+transport_options = _adding(_TRANSPORT_OPTIONS)
+"""Adds the options that choose a transport."""
+network_options = _adding(_OPTIONS)
+"""Adds the options that `network_from` and `open_catalogue` take."""
 
 
 def waiting_options(function: Callable[..., Any]) -> Callable[..., Any]:
     """Adds the options that say how long a test waits for what comes and what does not."""
     timeout = click.option(
-        "--timeout",
-        type=FiniteRange(0.05, 60),
-        default=1.0,
-        help="Seconds to wait for an answer.",
+        "--timeout", type=FiniteRange(0.05, 60), default=1.0, help="Seconds to wait for an answer."
     )
     quiet = click.option(
         "--quiet-time",
@@ -144,10 +137,8 @@ def target_of(target: str, network: Network) -> JausAddress:
     """Returns the component that is tested, which is not on our own node."""
     from jausml.live.peers.network import component_address
 
-    try:
+    with ending_at(ValueError, kind=click.UsageError):
         address = component_address(target)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
     if (address.subsystem, address.node) == (network.own.subsystem, network.own.node):
         raise click.UsageError(f"{target} is on the node of this tool; choose another --id")
     return address
@@ -168,10 +159,8 @@ def network_from(
     from jausml.live.peers.network import make_network, silence_log
 
     silence_log()
-    try:
+    with ending_at(ValueError, kind=click.UsageError):
         return make_network(own_id, interface, port, multicast_group, peers, **transport)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
 
 
 _REMEDY = (
@@ -233,10 +222,8 @@ def parsed_address(_context: click.Context, _parameter: click.Parameter, value: 
     """Returns the JAUS id of a component, as a callback of options and arguments."""
     from jausml.live.peers.network import component_address
 
-    try:
+    with ending_at(ValueError, kind=click.BadParameter):
         return component_address(value)
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from error
 
 
 _FIELDS_BESIDE = "jausml.fields"
@@ -267,10 +254,8 @@ def _fields(
         raise click.BadParameter("the fields stand in the object of the message already")
     from jausml.live.messages.entries import parse_fields
 
-    try:
+    with ending_at(ValueError, kind=click.BadParameter):
         return parse_fields(" ".join(words))
-    except ValueError as error:
-        raise click.BadParameter(str(error)) from error
 
 
 _COMPLETION_TIME = 0.7
@@ -329,19 +314,12 @@ def operator_options(function: Callable[..., None]) -> Callable[..., None]:
     @network_options
     @transport_options
     @click.option(
-        "--timeout",
-        type=FiniteRange(0.05, 600),
-        default=3.0,
-        help="Seconds to wait for an answer.",
+        "--timeout", type=FiniteRange(0.05, 600), default=3.0, help="Seconds to wait for an answer."
     )
     @format_option("Format of the output.")
     @wraps(function)
     def run(
-        *arguments: Any,
-        models: tuple[str, ...],
-        timeout: float,
-        output_format: str,
-        **others: Any,
+        *arguments: Any, models: tuple[str, ...], timeout: float, output_format: str, **others: Any
     ) -> None:
         network = network_from(**{name: others.pop(name) for name in _NETWORK})
         settings = Settings(network, models, timeout, output_format == "json")

@@ -71,12 +71,7 @@ def session(settings: Settings) -> None:
 
 
 @command.command("discover")
-@click.option(
-    "--duration",
-    type=FiniteRange(0.05, 3600),
-    default=2.0,
-    help="Seconds to listen.",
-)
+@click.option("--duration", type=FiniteRange(0.05, 3600), default=2.0, help="Seconds to listen.")
 @operator_options
 def discover(settings: Settings, duration: float) -> None:
     """Show subsystems, nodes, components and their services."""

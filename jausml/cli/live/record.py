@@ -22,7 +22,7 @@ from jausml.cli.live.recordings import (
     stopped_by_signals,
     transport_settings,
 )
-from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.files import EnvironmentFault, ending_at
 from jausml.cli.shared.models import open_catalogue, optional_model_argument
 from jausml.cli.shared.options import (
     FiniteRange,
@@ -289,10 +289,8 @@ def _opened(
     else:
         stack.callback(_show_lost, capture)
         return capture.frames(), f"recording what passes {settings.interface}"
-    try:
+    with ending_at(TrafficError):
         return _heard(stack.enter_context(MulticastListener(settings))), what
-    except TrafficError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def _show_lost(capture: InterfaceCapture) -> None:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
-from jausml.cli.shared.files import STDIN, EnvironmentFault, reason_of, shown_path
+from jausml.cli.shared.files import STDIN, EnvironmentFault, ending_at, reason_of, shown_path
 from jausml.cli.shared.terminal import Progress, step
 
 if TYPE_CHECKING:
@@ -28,10 +28,8 @@ def transport_settings(interface: str, port: int, multicast_group: str) -> Trans
     """Returns where JAUS is listened to."""
     from jausml.runtime.base.settings import TransportSettings
 
-    try:
+    with ending_at(ValueError, kind=click.UsageError):
         return TransportSettings(interface=interface, port=port, multicast_group=multicast_group)
-    except ValueError as error:
-        raise click.UsageError(str(error)) from error
 
 
 @contextmanager

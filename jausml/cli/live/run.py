@@ -195,9 +195,7 @@ def _entries(folder: Path) -> list[Mapping[str, Any]]:
     if manifest.problem:
         raise EnvironmentFault(f"{folder}: {manifest.problem}; generate it again")
     lists = [known.get("processes") for known in manifest.models.values()]
-    entries = [
-        entry for process_list in lists if isinstance(process_list, list) for entry in process_list
-    ]
+    entries = [entry for listed in lists if isinstance(listed, list) for entry in listed]
     if not any(isinstance(process_list, list) for process_list in lists) or not all(
         map(_is_entry, entries)
     ):
@@ -325,10 +323,8 @@ def _with_frequency(
     # A number without a point is an integer to ROS, which the parameter is not.
     said = (_ROS_ARGUMENTS, "-p", f"frequency:={frequency!r}")
     return [
-        replace(passed_arguments, ros=(*said, *passed_arguments.ros))
-        if entry["kind"] == "bridge"
-        else passed_arguments
-        for entry, passed_arguments in zip(entries, passed, strict=True)
+        replace(arguments, ros=(*said, *arguments.ros)) if entry["kind"] == "bridge" else arguments
+        for entry, arguments in zip(entries, passed, strict=True)
     ]
 
 

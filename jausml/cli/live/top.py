@@ -32,16 +32,10 @@ if TYPE_CHECKING:
     "--json", "as_json", is_flag=True, help="Print one JSON object per line, every --interval."
 )
 @click.option(
-    "--interval",
-    type=FiniteRange(0.1, 3600),
-    default=1.0,
-    help="Seconds between updates.",
+    "--interval", type=FiniteRange(0.1, 3600), default=1.0, help="Seconds between updates."
 )
 @click.option(
-    "--duration",
-    type=FiniteRange(0.1, 3600),
-    default=5.0,
-    help="Seconds to listen with --once.",
+    "--duration", type=FiniteRange(0.1, 3600), default=5.0, help="Seconds to listen with --once."
 )
 @network_options
 @transport_options
@@ -180,10 +174,7 @@ def _print_each(monitor: Monitor, interval: float) -> None:
 
 
 def _show(
-    monitor: Monitor,
-    operator: Operator | None,
-    ros: RosDiagnostics | None,
-    interval: float,
+    monitor: Monitor, operator: Operator | None, ros: RosDiagnostics | None, interval: float
 ) -> None:
     from jausml.live.systems.inspection import Inspection
     from jausml.live.systems.terminal import SystemView

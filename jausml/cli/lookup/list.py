@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from operator import itemgetter
 from typing import Any
 
 import click
@@ -11,6 +12,9 @@ import click
 from jausml.cli.shared.files import in_columns, line_format_option, to_json, write
 from jausml.cli.shared.models import model_option
 from jausml.cli.shared.names import completing
+
+Columns = Mapping[str, Callable[[dict[str, Any]], str]]
+"""What stands in the columns of a table, by their heads."""
 
 
 @click.group("list")
@@ -38,12 +42,13 @@ def services(set_name: str | None, output_format: str, models: tuple[str, ...]) 
         if not entries:
             sets = ", ".join(known_sets)
             raise click.UsageError(f"no service set {set_name!a}, there are: {sets}")
-    if output_format == "json":
-        _write_json(entries)
-        return
-    columns = ("service", "version", "set", "inherits")
-    rows = (tuple(service[column] or "" for column in columns) for service in entries)
-    _table(("SERVICE", "VERSION", "SET", "INHERITS"), rows)
+    columns: Columns = {
+        "SERVICE": itemgetter("service"),
+        "VERSION": itemgetter("version"),
+        "SET": itemgetter("set"),
+        "INHERITS": lambda service: service["inherits"] or "",
+    }
+    _write(entries, output_format, columns)
 
 
 @command.command("messages")
@@ -62,20 +67,13 @@ def messages(service: str | None, output_format: str, models: tuple[str, ...]) -
     """
     from jausml.cli.lookup import listed
 
-    entries = listed.messages(models, service)
-    if output_format == "json":
-        _write_json(entries)
-        return
-    rows = (
-        (
-            entry["code"],
-            entry["message"],
-            "command" if entry["command"] else "",
-            _shortened(entry["services"]),
-        )
-        for entry in entries
-    )
-    _table(("CODE", "MESSAGE", "", "SERVICE"), rows)
+    columns: Columns = {
+        "CODE": itemgetter("code"),
+        "MESSAGE": itemgetter("message"),
+        "": lambda entry: "command" if entry["command"] else "",
+        "SERVICE": lambda entry: _shortened(entry["services"]),
+    }
+    _write(listed.messages(models, service), output_format, columns)
 
 
 def _shortened(services: Sequence[str]) -> str:
@@ -114,20 +112,14 @@ def maps(
         entries = _chosen(entries, wanted, _types, "ROS type")
     if message_name is not None:
         entries = _chosen(entries, message_name, _reports, "JAUS message")
-    if output_format == "json":
-        _write_json(entries)
-        return
-    rows = (
-        (
-            entry["map"],
-            entry["message"],
-            entry["type"],
-            " and ".join(entry["directions"]),
-            entry["module"] or "",
-        )
-        for entry in entries
-    )
-    _table(("MAP", "MESSAGE", "ROS TYPE", "DIRECTIONS", "IMPORT"), rows)
+    columns: Columns = {
+        "MAP": itemgetter("map"),
+        "MESSAGE": itemgetter("message"),
+        "ROS TYPE": itemgetter("type"),
+        "DIRECTIONS": lambda entry: " and ".join(entry["directions"]),
+        "IMPORT": lambda entry: entry["module"] or "",
+    }
+    _write(entries, output_format, columns)
 
 
 def _types(map_entry: dict[str, Any]) -> list[str]:
@@ -162,13 +154,14 @@ def _chosen(
     return chosen
 
 
-def _write_json(entries: Iterable[dict[str, Any]]) -> None:
-    for entry in entries:
-        write(to_json(entry))
-
-
-def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> None:
-    for line in in_columns([head, *rows]):
+def _write(entries: Iterable[dict[str, Any]], output_format: str, columns: Columns) -> None:
+    """Writes an object of JSON for each entry, or a table with the columns of some heads."""
+    if output_format == "json":
+        lines: Iterable[str] = map(to_json, entries)
+    else:
+        cells = ([cell(entry) for cell in columns.values()] for entry in entries)
+        lines = in_columns([tuple(columns), *map(tuple, cells)])
+    for line in lines:
         write(line)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from jausml.cli.shared.files import ending_at
 from jausml.cli.shared.models import beside_library, open_catalogue
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths, module_of
@@ -84,10 +85,8 @@ def messages(models: Sequence[str], service: str | None = None) -> list[dict[str
 
 
 def _messages_of(catalogue: Catalogue, service: str) -> Sequence[MessageEntry]:
-    try:
+    with ending_at(UnknownServiceError, kind=click.UsageError):
         meant = catalogue.find_services(service)
-    except UnknownServiceError as error:
-        raise click.UsageError(str(error)) from error
     every = (
         entry
         for named_service in meant

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault, write_report, writing
+from jausml.cli.shared.files import EnvironmentFault, ending_at, write_report, writing
 from jausml.cli.shared.models import checked, fail, model_argument, reading_options, show_findings
 from jausml.cli.shared.options import format_option
 from jausml.cli.shared.terminal import step
@@ -101,9 +101,7 @@ def _readable(path: str, reading: Reading) -> Report:
 def _errors(report: Report) -> list[Diagnostic]:
     from jausml.language.model import Severity
 
-    return [
-        diagnostic for diagnostic in report.diagnostics if diagnostic.severity is Severity.ERROR
-    ]
+    return [error for error in report.diagnostics if error.severity is Severity.ERROR]
 
 
 def _evidence(
@@ -135,10 +133,8 @@ def _case(report: Report, evidence: Sequence[Evidence]) -> SafetyCase:
             tests = [] if report.has_errors else generated_tests(report.model)
     except GenerationError:
         tests = []
-    try:
+    with ending_at(EvidenceError):
         return safety_case(report, evidence, tests)
-    except EvidenceError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def _former(folder: Path) -> Former:
@@ -161,11 +157,8 @@ def _drawn(case: SafetyCase) -> dict[str, str]:
     from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
 
-    try:
-        with step("drawing"):
-            drawings = pictures(case, Graphviz())
-    except LayoutError as error:
-        raise EnvironmentFault(str(error)) from error
+    with ending_at(LayoutError), step("drawing"):
+        drawings = pictures(case, Graphviz())
     return {_DOCUMENT: render(case, drawings)} | {f"{name}.svg": e for name, e in drawings.items()}
 
 

@@ -53,13 +53,7 @@ _XMI, _TEXT = SUFFIXES
 @bridge_options
 @frequency_option
 @quiet_option("Print no summary.")
-def command(
-    source: str,
-    target: str,
-    force: bool,
-    reading: Reading,
-    quiet: bool,
-) -> None:
+def command(source: str, target: str, force: bool, reading: Reading, quiet: bool) -> None:
     """Write a model in another notation: XMI as ros2jaus text, or text as XMI.
 
     The endings .xmi and .ros2jaus determine the notation. The new file has exactly the same content

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, find_files, write_report
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, ending_at, find_files, write_report
 from jausml.cli.shared.models import SUFFIXES, read, reading_options, valid_model
 from jausml.cli.shared.options import format_option
 from jausml.cli.shared.revisions import check_out, is_revision
@@ -242,9 +242,7 @@ def _warn(name: str, result: ReadResult) -> None:
     """Tells the first error of a state, and how many more there are."""
     from jausml.language.model.diagnostics import Severity
 
-    errors = [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
-    ]
+    errors = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     if not errors:
         return
     first = errors[0]
@@ -318,10 +316,8 @@ def _diagram(comparison: _Comparison, view: str, output_format: str) -> str:
         summary = _summary(comparison.changes)
         click.echo(f"note: nothing changed in {view}; {summary} elsewhere", err=True)
     render = svg.render if output_format == "svg" else html.render
-    try:
+    with ending_at(LayoutError):
         return render(graph, Graphviz())
-    except LayoutError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def _line(change: Change) -> str:

@@ -94,9 +94,7 @@ def jsidl(
     report = findings_of(result)
     _show(report, output_format, quiet=quiet)
     if len(result.sets) > 1 and (name or set_version):
-        names = ", ".join(
-            f"{service_set.name} {service_set.version}" for service_set in result.sets
-        )
+        names = ", ".join(f"{services.name} {services.version}" for services in result.sets)
         raise click.UsageError(f"--name and --set-version name one set, here are several: {names}")
     if output is not None:
         if _is_folder(output):

@@ -8,14 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, write_report
-from jausml.cli.shared.models import (
-    bridge_options,
-    checked,
-    fail,
-    model_argument,
-    reading_options,
-)
+from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, ending_at, write_report
+from jausml.cli.shared.models import bridge_options, checked, fail, model_argument, reading_options
 from jausml.cli.shared.options import REPORT_FORMATS, format_option, quiet_option
 from jausml.cli.shared.terminal import painted_findings, remark, step, verbosity
 
@@ -49,9 +43,7 @@ class WholeLibraryOption(click.Option):
         targets = _installed().values()
         able = ((target.name, target.whole_library) for target in targets)
         texts = "; ".join(
-            f"with --target {name} {whole_library.help}"
-            for name, whole_library in able
-            if whole_library
+            f"with --target {name} {library.help}" for name, library in able if library
         )
         self.help = f"Describe more: {texts}."
         return super().get_help_record(ctx)
@@ -66,12 +58,7 @@ class WholeLibraryOption(click.Option):
     help="Output folder; by default <name of the model file>_ws/src, a colcon workspace.",
 )
 @click.option("--target", "names", multiple=True, metavar="NAME", help="Generate only this target.")
-@click.option(
-    "--all",
-    "whole_library",
-    is_flag=True,
-    cls=WholeLibraryOption,
-)
+@click.option("--all", "whole_library", is_flag=True, cls=WholeLibraryOption)
 @click.option(
     "--check",
     is_flag=True,
@@ -222,20 +209,16 @@ def _selected(names: tuple[str, ...], *, whole_library: bool) -> Selection:
     from jausml.generation.errors import SelectionError
     from jausml.generation.workspace import select
 
-    try:
+    with ending_at(SelectionError, kind=click.UsageError):
         return select(_installed(), names, whole_library=whole_library)
-    except SelectionError as error:
-        raise click.UsageError(str(error)) from error
 
 
 def _installed() -> dict[str, Target[Any]]:
     from jausml.generation.errors import GenerationError
     from jausml.generation.target import load_targets
 
-    try:
+    with ending_at(GenerationError):
         return load_targets()
-    except GenerationError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def _generated(model: Model, selection: Selection, folder: Path, **options: Any) -> Result:

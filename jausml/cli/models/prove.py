@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault, finite, made_folder, write_report
+from jausml.cli.shared.files import (
+    PROBLEMS,
+    EnvironmentFault,
+    ending_at,
+    finite,
+    made_folder,
+    write_report,
+)
 from jausml.cli.shared.models import (
     checked,
     fail,
@@ -112,11 +119,9 @@ def _proved(model: Model, trips: Sequence[RoundTrip], settings: Settings) -> lis
     from jausml.live.workers.pool_processes import PoolError
     from jausml.proving.running import program, prove_all
 
-    try:
+    with ending_at(PoolError, UnwritableError):
         settings = replace(settings, program=program())
         return gathered("proving", len(trips), prove_all(model, trips, settings))
-    except (PoolError, UnwritableError) as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def _write_pages(results: Sequence[MapResult], judged: Report, folder: Path) -> None:
@@ -262,10 +267,8 @@ def _document(model: Model) -> OneDocument:
     from jausml.language.model.xmi.printing import UnwritableError
     from jausml.language.project import one_document
 
-    try:
+    with ending_at(UnwritableError):
         return one_document(model)
-    except UnwritableError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def _run(
@@ -275,10 +278,8 @@ def _run(
     from jausml.live.workers.pool_processes import PoolError
     from jausml.mutating.running import CampaignError, outcomes
 
-    try:
+    with ending_at(CampaignError, PoolError):
         trials = gathered("mutating", len(chosen), outcomes(document, chosen, settings))
-    except (CampaignError, PoolError) as error:
-        raise EnvironmentFault(str(error)) from error
     campaign.remarks = list(dict.fromkeys(remark for trial in trials for remark in trial.remarks))
     campaign.outcomes = [trial.outcome for trial in trials if trial.outcome is not None]
 

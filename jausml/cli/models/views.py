@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from jausml.cli.shared.files import EnvironmentFault, write_report
+from jausml.cli.shared.files import EnvironmentFault, ending_at, write_report
 from jausml.cli.shared.models import (
     checked,
     fail,
@@ -109,7 +109,7 @@ def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
             return render_mermaid(graph)
         case ".dot":
             return render_dot(graph)
-    try:
+    with ending_at(LayoutError):
         match suffix:
             case ".png":
                 return svg.render_png(graph, Graphviz(), theme)
@@ -117,8 +117,6 @@ def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
                 return html.render(graph, Graphviz(), theme)
             case _:
                 return svg.render(graph, Graphviz(), theme)
-    except LayoutError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 Number = TypeVar("Number", int, float)
@@ -151,11 +149,7 @@ def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     def with_assumptions(
         *arguments: object, rates: tuple[str, ...], lengths: tuple[str, ...], **others: object
     ) -> None:
-        from jausml.views.analysis.sizes import (
-            DEFAULT_LENGTH,
-            DEFAULT_RATE,
-            Assumptions,
-        )
+        from jausml.views.analysis.sizes import DEFAULT_LENGTH, DEFAULT_RATE, Assumptions
 
         hertz = _named(rates, _rate)
         elements = _named(lengths, _length)

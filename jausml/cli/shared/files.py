@@ -31,14 +31,23 @@ class EnvironmentFault(click.ClickException):
     exit_code = 2
 
 
+@contextmanager
+def ending_at(
+    *kinds: type[Exception], kind: type[click.ClickException] = EnvironmentFault
+) -> Iterator[None]:
+    """Ends the verb at an error of some kinds, which its text tells; it is one of `kind` then."""
+    try:
+        yield
+    except kinds as error:
+        raise kind(str(error)) from error
+
+
 def find_files(paths: Iterable[str], suffixes: tuple[str, ...]) -> list[str]:
     """Returns files as they are, and the files with certain endings below folders."""
     from jausml.language.model import project
 
-    try:
+    with ending_at(project.InputError):
         return project.find_files(paths, suffixes)
-    except project.InputError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 @contextmanager

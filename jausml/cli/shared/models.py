@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
+from jausml.cli.shared.files import PROBLEMS, ending_at
 from jausml.cli.shared.options import FiniteRange, refuse_options
 from jausml.cli.shared.terminal import painted_findings, step, warn
 
@@ -36,8 +36,9 @@ model_option = click.option(
 
 def model_argument(command: Callable[..., None]) -> Callable[..., None]:
     """Adds MODEL, by default the one in the project of the current folder that has a system."""
+    callback = or_only_system("MODEL")
     return click.argument(
-        "model", metavar="[MODEL]", required=False, default="", callback=_or_only_system
+        "model", metavar="[MODEL]", required=False, default="", callback=callback
     )(command)
 
 
@@ -48,10 +49,6 @@ def optional_model_argument(command: Callable[..., None]) -> Callable[..., None]
     )(command)
 
 
-def _or_only_system(_: click.Context, __: click.Parameter, value: str) -> str:
-    return value or only_system("MODEL")
-
-
 def _or_system_of_project(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
     from jausml.language.project import Index
 
@@ -60,6 +57,11 @@ def _or_system_of_project(_: click.Context, __: click.Parameter, value: str | No
         return value
     with _usable_input():
         return from_here(index.only_system())
+
+
+def or_only_system(argument: str) -> Callable[..., str]:
+    """Returns what takes the value of an argument, and without one the only system that is here."""
+    return lambda _context, _parameter, value: value or only_system(argument)
 
 
 def only_system(argument: str) -> str:
@@ -75,11 +77,9 @@ def only_system(argument: str) -> str:
 
 def models_argument(command: Callable[..., None]) -> Callable[..., None]:
     """Adds PATH..., by default the project of the current folder."""
-    return click.argument("paths", nargs=-1, metavar="[PATH]...", callback=_or_project)(command)
-
-
-def _or_project(_: click.Context, __: click.Parameter, values: tuple[str, ...]) -> tuple[str, ...]:
-    return values or (project(),)
+    return click.argument(
+        "paths", nargs=-1, metavar="[PATH]...", callback=lambda _, __, paths: paths or (project(),)
+    )(command)
 
 
 def project() -> str:
@@ -205,10 +205,8 @@ def _usable_input() -> Iterator[None]:
     """Ends the verb where what it was given cannot be used."""
     from jausml.language.model.project import InputError
 
-    try:
+    with ending_at(InputError):
         yield
-    except InputError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def checked(
@@ -235,12 +233,7 @@ def read(
         return read_project(paths, reading, is_one=is_one)
 
 
-def valid_model(
-    path: str,
-    reading: Reading | None = None,
-    *,
-    outcome: str = "",
-) -> Model:
+def valid_model(path: str, reading: Reading | None = None, *, outcome: str = "") -> Model:
     """Returns a model without errors; any other ends the verb, with its findings on stderr.
 
     `outcome`: what stands behind the summary, such as `nothing generated`.
@@ -258,10 +251,8 @@ def valid_system(path: str, reading: Reading) -> tuple[Model, System]:
     from jausml.generation.target import system_of
 
     model = valid_model(path, reading)
-    try:
+    with ending_at(NoSystemError):
         return model, system_of(model)
-    except NoSystemError as error:
-        raise EnvironmentFault(str(error)) from error
 
 
 def readable_model(
@@ -272,9 +263,7 @@ def readable_model(
     from jausml.language.validation.formats.text import one_line
 
     result = read(paths, reading, is_one=is_one)
-    errors = [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
-    ]
+    errors = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     if errors:
         raise ModelFault("\n".join(one_line(f"{e.location}: {e.rule} {e.message}") for e in errors))
     return result.model

@@ -88,11 +88,7 @@ def refuse_options(reason: str, *names: str) -> None:
 def format_option(text: str, formats: tuple[str, ...] = TEXT_OR_JSON) -> Decorator:
     """Returns `--format`; the verb takes it as `output_format`."""
     return click.option(
-        "--format",
-        "output_format",
-        type=click.Choice(formats),
-        default=formats[0],
-        help=text,
+        "--format", "output_format", type=click.Choice(formats), default=formats[0], help=text
     )
 
 
@@ -106,11 +102,13 @@ jobs_option = click.option(
 
 def quiet_option(text: str) -> Decorator:
     """Returns `--quiet` of a verb, which is that in front of the verb too; taken as `quiet`."""
-    return click.option("-q", "--quiet", is_flag=True, callback=_quiet, help=text)
-
-
-def _quiet(_context: click.Context, _parameter: click.Parameter, value: bool) -> bool:
-    return value or verbosity().quiet
+    return click.option(
+        "-q",
+        "--quiet",
+        is_flag=True,
+        help=text,
+        callback=lambda _, __, value: value or verbosity().quiet,
+    )
 
 
 def _network_option(word: str, parameter: str, text: str, **attributes: Any) -> OptionMaker:

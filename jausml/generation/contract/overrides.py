@@ -209,11 +209,7 @@ def _successor(
 
 
 def _renaming(
-    file: File,
-    user: SourceClass,
-    definition: Definition,
-    name: str,
-    successor: MethodContract,
+    file: File, user: SourceClass, definition: Definition, name: str, successor: MethodContract
 ) -> tuple[Edit, ...]:
     """Returns the edits that rename a method, where all that has its name in the file is it."""
     function = definition.function

@@ -24,10 +24,7 @@ _KNOWN_BASES = {
     ("abc", "ABC"): object,
     ("typing", "Generic"): object,
     ("typing", "Protocol"): object,
-    **{
-        ("enum", class_name): getattr(enum, class_name)
-        for class_name in ("Enum", "Flag", "IntEnum", "IntFlag")
-    },
+    **{("enum", name): getattr(enum, name) for name in ("Enum", "Flag", "IntEnum", "IntFlag")},
 }
 """Classes of the standard library that generated classes derive from: their attributes count."""
 _SETTERS = ("setattr", "__setattr__", "vars")

@@ -158,12 +158,7 @@ class _Reader:
     """Looks at one node where it stands."""
 
     def __init__(
-        self,
-        file: File,
-        names: Names,
-        around: Surroundings,
-        imports: Imports,
-        place: Place,
+        self, file: File, names: Names, around: Surroundings, imports: Imports, place: Place
     ) -> None:
         self._file = file
         self._look_up = names.in_scope(place.scope)

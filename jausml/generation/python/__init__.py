@@ -12,12 +12,4 @@ from jausml.generation.python.modules import (
     statements,
 )
 
-__all__ = [
-    "Imports",
-    "Modules",
-    "Origin",
-    "UnknownNameError",
-    "layout",
-    "offered",
-    "statements",
-]
+__all__ = ["Imports", "Modules", "Origin", "UnknownNameError", "layout", "offered", "statements"]

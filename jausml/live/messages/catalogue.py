@@ -77,9 +77,7 @@ def _library_catalogue() -> Catalogue:
 
 
 def _catalogue_of(result: ReadResult) -> Catalogue:
-    errors = [
-        diagnostic for diagnostic in result.diagnostics if diagnostic.severity is Severity.ERROR
-    ]
+    errors = [error for error in result.diagnostics if error.severity is Severity.ERROR]
     if errors:
         raise CatalogueError("\n".join(f"{e.location}: {e.rule} {e.message}" for e in errors))
     return Catalogue(result.model)

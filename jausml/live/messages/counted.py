@@ -173,9 +173,7 @@ def variable_of(kind: wire.VariableNumber) -> Codec:
     It also takes `{UNIT: value}` and `"value UNIT"`, where the unit tells the index.
     """
     kinds_by_index = kind.by_index.items()
-    numbers = {
-        index: Named("value", single(item_of(number_kind))) for index, number_kind in kinds_by_index
-    }
+    numbers = {index: Named("value", single(item_of(number))) for index, number in kinds_by_index}
     known = f"known are {', '.join(map(str, numbers))}"
 
     def read(buffer: bytes, offset: int) -> tuple[dict[str, Any], int]:

@@ -314,9 +314,7 @@ def in_words(kind: wire.Kind) -> str:  # noqa: C901 - a branch for each kind
         case wire.FormattedOctets():
             return f"an object of format and hex; format is {formats_in_words(kind)}"
         case wire.VariableNumber():
-            types = (
-                f"{index} ({in_words(number_kind)})" for index, number_kind in kind.by_index.items()
-            )
+            types = (f"{index} ({in_words(number)})" for index, number in kind.by_index.items())
             return f"an object of index and value; index is {', '.join(types)}"
         case wire.Record():
             names = [member.name for member in kind.members]

@@ -67,12 +67,7 @@ class Spread:
 
     def milliseconds(self) -> dict[str, float]:
         """Returns the figures by name, in milliseconds with three digits."""
-        named = {
-            "min": self.least,
-            "median": self.median,
-            "p99": self.p99,
-            "max": self.greatest,
-        }
+        named = {"min": self.least, "median": self.median, "p99": self.p99, "max": self.greatest}
         return {name: round(value * 1e3, 3) for name, value in named.items()}
 
 

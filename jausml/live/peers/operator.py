@@ -16,13 +16,7 @@ from jausml.live.peers.discovery import POLL, controller_of
 from jausml.live.peers.heard import Heard
 from jausml.live.peers.query_client import NoAnswer, Refused, status_of
 from jausml.live.peers.watching import AnsweringClient, ListingClient, WatchingClient
-from jausml.runtime import (
-    ComponentSettings,
-    ControlState,
-    HandoffDecision,
-    JausComponent,
-    Scope,
-)
+from jausml.runtime import ComponentSettings, ControlState, HandoffDecision, JausComponent, Scope
 from jausml.runtime import messages as core_messages
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.services.definitions import CORE, ServiceIdentity, Status
@@ -88,10 +82,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
     # ---- control ----------------------------------------------------------------------------
 
     def control(
-        self,
-        target: JausAddress,
-        authority: int,
-        on_change: Callable[[str], None] | None = None,
+        self, target: JausAddress, authority: int, on_change: Callable[[str], None] | None = None
     ) -> Hold:
         """Takes control and keeps it until `release`."""
         self._forget(target)

@@ -208,10 +208,7 @@ def _rejected(
 
 
 def _unanswered(
-    operator: Operator,
-    target: JausAddress,
-    entry: MessageEntry,
-    answers: tuple[MessageEntry, ...],
+    operator: Operator, target: JausAddress, entry: MessageEntry, answers: tuple[MessageEntry, ...]
 ) -> Exception:
     """Returns the error of a command that stays unanswered: why it may have no effect."""
     reason = operator.why_ignored(target)

@@ -130,10 +130,7 @@ class AnsweringClient(QueryClient):
     """Answers others, beside asking them."""
 
     def provide(
-        self,
-        query: MessageEntry,
-        report: MessageEntry,
-        give: Callable[[], dict[str, Any] | None],
+        self, query: MessageEntry, report: MessageEntry, give: Callable[[], dict[str, Any] | None]
     ) -> None:
         """Answers a query, and events on it.
 

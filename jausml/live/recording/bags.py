@@ -235,9 +235,7 @@ def _stated_files(folder: Path) -> _Files:
 
     try:
         stated = yaml.safe_load(read_text(folder / _METADATA))["rosbag2_bagfile_information"]
-        paths = [
-            folder / PurePath(relative_path).name for relative_path in stated["relative_file_paths"]
-        ]
+        paths = [folder / PurePath(path).name for path in stated["relative_file_paths"]]
         compression = str(stated.get("compression_mode") or "none").lower()
         files = _Files(paths, compression, int(stated["message_count"]))
     except (AttributeError, LookupError, TypeError, ValueError, yaml.YAMLError) as error:

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from mcap.records import Channel, Message, Schema
-    from mcap.writer import Writer
     from typing_extensions import Self
 
     from jausml.live.messages import MessageEntry
@@ -135,8 +134,8 @@ class McapFile:
         self._stream = stream
         self._writer = Writer(stream, compression=CompressionType[compression.upper()])
         self._writer.start("" if has_jaus else ROS_PROFILE, f"{LIBRARY}{__version__}")
-        self._schemas: dict[tuple[str, str], int] = {}
-        self._channels: dict[tuple[str, int], int] = {}
+        self._schemas: dict[tuple[str, str, bytes], int] = {}
+        self._channels: dict[tuple[object, ...], int] = {}
         self._of_jaus: dict[tuple[str, MessageEntry], int] = {}  # a schema takes long to make
 
     def __enter__(self) -> Self:
@@ -168,14 +167,14 @@ class McapFile:
         Args:
             offer: What rosbag2 notes of the publishers of a topic: their quality of service.
         """
-        schema = self._schema(type_name, "ros2msg", definition)
+        schema = self._schema(type_name, "ros2msg", definition.encode())
         return self._channel(topic, schema, CDR, offer or {})
 
     def jaus_channel(self, source: str, entry: MessageEntry) -> int:
         """Returns the channel of a JAUS message of one component."""
         key = (source, entry)
         if key not in self._of_jaus:
-            text = json.dumps(schema_of(entry))
+            text = json.dumps(schema_of(entry)).encode()
             schema = self._schema(f"jaus.{entry.name}.{entry.code_text}", "jsonschema", text)
             self._of_jaus[key] = self._channel(f"/jaus/{source}/{entry.name}", schema, "json", {})
         return self._of_jaus[key]
@@ -193,14 +192,22 @@ class McapFile:
             text = json.dumps(json.loads(json.dumps(value), parse_constant=lambda _: None))
         self.write(channel, time, text.encode())
 
-    def _schema(self, name: str, encoding: str, text: str) -> int:
-        key = (name, text)
+    def copy(self, schema: Schema | None, channel: Channel, message: Message) -> None:
+        """Writes a message of another file."""
+        kind = 0 if schema is None else self._schema(schema.name, schema.encoding, schema.data)
+        own = self._channel(channel.topic, kind, channel.message_encoding, channel.metadata)
+        times = (message.log_time, message.data, message.publish_time, message.sequence)
+        self._writer.add_message(own, *times)
+        self.count += 1
+
+    def _schema(self, name: str, encoding: str, definition: bytes) -> int:
+        key = (name, encoding, definition)
         if key not in self._schemas:
-            self._schemas[key] = self._writer.register_schema(name, encoding, text.encode())
+            self._schemas[key] = self._writer.register_schema(*key)
         return self._schemas[key]
 
     def _channel(self, topic: str, schema: int, encoding: str, metadata: Mapping[str, str]) -> int:
-        key = (topic, schema)
+        key = (topic, schema, encoding, tuple(metadata.items()))
         if key not in self._channels:
             channel_id = self._writer.register_channel(topic, encoding, schema, dict(metadata))
             self._channels[key] = channel_id
@@ -209,36 +216,9 @@ class McapFile:
 
 def copied(messages: Iterable[Found], stream: BinaryIO, *, ros_only: bool) -> int:
     """Writes messages into a file with an index; returns how many."""
-    from mcap.writer import Writer  # noqa: PLC0415 - an extra
-
-    writer = Writer(stream)
-    writer.start(ROS_PROFILE if ros_only else "", f"{LIBRARY}{__version__}")
-    channels: dict[int, int] = {}
-    schemas: dict[int, int] = {}
-    count = 0
-    for schema, channel, message in messages:
-        if ros_only and channel.message_encoding != CDR:
-            continue
-        if channel.id not in channels:
-            channels[channel.id] = _channel(writer, schema, channel, schemas)
-        own = channels[channel.id]
-        times = (message.log_time, message.data, message.publish_time, message.sequence)
-        writer.add_message(own, *times)
-        count += 1
-    writer.finish()  # type: ignore[no-untyped-call]
-    return count
-
-
-def _channel(
-    writer: Writer, schema: Schema | None, channel: Channel, schemas: dict[int, int]
-) -> int:
-    """Returns the channel of what is written for one that was read."""
-    number = 0
-    if schema is not None:
-        if schema.id not in schemas:
-            schema_id = writer.register_schema(schema.name, schema.encoding, schema.data)
-            schemas[schema.id] = schema_id
-        number = schemas[schema.id]
-    return writer.register_channel(
-        channel.topic, channel.message_encoding, number, channel.metadata
-    )
+    file = McapFile(stream, has_jaus=not ros_only)
+    for message in messages:
+        if not ros_only or message[1].message_encoding == CDR:
+            file.copy(*message)
+    file.close()
+    return file.count

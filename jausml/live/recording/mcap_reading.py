@@ -17,14 +17,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from jausml.language.model.inputs import open_input
 from jausml.live.recording.mcap_files import LIBRARY, NANO, WHOLE, RecordingError, TimeSpan
-from jausml.live.recording.mcap_records import (
-    FOOTER,
-    HEAD,
-    MAGIC,
-    Opcode,
-    heads,
-    records_of_chunk,
-)
+from jausml.live.recording.mcap_records import FOOTER, HEAD, MAGIC, Opcode, heads, records_of_chunk
 from jausml.live.recording.unpacking import MOST_UNPACKED, DamageError
 
 if TYPE_CHECKING:

@@ -232,9 +232,7 @@ def _seen_calls(owner: bridge.Bridge) -> Iterator[str]:
             yield _full(owner, call.service) + CALLS
     for action in owner.actionConnections:
         if action.action is not None:
-            yield from (
-                _full(owner, action.action) + action_topic for action_topic in ACTION_TOPICS
-            )
+            yield from (_full(owner, action.action) + topic for topic in ACTION_TOPICS)
 
 
 def _full(owner: bridge.Bridge, name: str) -> str:

@@ -143,9 +143,7 @@ def modelled_definition(kind: ros.MessageType) -> str:
             field.messageType for field in ros_type.fields if isinstance(field, ros.MessageField)
         ]
         known.update((_short(message_type), message_type) for message_type in inner)
-        return "\n".join(section_of(ros_type).lines), [
-            _short(message_type) for message_type in inner
-        ]
+        return "\n".join(section_of(ros_type).lines), [_short(kind) for kind in inner]
 
     return _joined(_short(kind), part)
 

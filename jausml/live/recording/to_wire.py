@@ -130,15 +130,13 @@ def _quieted(owner: bridge.Bridge, *, allow_commands: bool) -> list[str]:
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
     commands = []
-    for bridge_connection in list(owner.bridgeConnections):
-        is_spoken = bridge_connection.direction.name == TO_JAUS
-        is_command = is_spoken and bridge_connection.exchange.name == MESSAGE
+    for connection in list(owner.bridgeConnections):
+        is_spoken = connection.direction.name == TO_JAUS
+        is_command = is_spoken and connection.exchange.name == MESSAGE
         if is_command:
-            commands.append(
-                f"{owner.name}.{bridge_connection.name} ({bridge_connection.map.message.name})"
-            )
+            commands.append(f"{owner.name}.{connection.name} ({connection.map.message.name})")
         if not is_spoken or (is_command and not allow_commands):
-            editable.bridgeConnections.remove(bridge_connection)
+            editable.bridgeConnections.remove(connection)
     return commands
 
 
@@ -172,11 +170,8 @@ class WireReplay:
         self.undefined: Counter[str] = Counter()
         self.connections: dict[str, dict[str, Any]] = {}
         if not speakers.bridges:
-            hint = (
-                "; --allow-commands sends " + ", ".join(speakers.commands)
-                if speakers.commands
-                else ""
-            )
+            names = ", ".join(speakers.commands)
+            hint = f"; --allow-commands sends {names}" if names else ""
             raise RecordingError(f"no bridge of the model has reports to give{hint}")
         self._topics, self._types = frozenset(speakers.topics), RecordedTypes(speakers.topics)
         self._worker = Worker(bridge_code(speakers.model), _WORKER)

@@ -252,12 +252,10 @@ def _of_maps(model: Model) -> Model:
     """Makes a model with a bridge that has a connection for each map to ROS."""
     libraries = [root for root in model.documents[0].roots if isinstance(root, bridge.MapLibrary)]
     maps = {
-        str(attribute_map.name): (attribute_map, True)
+        str(mapping.name): (mapping, True)
         for library in libraries
-        for attribute_map in library.maps
-        if attribute_map.toRos
-        and attribute_map.message is not None
-        and attribute_map.type is not None
+        for mapping in library.maps
+        if mapping.toRos and mapping.message is not None and mapping.type is not None
     }
     return bridge_of_maps(model.metamodels, "maps", maps)
 
@@ -272,19 +270,12 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
     editable.serviceConnections.clear()
     editable.actionConnections.clear()
     make = Maker(model.metamodels)
-    kept = [
-        bridge_connection
-        for bridge_connection in owner.bridgeConnections
-        if _is_to_ros(bridge_connection)
-    ]
-    others = [
-        bridge_connection
-        for bridge_connection in owner.bridgeConnections
-        if not _is_to_ros(bridge_connection)
-    ]
-    used = {connection.map for connection in kept}
+    own = list(owner.bridgeConnections)
+    used = {connection.map for connection in own if connection.direction.name == TO_ROS}
     senders_by_connection = {}
-    for other in others:
+    for other in own:
+        if other.direction.name == TO_ROS:
+            continue
         editable.bridgeConnections.remove(other)
         if other.map not in used and other.map.toRos:
             used.add(other.map)
@@ -296,10 +287,6 @@ def _turn(model: Model, owner: bridge.Bridge) -> dict[bridge.Connection, Address
             make.link(owner, "bridgeConnections", turned)
             senders_by_connection[turned] = frozenset({str(owner.address)})
     return senders_by_connection
-
-
-def _is_to_ros(connection: bridge.Connection) -> bool:
-    return bool(connection.direction.name == TO_ROS)
 
 
 def _routes(view: BridgeView, sent: dict[bridge.Connection, Addresses]) -> Iterator[Route]:
@@ -327,11 +314,9 @@ def _joins(
     connection: bridge.Connection, translated: Sequence[TranslatedJoin]
 ) -> Iterator[RouteJoin]:
     parameters = {join.join: join for join in translated}
-    for joined_report in joined_reports(connection):
-        named = joined_report.source.peers if joined_report.source is not None else ()
-        yield RouteJoin(
-            parameters[joined_report.join], code(joined_report.join.message), _addresses(named)
-        )
+    for report in joined_reports(connection):
+        named = report.source.peers if report.source is not None else ()
+        yield RouteJoin(parameters[report.join], code(report.join.message), _addresses(named))
 
 
 def _addresses(peers: Iterable[jaus.Component]) -> Addresses:

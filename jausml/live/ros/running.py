@@ -92,19 +92,12 @@ def _graph(node: Any) -> RunningGraph:
         if name not in _OF_ROS and "/_" not in name
     )
     services, actions = _calls(node)
-    nodes = (
-        _full(*node_names_and_namespace)
-        for node_names_and_namespace in node.get_node_names_and_namespaces()
-    )
+    nodes = (_full(*namespace) for namespace in node.get_node_names_and_namespaces())
     return RunningGraph(
         tuple(sorted(topic for topic in topics if topic.publishers or topic.subscriptions)),
         services,
         actions,
-        tuple(
-            sorted(
-                node_name for node_name in nodes if not node_name.endswith(f"/{node.get_name()}")
-            )
-        ),
+        tuple(sorted(other for other in nodes if not other.endswith(f"/{node.get_name()}"))),
     )
 
 

@@ -124,9 +124,7 @@ def _counters(connection: ConnectionState, risen: list[Mark], at: float) -> Iter
     if not risen:
         yield f"Up to {at:.1f} s, no counter of {name} rose while it was recorded."
         if connection.drops:
-            counts = ", ".join(
-                f"{drop_counter} {count}" for drop_counter, count in connection.drops.items()
-            )
+            counts = ", ".join(f"{counter} {count}" for counter, count in connection.drops.items())
             yield f"What it had dropped before then, the recording cannot explain: {counts}."
         return
     for mark in risen:

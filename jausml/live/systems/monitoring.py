@@ -5,11 +5,10 @@ from __future__ import annotations
 import time
 from contextlib import contextmanager
 from threading import Event, Lock, Thread
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.discovery import controller_of, type_name
+from jausml.live.peers.discovery import type_name
 from jausml.live.peers.network import component_address
-from jausml.live.peers.query_client import status_of
 from jausml.live.ros.node import RosFault
 from jausml.live.systems.folding import (
     AnswerSource,
@@ -20,7 +19,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
-from jausml.live.systems.recorded_facts import machines_of
+from jausml.live.systems.recorded_facts import control_in, machines_in, state_in, timeout_in
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.runtime.messages import (
     QueryControl,
@@ -39,7 +38,6 @@ from jausml.runtime.messages.machine_states import (
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from jausml.live.peers.discovery import KnownComponent
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.folding import DiagnosticStatus
     from jausml.live.systems.state import DeclaredConnection, SystemState
@@ -174,48 +172,48 @@ class JausObserver:
         """Tells what Discovery said of components, once."""
         for subsystem in self._operator.survey.known():
             for address, component in subsystem.components.items():
-                answer = _answer_of(component)
+                services = tuple(
+                    f"{service.urn}/{service.major}.{service.minor}"
+                    for service in component.services
+                )
+                answer = ComponentAnswer(
+                    str(address),
+                    name=component.identification or None,
+                    type=type_name(component.type) or None,
+                    services=services,
+                    source=AnswerSource.DISCOVERY,
+                )
                 if self._answers.get(address) != answer:
                     self._answers[address] = answer
                     self._known.setdefault(address)
                     self._take(answer)
 
     def _status(self, report: ReportStatus, sender: JausAddress) -> None:
-        state = status_of(report)
-        name = state.name if state is not None else f"state {report.status}"
-        self._answered(
-            sender, ComponentAnswer(str(sender), state=name, round_trip=self._trip(sender))
-        )
+        self._answered(sender, round_trip=self._trip(sender), **state_in(report))
 
     def _control(self, report: ReportControl, sender: JausAddress) -> None:
-        controller = controller_of(report) if report.subsystem_id else ""
-        answer = ComponentAnswer(
-            str(sender),
-            controller=controller,
-            authority=report.authority_code,
-            round_trip=self._trip(sender),
-        )
-        self._answered(sender, answer)
-        if controller and sender not in self._timed:
+        control = control_in(report)
+        self._answered(sender, round_trip=self._trip(sender), **control)
+        if control["controller"] and sender not in self._timed:
             self._operator.send(sender, QueryTimeout())
 
     def _timeout(self, report: ReportTimeout, sender: JausAddress) -> None:
         self._timed.add(sender)
-        self._answered(sender, ComponentAnswer(str(sender), control_timeout=int(report.timeout)))
+        self._answered(sender, **timeout_in(report))
 
     def _machines(self, report: ReportMachineStates, sender: JausAddress) -> None:
         self._untold.pop(sender, None)
-        self._answered(sender, ComponentAnswer(str(sender), machines=machines_of(report)))
+        self._answered(sender, **machines_in(report))
 
     def _trip(self, sender: JausAddress) -> float | None:
         asked = self._asked.pop(sender, None)
         return None if asked is None else time.perf_counter() - asked
 
-    def _answered(self, sender: JausAddress, answer: ComponentAnswer) -> None:
+    def _answered(self, sender: JausAddress, **fields: Any) -> None:
         if sender != self._operator.own:
             if self._failures.pop(sender, 0) >= _UNANSWERED:
                 self._forget(sender)
-            self._take(answer)
+            self._take(ComponentAnswer(str(sender), **fields))
 
     def _forget_replaced(self) -> None:
         """Forgets who was replaced without being missed, as the numbers of its packets tell."""
@@ -234,18 +232,6 @@ class JausObserver:
             str(address), services=(), machines=(), source=AnswerSource.DISCOVERY
         )
         self._take(answer)
-
-
-def _answer_of(component: KnownComponent) -> ComponentAnswer:
-    return ComponentAnswer(
-        str(component.address),
-        name=component.identification or None,
-        type=type_name(component.type) or None,
-        services=tuple(
-            f"{service.urn}/{service.major}.{service.minor}" for service in component.services
-        ),
-        source=AnswerSource.DISCOVERY,
-    )
 
 
 class Monitor:

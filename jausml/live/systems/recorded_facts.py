@@ -41,7 +41,6 @@ if TYPE_CHECKING:
 BRIDGE = "jaus state"
 """The status in which a bridge tells its own state and controller."""
 
-_NOBODY = "0.0.0"
 _ACCEPTED, _RELEASED = 0, 0
 """Response codes of ConfirmControl and RejectControl (AS5710)."""
 
@@ -62,20 +61,20 @@ def fold_fact(state: SystemState, fact: Fact) -> SystemState:
     return fold_statuses(state, fact.statuses, fact.time)
 
 
-def _status(report: ReportStatus, _: str) -> dict[str, Any]:
+def state_in(report: ReportStatus, _client: str = "") -> dict[str, Any]:
+    """Returns the state that a component reports."""
     state = status_of(report)
     return {"state": state.name if state is not None else f"state {report.status}"}
 
 
-def _control(report: ReportControl, _: str) -> dict[str, Any]:
-    controller = controller_of(report)
-    return {
-        "controller": "" if controller == _NOBODY else controller,
-        "authority": report.authority_code,
-    }
+def control_in(report: ReportControl, _client: str = "") -> dict[str, Any]:
+    """Returns who controls a component, as it reports; an empty text is nobody."""
+    controller = controller_of(report) if report.subsystem_id else ""
+    return {"controller": controller, "authority": report.authority_code}
 
 
-def _timeout(report: ReportTimeout, _: str) -> dict[str, Any]:
+def timeout_in(report: ReportTimeout, _client: str = "") -> dict[str, Any]:
+    """Returns the seconds after which control of a component lapses, as it reports."""
     return {"control_timeout": int(report.timeout)}
 
 
@@ -91,9 +90,9 @@ def _rejected(report: RejectControl, _: str) -> dict[str, Any]:
     return {"controller": ""} if report.response_code == _RELEASED else {}
 
 
-def machines_of(report: ReportMachineStates) -> tuple[MachineState, ...]:
-    """Returns the machines of a report."""
-    return tuple(
+def machines_in(report: ReportMachineStates, _client: str = "") -> dict[str, Any]:
+    """Returns the machines that a component reports."""
+    machines = tuple(
         MachineState(
             machine.machine_rec.service,
             machine.machine_rec.machine,
@@ -106,20 +105,17 @@ def machines_of(report: ReportMachineStates) -> tuple[MachineState, ...]:
         )
         for machine in report.machine_list[:MOST_MACHINES]
     )
-
-
-def _machines(report: ReportMachineStates, _: str) -> dict[str, Any]:
-    return {"machines": machines_of(report)}
+    return {"machines": machines}
 
 
 _TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {
-    "ReportStatus": (ReportStatus, _status),
-    "ReportControl": (ReportControl, _control),
-    "ReportTimeout": (ReportTimeout, _timeout),
+    "ReportStatus": (ReportStatus, state_in),
+    "ReportControl": (ReportControl, control_in),
+    "ReportTimeout": (ReportTimeout, timeout_in),
     "ReportIdentification": (ReportIdentification, _identification),
     "ConfirmControl": (ConfirmControl, _confirmed),
     "RejectControl": (RejectControl, _rejected),
-    "ReportMachineStates": (ReportMachineStates, _machines),
+    "ReportMachineStates": (ReportMachineStates, machines_in),
 }
 """What each message tells of who sends it, to whom."""
 

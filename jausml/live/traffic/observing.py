@@ -106,11 +106,7 @@ class Observation:
 
 
 def _parts(address: JausAddress) -> dict[str, int]:
-    return {
-        "subsystem": address.subsystem,
-        "node": address.node,
-        "component": address.component,
-    }
+    return {"subsystem": address.subsystem, "node": address.node, "component": address.component}
 
 
 class _Reasons(Counters):

@@ -139,10 +139,7 @@ def _policy(chain: Chain) -> str:
 
 
 def _refused(ends: Ends, values: dict[str, Scalar], path: str) -> Check:
-    lines = [
-        *ends.source.fill(values),
-        *ends.refused("AbsentFieldError"),
-    ]
+    lines = [*ends.source.fill(values), *ends.refused("AbsentFieldError")]
     about = f"A message without {path} is refused."
     return Check(f"{ends.name}_needs_{short_name(path)}", about, tuple(lines))
 

@@ -15,13 +15,7 @@ from jausml.language.semantics.paths.attributes import octets_of
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.markers import is_said, number_as_made, unknown
 from jausml_generators.bridge.checks.check import close_to, equals, holds, store
-from jausml_generators.bridge.translation.expressions import (
-    BOOLEAN,
-    INTEGER,
-    OCTETS,
-    REAL,
-    TEXT,
-)
+from jausml_generators.bridge.translation.expressions import BOOLEAN, INTEGER, OCTETS, REAL, TEXT
 from jausml_generators.bridge.translation.places import HasValue, RosStart, ros_field
 from jausml_generators.bridge.translation.printing import (
     condition_text,

@@ -70,21 +70,6 @@ class TestModule:
         """Model file."""
         return self.bridge.source
 
-    @property
-    def name(self) -> str:
-        """Name of the bridge."""
-        return self.bridge.name
-
-    @property
-    def package(self) -> str:
-        """Package of the bridge."""
-        return self.bridge.package
-
-    @property
-    def class_name(self) -> str:
-        """Class of the user's skeleton."""
-        return self.bridge.class_name
-
     @functools.cached_property
     def checks(self) -> tuple[Check, ...]:
         """The tests in the order of the connections, under names of their own."""
@@ -109,7 +94,7 @@ class TestModule:
 
     def parameters(self, check: Check) -> tuple[str, ...]:
         """Returns the parameters of a test with their types."""
-        return check.parameters or (f"bridge: {self.class_name}",)
+        return check.parameters or (f"bridge: {self.bridge.class_name}",)
 
     @property
     def imports(self) -> Imports:
@@ -118,13 +103,13 @@ class TestModule:
         return Imports(
             {
                 **runtime_names(),
-                **self.bridge.light.origins(self._ros_classes, f"{self.package}.ros_types"),
+                **self.bridge.light.origins(self._ros_classes, f"{self.bridge.package}.ros_types"),
                 **offered("hypothesis", "given", "settings"),
                 "st": Origin("hypothesis", "strategies"),
-                **offered(f"{self.package}.{self.package}", self.class_name),
-                **offered(f"{self.package}.messages", *messages),
+                **offered(f"{self.bridge.package}.{self.bridge.package}", self.bridge.class_name),
+                **offered(f"{self.bridge.package}.messages", *messages),
             },
-            own=self.package,
+            own=self.bridge.package,
         )
 
     @functools.cached_property
@@ -148,7 +133,7 @@ class TestModule:
             if sample is not None:
                 sampled.append((ends, sample))
             yield from safe_values(ends)
-        yield from round_trips(sampled, self.class_name)
+        yield from round_trips(sampled, self.bridge.class_name)
         yield from times(self.bridge.connections)
         for call_view in self.bridge.calls:
             for half in call_view.halves.values():
@@ -178,11 +163,7 @@ class TestModule:
         """Shows that the bridge can be made, where there is nothing else to show."""
         about = "The bridge has its connections."
         count = len(self.bridge.connections) + len(self.bridge.calls)
-        return Check(
-            "connections",
-            about,
-            (f"assert len(bridge.connections) == {count}",),
-        )
+        return Check("connections", about, (f"assert len(bridge.connections) == {count}",))
 
 
 _EXAMPLES = 50
@@ -313,20 +294,13 @@ def _angles(there: Ends, outward: Chain, homeward: Chain) -> Iterator[_Returning
 
 
 def _check(
-    there: Ends,
-    back: Ends,
-    sample: Sample,
-    returning: Sequence[_Returning],
-    class_name: str,
+    there: Ends, back: Ends, sample: Sample, returning: Sequence[_Returning], class_name: str
 ) -> Check:
     source = JausMessage(there.map.message, there.view.message, "source")
     scope = Scope(frozenset(_NOTHING))
-    names = [scope.claim(short_name(returned_value.place.path)) for returned_value in returning]
+    names = [scope.claim(short_name(value.place.path)) for value in returning]
     jaus = there.view.source_name
-    varied = {
-        returned_value.place.path: Code(name)
-        for name, returned_value in zip(names, returning, strict=True)
-    }
+    varied = {value.place.path: Code(name) for name, value in zip(names, returning, strict=True)}
     lines = [f"bridge = {class_name}()", *source.fill({**sample.values, **varied})]
     lines += [
         f"source = {jaus}.decode(source.encode())",
@@ -340,17 +314,14 @@ def _check(
     for name, returned_value in zip(names, returning, strict=True):
         place = back.message("back", is_ros=False).place(returned_value.place.path)
         lines += [*is_there(place), _returned(place.code, name, returned_value)]
-    strategies = tuple(
-        _strategy(name, returned_value)
-        for name, returned_value in zip(names, returning, strict=True)
-    )
+    strategies = tuple(_strategy(name, value) for name, value in zip(names, returning, strict=True))
     decorators = (
         f"@settings(deadline=None, derandomize=True, database=None, max_examples={_EXAMPLES})",
         f"@{call('given', *strategies)}",
     )
     parameters = tuple(
-        f"{name}: {'int' if returned_value.place.kind == INTEGER else 'float'}"
-        for name, returned_value in zip(names, returning, strict=True)
+        f"{name}: {'int' if value.place.kind == INTEGER else 'float'}"
+        for name, value in zip(names, returning, strict=True)
     )
     about = f"What {there.name} gives to ROS comes back by {back.name}, within a step."
     return Check(f"{there.name}_and_back", about, tidy(lines), decorators, parameters)

@@ -58,9 +58,7 @@ class Sample:
 
     def without(self, path: str) -> dict[str, filling.Scalar]:
         """Returns the values but for one."""
-        return {
-            source_path: value for source_path, value in self.values.items() if source_path != path
-        }
+        return {source: value for source, value in self.values.items() if source != path}
 
 
 class _NoSampleError(Exception):

@@ -27,10 +27,7 @@ from jausml_generators.bridge.translation.steps import (
     WhereKept,
     Write,
 )
-from jausml_generators.python.expressions import (
-    FormulaPrinter,
-    python_condition,
-)
+from jausml_generators.python.expressions import FormulaPrinter, python_condition
 from jausml_generators.python.names import Scope
 from jausml_generators.python.statements import (
     Assign,
@@ -48,14 +45,7 @@ if TYPE_CHECKING:
 
 # Functions and modules that the module of a bridge imports; no local hides them.
 IMPORTED = frozenset(
-    {
-        "arithmetic",
-        "by_name",
-        "conversions",
-        "octets",
-        "set_quaternion",
-        "set_time",
-    }
+    {"arithmetic", "by_name", "conversions", "octets", "set_quaternion", "set_time"}
 )
 OWN_NAMES = IMPORTED | {"self", "source", "target"}
 _CASTS = {values.REAL: "float", values.BOOLEAN: "bool", values.OCTETS: "bytes"}

@@ -187,9 +187,7 @@ class RosTarget:
 
 
 def marked_paths(
-    message: ros.MessageType,
-    taken: Container[tuple[str, ...]] = (),
-    around: tuple[str, ...] = (),
+    message: ros.MessageType, taken: Container[tuple[str, ...]] = (), around: tuple[str, ...] = ()
 ) -> Iterator[str]:
     """Yields the paths of the fields that take a value to say that they have none.
 

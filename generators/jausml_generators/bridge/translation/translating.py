@@ -389,8 +389,7 @@ def _joins(connection: bridge.Connection, uses: Surroundings) -> tuple[Translate
     else:
         typed = [(join, uses.type_name(join.type)) for join in used.joins]
     return tuple(
-        TranslatedJoin(join, scope.claim(snake_case(join.name)), type_name)
-        for join, type_name in typed
+        TranslatedJoin(join, scope.claim(snake_case(join.name)), name) for join, name in typed
     )
 
 

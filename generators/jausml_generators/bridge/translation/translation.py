@@ -82,10 +82,7 @@ Frames: TypeAlias = "Mapping[str, str]"
 
 def frames_of(attribute_map: bridge.AttributeMap) -> Frames:
     """Returns the names of frames that a map sets, which nothing but a parameter tells apart."""
-    return {
-        str(frame_assignment.target): str(frame_assignment.value)
-        for frame_assignment in frame_assignments(attribute_map)
-    }
+    return {str(frame.target): str(frame.value) for frame in frame_assignments(attribute_map)}
 
 
 def frame_assignments(attribute_map: bridge.AttributeMap) -> list[bridge.ConstantAssignment]:

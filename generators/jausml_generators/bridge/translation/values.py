@@ -240,11 +240,7 @@ def _within(inner: Limits, outer: Limits) -> bool:
 
 
 def constant(
-    kind: str,
-    text: str,
-    limits: Limits,
-    place: str,
-    listed: Sequence[tuple[str, str]] = (),
+    kind: str, text: str, limits: Limits, place: str, listed: Sequence[tuple[str, str]] = ()
 ) -> Constant:
     """Returns a text of the model as a constant of a kind.
 

@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING, ClassVar, TypeAlias
 
 from jausml.generation import literals as docs
 from jausml.generation.literals import python_string
-from jausml_generators.python.codec.members import (
-    MAXIMUM_COMPLEXITY,
-    VariantValue,
-)
+from jausml_generators.python.codec.members import MAXIMUM_COMPLEXITY, VariantValue
 from jausml_generators.python.codec.scalars import Blob, Fixed
 from jausml_generators.python.statements import call
 

@@ -7,11 +7,7 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from jausml.generation.literals import LINE_WIDTH, python_literal, python_string
-from jausml_generators.python.codec.classes import (
-    BitFieldClass,
-    ContainerClass,
-    VariableFieldClass,
-)
+from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
 from jausml_generators.python.codec.members import (
     ArrayValue,
     ListValue,

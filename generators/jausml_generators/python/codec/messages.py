@@ -24,9 +24,7 @@ from jausml_generators.python.codec.classes import (
     Enumeration,
     SubField,
 )
-from jausml_generators.python.codec.members import (
-    Member,
-)
+from jausml_generators.python.codec.members import Member
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Iterator, Sequence
@@ -235,9 +233,7 @@ class MessageScope:
 
     def is_inherited(self, path: str) -> bool:
         """Returns whether the base of the message brings a class."""
-        bit_fields = (
-            nested_class for nested_class in self.classes if isinstance(nested_class, BitFieldClass)
-        )
+        bit_fields = (nested for nested in self.classes if isinstance(nested, BitFieldClass))
         return any(bit_field.is_inherited and bit_field.path == path for bit_field in bit_fields)
 
     def _sub_field(self, bits: wire.Bits, scope: names.Scope) -> SubField:

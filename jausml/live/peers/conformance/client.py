@@ -196,15 +196,14 @@ class Client:
     def first_of(self, codes: tuple[int, ...]) -> ReceivedMessage | None:
         """Returns the next message with one of the codes, or None when none comes in time."""
 
-        def here() -> list[ReceivedMessage]:
-            return [message for message in self.inbox if message.code in codes]
+        def first() -> ReceivedMessage | None:
+            return next((message for message in self.inbox if message.code in codes), None)
 
-        self._exchange.wait(lambda: bool(here()), self._exchange.timeout)
-        messages = here()
-        if not messages:
-            return None
-        self.inbox.remove(messages[0])
-        return messages[0]
+        self._exchange.wait(lambda: first() is not None, self._exchange.timeout)
+        message = first()
+        if message is not None:
+            self.inbox.remove(message)
+        return message
 
     def expect(
         self,

@@ -132,10 +132,7 @@ def _reports_of(service: ServiceEntry, query: MessageEntry) -> tuple[MessageEntr
 
 
 def _ask(
-    session: Session,
-    query: MessageEntry,
-    fields: dict[str, Any],
-    reports: tuple[MessageEntry, ...],
+    session: Session, query: MessageEntry, fields: dict[str, Any], reports: tuple[MessageEntry, ...]
 ) -> bytes | None:
     """Returns the payload of the report, or None when none comes."""
     client = session.first
@@ -154,10 +151,7 @@ def _ask(
 
 
 def _judge(
-    session: Session,
-    query: MessageEntry,
-    answer: bytes | None,
-    reports: tuple[MessageEntry, ...],
+    session: Session, query: MessageEntry, answer: bytes | None, reports: tuple[MessageEntry, ...]
 ) -> int:
     """Decodes a report and returns the presence vector of its first record that has one."""
     if answer is None:

@@ -156,9 +156,7 @@ def _configuration(scope: Scope, *judgements: Judgement[ReportConfiguration]) ->
 
 
 def _identifies(
-    scope: Scope,
-    *judgements: Judgement[ReportIdentification],
-    unanswered: Step | None = passes,
+    scope: Scope, *judgements: Judgement[ReportIdentification], unanswered: Step | None = passes
 ) -> Step:
     query = QueryIdentification(query_type=scope)
     expected = (has(query_type=scope), usual(type_=_TYPES[scope]), *judgements)

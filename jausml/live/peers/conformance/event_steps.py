@@ -168,15 +168,10 @@ def listed(session: Session, choice: Callable[[Session], core.QueryEvents.QueryE
     events = session.client(B).ask(core.QueryEvents(chosen), core.ReportEvents).event_list
     wanted = (own, PERIODIC, subject(session)[0].encode())
     session.require(
-        any(
-            (report_event.event_id, report_event.event_type, report_event.query_message) == wanted
-            for report_event in events
-        ),
+        any((event.event_id, event.event_type, event.query_message) == wanted for event in events),
         f"ReportEvents does not hold event {own} with its type and query",
     )
-    others = [
-        report_event.event_id for report_event in events if not _is_chosen(chosen, report_event)
-    ]
+    others = [event.event_id for event in events if not _is_chosen(chosen, event)]
     session.require(not others, f"ReportEvents holds events that were not asked for: {others}")
 
 

@@ -19,19 +19,14 @@ if TYPE_CHECKING:
 SCHEMA = 1
 """Version of the layout; it changes when a reader of the present one would be misled."""
 
-_WORDS = {
-    Verdict.PASS: "pass",
-    Verdict.FAIL: "FAIL",
-    Verdict.SKIPPED: "skip",
-    Verdict.NOTE: "note",
-}
+_WORDS = {Verdict.PASS: "pass", Verdict.FAIL: "FAIL", Verdict.SKIPPED: "skip", Verdict.NOTE: "note"}
 _ID_WIDTH = 44
 _MARKS = {"sent": ">>", "received": "<<", "remark": "--"}
 
 
 def render_text(report: ConformanceReport) -> str:
     """Returns the whole report."""
-    lines = [*heading(report.target, report.endpoint, report.services)]
+    lines = [*heading(report)]
     group = ""
     for result in report.results:
         if result.check.group != group:
@@ -42,12 +37,12 @@ def render_text(report: ConformanceReport) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def heading(target: str, endpoint: str, services: tuple[str, ...]) -> Iterator[str]:
+def heading(report: ConformanceReport) -> Iterator[str]:
     """Yields what was tested."""
-    yield f"JAUS conformance of {target} at {endpoint}"
-    if services:
-        yield f"announces {len(services)} services:"
-        yield from (f"  {printable(service)}" for service in services)
+    yield f"JAUS conformance of {report.target} at {report.endpoint}"
+    if report.services:
+        yield f"announces {len(report.services)} services:"
+        yield from (f"  {printable(service)}" for service in report.services)
     else:
         yield "announces no services; what answers is checked"
 

@@ -138,10 +138,7 @@ def answered(session: Session, client: int, what: str = "a query", *, tolerated:
 
 @step
 def acknowledged(
-    session: Session,
-    client: int,
-    *judgements: Judgement[Packet],
-    tolerated: str = "",
+    session: Session, client: int, *judgements: Judgement[Packet], tolerated: str = ""
 ) -> None:
     """What asked for it is acknowledged as it should be; what silence means may be noted."""
     test_client = session.client(client)

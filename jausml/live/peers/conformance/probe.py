@@ -165,11 +165,11 @@ class Probe:
 
     # ---- sending ----------------------------------------------------------------------------
 
-    def put(self, packet: Packet) -> None:
-        """Sends a packet to the target."""
+    def put(self, packet: Packet, endpoint: Endpoint | None = None) -> None:
+        """Sends a packet to the target, or to another place."""
         datagram = packet.encode()
         self._trace.packet("sent", packet, datagram)
-        self._wire.put(datagram, self._place)
+        self._wire.put(datagram, endpoint or self._place)
 
     def put_raw(self, datagram: bytes, text: str) -> None:
         """Sends any bytes to the target."""
@@ -178,16 +178,7 @@ class Probe:
 
     def put_to_group(self, packet: Packet) -> None:
         """Sends a packet to everybody who listens to the multicast group."""
-        packet = packet._replace(broadcast=Broadcast.GLOBAL)
-        datagram = packet.encode()
-        self._trace.packet("sent", packet, datagram)
-        self._wire.put(datagram, self._wire.group)
-
-    def put_at(self, packet: Packet, endpoint: Endpoint) -> None:
-        """Sends a packet to another component."""
-        datagram = packet.encode()
-        self._trace.packet("sent", packet, datagram)
-        self._wire.put(datagram, endpoint)
+        self.put(packet._replace(broadcast=Broadcast.GLOBAL), self._wire.group)
 
     @property
     def _place(self) -> Endpoint:
@@ -226,7 +217,7 @@ class Probe:
         """Returns the payload with which another component answers, or None."""
         self._bystanders.clear()
         code = report_code(int.from_bytes(query[:2], "little"))
-        self.put_at(self.client(0).packet(query, destination=server), endpoint)
+        self.put(self.client(0).packet(query, destination=server), endpoint)
 
         def answers() -> list[bytes]:
             payloads = [packet.payload for _, packet in self._bystanders]

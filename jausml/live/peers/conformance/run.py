@@ -211,6 +211,13 @@ def _answered_query(session: Session) -> tuple[Message, type[Message]]:
     return PINGS[0]
 
 
+def begun(session: Session) -> ConformanceReport:
+    """Returns the report of a run in which nothing was checked yet."""
+    host, port = session.probe.endpoint or ("", 0)
+    services = (f"{service.urn} {service.major}.{service.minor}" for service in session.services)
+    return ConformanceReport(str(session.probe.target), f"{host}:{port}", tuple(services), ())
+
+
 def run(
     session: Session, groups: Sequence[CheckGroup], on_result: Callable[[CheckResult], None]
 ) -> ConformanceReport:
@@ -225,14 +232,6 @@ def run(
     Returns:
         The report; of an interrupted run what there is.
     """
-    host, port = session.probe.endpoint or ("", 0)
-    report = ConformanceReport(
-        target=str(session.probe.target),
-        endpoint=f"{host}:{port}",
-        services=tuple(
-            f"{service.urn} {service.major}.{service.minor}" for service in session.services
-        ),
-    )
     results: list[CheckResult] = []
     interrupted = False
     try:
@@ -242,7 +241,7 @@ def run(
     except KeyboardInterrupt:
         interrupted = True
         session.tidy()
-    return replace(report, results=tuple(results), interrupted=interrupted)
+    return replace(begun(session), results=tuple(results), interrupted=interrupted)
 
 
 def _results(session: Session, groups: Sequence[CheckGroup]) -> Iterator[CheckResult]:

@@ -326,8 +326,7 @@ class Session:
         self.take(index, Authority.LOW)
         self.send(index, core.Resume())
         self.skip_unless(
-            self.reaches(Status.READY),
-            "the target does not come to Ready; see management.resume",
+            self.reaches(Status.READY), "the target does not come to Ready; see management.resume"
         )
 
     # ---- between checks ---------------------------------------------------------------------
