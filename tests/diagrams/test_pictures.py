@@ -69,7 +69,7 @@ def hostile(text):
     return Graph("system", text, nodes, groups, edges, findings=wrong)
 
 
-@pytest.mark.parametrize("text", sweep(HOSTILE, every=2), ids=range(len(HOSTILE)))
+@pytest.mark.parametrize("text", sweep(HOSTILE, every=2, rest=1), ids=range(len(HOSTILE)))
 def test_texts_are_data(text):
     found = hostile(text)
     picture = svg.render(found, Graphviz())

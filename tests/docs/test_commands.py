@@ -53,7 +53,7 @@ WITH_COMMANDS = [page for page in PAGES if script(page)]
 @pytest.mark.live
 @pytest.mark.parametrize(
     "page",
-    sweep(WITH_COMMANDS, every=lambda page: page.stem in GUARDING),
+    sweep(WITH_COMMANDS, every=lambda page: page.stem in GUARDING, rest=1),
     ids=lambda page: page.stem,
 )
 def test_commands_run(page: Path, tmp_path: Path) -> None:

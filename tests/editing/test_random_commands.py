@@ -63,7 +63,7 @@ VARIANTS = {
 }
 
 
-@pytest.mark.parametrize("path", sweep(MODELS, every=8, rest=3), ids=str)
+@pytest.mark.parametrize("path", sweep(MODELS, every=8), ids=str)
 @given(data=st.data())
 @settings(max_examples=max(1, settings().max_examples // 25))
 def test_what_random_commands_do_is_undone_to_the_byte(path, data):

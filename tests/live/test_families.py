@@ -107,6 +107,7 @@ def effort_of(command):
             ("jts", QUERIES, set()),
         ],
         every=3,
+        rest=2,
     ),
 )
 def test_a_vehicle_of_another_make_obeys_and_reports(ros, start, tmp_path, family, speed, quirks):

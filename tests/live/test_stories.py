@@ -24,7 +24,7 @@ pytestmark = [pytest.mark.live, pytest.mark.timeout(900)]
 
 @pytest.mark.slow
 @pytest.mark.parametrize("notation", SUFFIXES)
-@pytest.mark.parametrize("name", sweep(OFTEN, every=lambda name: name == "robot_developer"))
+@pytest.mark.parametrize("name", sweep(OFTEN, every=lambda name: name == "robot_developer", rest=1))
 def test_a_story_goes_as_it_is_told(name, notation, tmp_path):
     if OFTEN[name] != notation and not INSTALLED:
         pytest.skip("takes long: make stories tells it in this notation too")

@@ -176,7 +176,7 @@ def workspaces(tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", sweep(["multicast", "peers", "tcp"], every=3))
+@pytest.mark.parametrize("way", sweep(["multicast", "peers", "tcp"], every=3, rest=1))
 def test_the_bridge_reaches_the_other_host(way, hosts, workspaces, tmp_path):
     deployed = Deployment(workspaces("jtcp" if way == "tcp" else "judp"), hosts, tmp_path)
     if way == "peers":

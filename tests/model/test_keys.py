@@ -20,7 +20,7 @@ def read(path):
     return read_models([path], notations=NOTATIONS).model
 
 
-@for_each("path", SHIPPED, ids=lambda path: path.stem, shards=18, slow=True, rest=3)
+@for_each("path", SHIPPED, ids=lambda path: path.stem, shards=18, slow=True)
 def test_each_element_has_a_key_and_a_reference_of_its_own(path):
     model = read(path)
     keys = Keys(model)

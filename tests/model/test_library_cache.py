@@ -68,9 +68,7 @@ def cache():
     return LibraryCache()
 
 
-@pytest.mark.parametrize(
-    "path", sweep(MODELS, every=8, rest=3), ids=lambda library_path: library_path.name
-)
+@pytest.mark.parametrize("path", sweep(MODELS, every=8), ids=lambda library_path: library_path.name)
 def test_a_model_is_the_same_whoever_has_read_the_library(path, cache):
     alone, first, again = read(path), read(path, cache), read(path, cache)
     assert outline(first) == outline(alone)

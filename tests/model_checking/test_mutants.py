@@ -157,7 +157,7 @@ CORE_FAULTS = [
 ]
 
 
-@pytest.mark.parametrize(("services", "other", "rule"), sweep(CORE_FAULTS, every=3))
+@pytest.mark.parametrize(("services", "other", "rule"), sweep(CORE_FAULTS, every=3, rest=1))
 def test_a_fault_of_the_core_services_is_found(services, other, rule):
     assert rule in rules_of(obeying(services, **other))
 
@@ -234,7 +234,9 @@ CONNECTION_FAULTS = [
 ]
 
 
-@pytest.mark.parametrize(("connection_state", "other", "rule"), sweep(CONNECTION_FAULTS, every=3))
+@pytest.mark.parametrize(
+    ("connection_state", "other", "rule"), sweep(CONNECTION_FAULTS, every=3, rest=1)
+)
 def test_a_fault_of_a_connection_is_found(connection_state, other, rule):
     assert rule in rules_of(obeying(connection_state=connection_state, **other))
 

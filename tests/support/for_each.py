@@ -12,7 +12,7 @@ import inspect
 from typing import TYPE_CHECKING, Any
 
 import pytest
-from sweeps import sweep
+from sweeps import REST, sweep
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -25,7 +25,7 @@ def for_each(
     ids: Callable[[Any], str] = str,
     shards: int = 1,
     slow: bool = False,
-    rest: int = 1,
+    rest: int = REST,
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Makes a function of some values a test of all of them.
 

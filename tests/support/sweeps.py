@@ -1,6 +1,6 @@
-"""Sweeps of which a part guards in `make test`, and the rest is left to `make test-all`.
+"""Sweeps of which a part guards in `make test`, and `make test-all` takes a third of the rest.
 
-Of a long one `make test-all` takes a part of the rest too; `make test-random` takes all.
+`make test-random` takes all of it.
 """
 
 from __future__ import annotations
@@ -15,17 +15,24 @@ if TYPE_CHECKING:
 
 
 WHOLE = "JAUSML_EXAMPLES" in os.environ
+REST = 3
+"""Each so-manieth of what is left is enough, where values are much alike."""
 
 
 def sweep(
-    values: Iterable[Any], *, every: int | Callable[[Any], bool], rest: int = 1, whole: bool = WHOLE
+    values: Iterable[Any],
+    *,
+    every: int | Callable[[Any], bool],
+    rest: int = REST,
+    whole: bool = WHOLE,
 ) -> list[Any]:
     """Returns values for `parametrize`, of which some guard and the others are slow.
 
     Args:
         values: Values of one parameter, tuples of those of several, or what `pytest.param` made.
         every: Each so-manieth guards, beginning with the first; or what tells whether one does.
-        rest: Each so-manieth of the others is taken, beginning with the first.
+        rest: Each so-manieth of the others is taken, beginning with the first; 1 where each of them
+            shows what no other does.
         whole: Whether all of them are taken.
     """
     cases = list(values)

@@ -34,7 +34,7 @@ def test_of_a_slow_one_the_first_shard_guards(pytester, chosen, tests):
     pytester.makepyfile("""
         from for_each import for_each
 
-        @for_each("number", range(8), shards=4, slow=True)
+        @for_each("number", range(8), shards=4, slow=True, rest=1)
         def test_small(number):
             assert number >= 0
     """)

@@ -27,13 +27,14 @@ def slow(values):
 
 
 def test_each_so_manieth_guards_from_the_first_on():
-    assert slow(sweep("abcde", every=2)) == [None, ("b",), None, ("d",), None]
+    assert slow(sweep("abcde", every=2, rest=1)) == [None, ("b",), None, ("d",), None]
     assert sweep("abc", every=1) == ["a", "b", "c"]
 
 
-def test_of_a_long_one_a_part_of_the_rest_is_taken_unless_all_is_asked_for():
+def test_a_part_of_the_rest_is_taken_unless_all_is_asked_for():
     assert slow(sweep("abcdef", every=3, rest=2, whole=False)) == [None, ("b",), None, ("e",)]
-    assert sweep("abcdef", every=3, rest=2, whole=True) == sweep("abcdef", every=3)
+    assert slow(sweep("abcdef", every=6, whole=False)) == [None, ("b",), ("e",)]
+    assert sweep("abcdef", every=3, whole=True) == sweep("abcdef", every=3, rest=1)
 
 
 def test_what_guards_can_be_told():

@@ -121,7 +121,7 @@ def joined(each: Any, chance: Random) -> dict[str, Any]:
     }
 
 
-@for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True, rest=3)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, seed: int) -> None:
@@ -140,7 +140,7 @@ def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, 
             assert outcome(connection, whole, data, **joins) == expected
 
 
-@for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True, rest=3)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True)
 @settings(max_examples=5, deadline=None)
 @given(seed=SEEDS)
 def test_bytes_that_are_no_message(
