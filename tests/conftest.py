@@ -121,11 +121,12 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers() -> int:
-    """More workers than processors: most of the time tests wait for processes that they started.
+    """More workers than processors: for half of the time tests wait for processes and periods.
 
-    Not many more: what is said to come in time shall come on a computer that is busy with tests.
+    With three for two processors a third of these stood idle. Not many more: what is said to come
+    in time shall come on a computer that is busy with tests.
     """
-    return min(3 * (os.cpu_count() or 2) // 2, MOST_WORKERS)
+    return min(5 * (os.cpu_count() or 2) // 2, MOST_WORKERS)
 
 
 def pytest_report_header(config: pytest.Config) -> str:
