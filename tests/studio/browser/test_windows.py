@@ -9,6 +9,7 @@ from appearance import broken, misplaced, unreached
 from desktop import Desktop
 from playwright.sync_api import expect
 from running_winch import telling_winch
+from sweeps import sweep
 
 pytestmark = [
     pytest.mark.slow,
@@ -19,6 +20,7 @@ pytestmark = [
 
 PHONE, ZOOMED, SMALL, USUAL = (390, 844), (720, 450), (1024, 700), (1440, 900)
 TABLET, LAPTOP, WIDE = (768, 1024), (1280, 800), (1920, 1080)
+SIZES = [pytest.param(size) for size in (PHONE, ZOOMED, TABLET, SMALL, LAPTOP, USUAL, WIDE)]
 MODES = [{"color_scheme": "dark"}, {"forced_colors": "active"}]
 
 
@@ -81,7 +83,7 @@ def test_the_page_breaks_no_rule_of_axe(open_shared, size):
         expect(desk.page.get_by_role("button", name=button)).to_be_focused()
 
 
-@pytest.mark.parametrize("size", [PHONE, ZOOMED, TABLET, SMALL, LAPTOP, USUAL, WIDE], ids=str)
+@pytest.mark.parametrize("size", sweep(SIZES, every=6), ids=str)
 def test_every_control_is_whole_and_reached(open_shared, size):
     desk = opened(open_shared, size)
     desk.title("vehicle").click()
