@@ -307,6 +307,15 @@ def seconds_of(
     return arriving * seconds + packets * PACKET
 
 
+def seconds_of_message(
+    connection: bridge.Connection, streams: list[Stream], ros_size: Size
+) -> float:
+    """Returns how long one message of a connection keeps the loop of its bridge busy."""
+    topics = sum(topic.join is None for topic in connection.topics)
+    packets = max((stream.packets for stream in streams), default=1)
+    return MESSAGE + (topics + packets) * PACKET + ros_size.expected * BYTE
+
+
 @dataclass(frozen=True)
 class CallReport:
     """A connection with a ROS service or a ROS action; nobody knows its rate and load.
