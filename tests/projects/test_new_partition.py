@@ -90,10 +90,9 @@ def bridges_in(path):
 def moved(path, names, target):
     """Moves connections of the bridge main to another one; returns the option that did it."""
     at = opened(place_of(path))
-    main, other = at.system.bridges
+    main, _ = at.system.bridges
     carriers = [one for one in main.bridgeConnections if one.name in names]
-    bridges = {"main": main, "other": other}
-    option = taken_over(at.scope, Planner(at.system, Assumptions()), carriers, bridges[target])
+    option = taken_over(at.scope, Planner(at.system, Assumptions()), carriers, target)
     at.project.do(option.commands, option.label)
     return option, at.project
 
@@ -114,6 +113,26 @@ def test_a_connection_takes_along_what_is_its_own(model):
     assert "// A comment that stays." in model.read_text("utf-8")
     project.undo()
     assert model.read_bytes() == before
+
+
+def test_who_asks_for_a_report_asks_who_makes_it(model):
+    """A connection that takes the same report of others is not who makes it."""
+    text = model.read_text("utf-8")
+    head, tail = text.split("        connection twist {", 1)
+    more = """\
+        connection lamp_of_others {
+            map: lamp_back  exchange: periodicEvent  peers: motion  topic lamp_of_others
+        }
+        lamp_back { JAUS ReportLamp  ROS std_msgs/UInt8  JAUS->ROS ( Level -> data ) }
+"""
+    text = f"{head}{more}        connection twist {{{tail}"
+    text = text.replace(
+        "provides: VelocityStateSensor, Prim", "provides: Lamp, VelocityStateSensor, Prim"
+    )
+    model.write_text(text, encoding="utf-8")
+    moved(model, ["lamp_of_others"], "other")
+    (asking,) = bridges_in(model)["main"].eContainer().components[1].connections
+    assert asking.provider.name == "main"
 
 
 def test_names_and_rates_mean_what_they_meant(model):

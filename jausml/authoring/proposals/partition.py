@@ -12,8 +12,9 @@ from jausml.authoring.editing.commands import NEW, Add, Child, Command, Move, Re
 from jausml.authoring.proposals.bridging import has_message
 from jausml.authoring.proposals.elements import AnswerError, Option, Scope, literal
 from jausml.authoring.proposals.new_elements import free_address, free_name
-from jausml.language.metamodel.classes import bridge, jaus, system
+from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
+from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.services import code
@@ -22,6 +23,7 @@ from jausml.views.analysis.partition.ties import carriers_of, full_name, maps_of
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from jausml.language.metamodel.classes.ecore import EObject
     from jausml.views.analysis.partition.plans import Plan, Planned, Planner
     from jausml.views.analysis.partition.ties import Carrier
 
@@ -42,18 +44,19 @@ _FEATURES: Mapping[type, str] = {
 
 
 def taken_over(
-    scope: Scope, planner: Planner, carriers: Sequence[Carrier], target: bridge.Bridge
+    scope: Scope, planner: Planner, carriers: Sequence[Carrier], target: str = ""
 ) -> Option:
     """Returns what moves connections to a bridge, with those that have to go along.
 
-    `AnswerError`: they cannot be there.
+    `target`: its name; empty for a new one. `AnswerError`: they cannot be there.
     """
     known = planner.companions(carriers)
     along = [carrier for carrier in known if carrier not in carriers]
-    plan = planner.assigned(dict.fromkeys(known, name_of(target)))
+    target = target or planner.new_name(carriers[0])
+    plan = planner.assigned(dict.fromkeys(known, target), are_kept=True)
     what = ", ".join(map(name_of, known))
     why = "; ".join(dict.fromkeys(reason for carrier in along for reason in known[carrier]))
-    return Option(f"Move {what} to {name_of(target)}", why, _told(plan), commands_of(scope, plan))
+    return Option(f"Move {what} to {target}", why, _told(plan), commands_of(scope, plan))
 
 
 def _told(plan: Plan) -> str:
@@ -72,6 +75,27 @@ def commands_of(scope: Scope, plan: Plan) -> list[Command]:
     if plan.faults:
         raise AnswerError("; ".join(plan.faults))
     return list(_Applying(scope, plan).commands())
+
+
+def burden(owner: EObject, component: jaus.Component, node: EObject) -> tuple[int, int]:
+    """Returns what sorts bridges, the one that serves a component and a node best first."""
+    carried = len(owner.bridgeConnections) if isinstance(owner, bridge.Bridge) else 0
+    return -len(merits_of(owner, component, node)), carried
+
+
+def merits_of(owner: EObject, component: jaus.Component, node: EObject) -> list[str]:
+    """Returns why a bridge suits a component and a node: both ends are near what it has."""
+    whole = owner.eContainer()
+    if not isinstance(owner, bridge.Bridge) or not isinstance(whole, system.System):
+        return []
+    merits = []
+    if any(component in connection.peers for connection in owner.bridgeConnections):
+        merits.append(f"serves {name_of(component)} already")
+    if isinstance(node, ros.Node) and len(whole.bridges) > 1:
+        host = host_of(whole, node)
+        if host is not None and host is host_of(whole, owner):
+            merits.append(f"runs on {name_of(host)}, as {name_of(node)} does")
+    return merits
 
 
 class _Applying:
@@ -167,31 +191,35 @@ class _Applying:
         """Yields what lets others speak with the bridge that has what they speak of."""
         for owner in (*self._whole.components, *self._whole.bridges):
             for wanted in owner.connections:
-                partner = self._partner(wanted.provider, wanted.message)
+                partner = self._partner(wanted.provider, wanted.message, TO_JAUS)
                 if partner is not None:
                     yield self._set(wanted, "provider", (self._ref(partner),))
             for carrier in carriers_of(owner) if isinstance(owner, bridge.Bridge) else ():
-                message = _message(carrier)
-                asking: list[tuple[Any, jaus.MessageDef | None]] = [(carrier, message)]
-                if isinstance(carrier, bridge.Connection):
-                    asking += [(source, source.join.message) for source in carrier.sources]
-                for element, wanted_message in asking:
-                    yield from self._peers(owner, carrier, element, wanted_message)
+                # What one sends to ROS, another one has from there, and the other way round.
+                way = TO_JAUS if carrier.direction.name == TO_ROS else TO_ROS
+                yield from self._peers(owner, carrier, carrier, _message(carrier), way)
+                for source in carrier.sources if isinstance(carrier, bridge.Connection) else ():
+                    yield from self._peers(owner, carrier, source, source.join.message, TO_JAUS)
 
     def _peers(
-        self, owner: jaus.Component, carrier: Carrier, asking: Any, message: jaus.MessageDef | None
+        self,
+        owner: jaus.Component,
+        carrier: Carrier,
+        asking: Any,
+        message: jaus.MessageDef | None,
+        way: str,
     ) -> Iterator[Command]:
         values = []
         for peer in asking.peers:
             # A bridge that is its own peer stays so.
             own = self._moved.get(carrier) if peer is owner else None
-            partner = own or (self._partner(peer, message) if peer is not owner else None)
+            partner = own or (self._partner(peer, message, way) if peer is not owner else None)
             values.append(self._ref(partner) if partner is not None else self._scope.ref(peer))
         if values != [self._scope.ref(peer) for peer in asking.peers]:
             yield self._set(asking, "peers", values)
 
     def _partner(
-        self, peer: jaus.Component | None, message: jaus.MessageDef | None
+        self, peer: jaus.Component | None, message: jaus.MessageDef | None, way: str
     ) -> Planned | None:
         """Returns where what a bridge says or takes is from now on; None where it was."""
         if message is None:
@@ -201,6 +229,7 @@ class _Applying:
                 planned
                 for carrier, planned in self._moved.items()
                 if self._home[carrier] is peer
+                and carrier.direction.name == way
                 and (own := _message(carrier)) is not None
                 and code(own) == code(message)
             ),

@@ -231,16 +231,17 @@ def report(
     from dataclasses import replace
     from importlib import import_module
 
+    from jausml.views.analysis.formats.plan import changes_of
     from jausml.views.analysis.report import report_of
 
     read, system = valid_system(model, reading)
     check_names(assumptions, system)
-    report = report_of(system, assumptions)
+    report = replace(report_of(system, assumptions), changes=changes_of(system, assumptions))
     if bridge_name is not None:
         chosen = tuple(bridge for bridge in report.bridges if bridge.name == bridge_name)
         if not chosen:
             known = ", ".join(bridge.name for bridge in report.bridges) or "none"
             raise click.UsageError(f"no bridge {bridge_name!a}; there are: {known}")
-        report = replace(report, components=chosen, hosts=())
+        report = replace(report, components=chosen, hosts=(), changes=())
     render = import_module(f"jausml.views.analysis.formats.{output_format}").render
     write_report(render(report), output, (document.path for document in read.documents))

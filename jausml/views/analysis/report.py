@@ -115,12 +115,16 @@ class HostReport:
 
 @dataclass(frozen=True)
 class Report:
-    """A system."""
+    """A system.
+
+    `changes`: what it would change if bridges were one, or one were two; each in a sentence.
+    """
 
     system: str
     assumptions: Assumptions
     hosts: tuple[HostReport, ...]
     components: tuple[ComponentReport, ...]
+    changes: tuple[str, ...] = ()
 
     @property
     def bridges(self) -> tuple[ComponentReport, ...]:

@@ -5,11 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jausml.views.analysis.formats.text import cut, kilobytes, number, table, wrapped
+from jausml.views.analysis.partition.plans import Planner
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from jausml.language.metamodel.classes.system import System
     from jausml.views.analysis.partition.plans import Plan, Planned
+    from jausml.views.analysis.partition.ties import Carrier
+    from jausml.views.analysis.sizes import Assumptions
 
 _HEAD = ("", "host", "connections", "CPU %", "datagrams/s", "kB/s to hosts", "wait ms")
 _WIDTH = 30
@@ -26,14 +30,18 @@ def plain(plan: Plan) -> dict[str, Any]:
     return {
         "before": [_plain(planned) for planned in plan.before],
         "after": [_plain(planned) for planned in plan.after],
-        "moved": {_name(carrier): planned.name for carrier, planned in plan.moved},
+        "moved": {named(carrier): planned.name for carrier, planned in plan.moved},
         "faults": list(plan.faults),
         "excess": list(plan.excess),
     }
 
 
-def change(old: Sequence[Planned], new: Sequence[Planned]) -> str:
-    """Returns in a line what other bridges would change."""
+def changes_of(system: System, assumptions: Assumptions) -> tuple[str, ...]:
+    """Returns what it would change if bridges were one, or one were two."""
+    return tuple(_change(old, new) for old, new in Planner(system, assumptions).changes())
+
+
+def _change(old: Sequence[Planned], new: Sequence[Planned]) -> str:
     names = [" and ".join(planned.name for planned in some) for some in (old, new)]
     told = f"{names[0]} as one" if len(old) > len(new) else f"{names[0]} as {len(new)}"
     datagrams, remote = (
@@ -58,7 +66,7 @@ def _lines(plan: Plan) -> Iterator[str]:
     if not plan.moved:
         yield "nothing that holds the limits would cost less"
     for planned in plan.after:
-        arrived = [_name(carrier) for carrier, new in plan.moved if new is planned]
+        arrived = [named(carrier) for carrier, new in plan.moved if new is planned]
         if arrived:
             yield from wrapped(f"{planned.name} gets {', '.join(arrived)}", "")
         for reason in planned.reasons:
@@ -86,7 +94,7 @@ def _plain(planned: Planned) -> dict[str, Any]:
         "name": planned.name,
         "new": planned.owner is None,
         "host": str(planned.host.name) if planned.host is not None else "",
-        "connections": [_name(carrier) for carrier in planned.carriers],
+        "connections": [named(carrier) for carrier in planned.carriers],
         "processor_share": round(planned.share, 6),
         "datagrams_per_s": round(planned.datagrams, 3),
         "bytes_between_hosts_per_s": round(planned.remote, 1),
@@ -95,5 +103,7 @@ def _plain(planned: Planned) -> dict[str, Any]:
     }
 
 
-def _name(carrier: Any) -> str:
-    return f"{carrier.eContainer().name}.{carrier.name}"
+def named(carrier: Carrier) -> str:
+    """Returns the name of a connection behind that of its bridge."""
+    owner = carrier.eContainer()
+    return f"{owner.name if owner is not None else ''}.{carrier.name}"

@@ -182,6 +182,11 @@ def _lines(report: Report) -> Iterator[str]:
         yield ""
         yield from _bridge(bridge)
     yield ""
+    if report.changes:
+        yield "With other bridges (jausml new partition proposes them):"
+        for told in report.changes:
+            yield from wrapped(told, "  ")
+        yield ""
     for note in notes(report.assumptions):
         yield from wrapped(note, "")
 

@@ -101,17 +101,18 @@ class Planner:
         scale = Scale(self._weighing, limits)
         parts = cut(scale, _now(scale))
         after = self._named(scale, parts)
-        return Plan(self._before, after, excess=tuple(_excess(scale, parts, after)))
+        return Plan(self.before, after, excess=tuple(_excess(scale, parts, after)))
 
-    def assigned(self, names: Mapping[Carrier, str]) -> Plan:
+    def assigned(self, names: Mapping[Carrier, str], *, are_kept: bool = False) -> Plan:
         """Returns the plan in which bridges that a person names carry some connections.
 
         All others stay. `faults` says which connections stay together, or cannot be there.
+        `are_kept`: whether bridges stay that carry nothing any more.
         """
         homes = {carrier: str(owner.name) for carrier, owner in self._weighing.owner_of.items()}
         wanted = {**homes, **names}
         scale = Scale(self._weighing, Limits(load=math.inf))
-        parts: dict[str, list[int]] = {}
+        parts: dict[str, list[int]] = {name: [] for name in self._owners} if are_kept else {}
         faults = []
         for number, group in enumerate(scale.groups):
             if len({wanted[carrier] for carrier in group.carriers}) > 1:
@@ -128,7 +129,7 @@ class Planner:
             self._planned(scale, name, self._owners.get(name), frozenset(part))
             for name, part in parts.items()
         ]
-        return Plan(self._before, tuple(after), tuple(faults))
+        return Plan(self.before, tuple(after), tuple(faults))
 
     def companions(self, carriers: Collection[Carrier]) -> Mapping[Carrier, tuple[str, ...]]:
         """Returns connections with those that have to go along, each with why."""
@@ -141,7 +142,7 @@ class Planner:
 
     def changes(self) -> list[tuple[tuple[Planned, ...], tuple[Planned, ...]]]:
         """Returns what some bridges would be as one, the lightest first, and each as two."""
-        scale = Scale(self._weighing, Limits())
+        scale = Scale(self._weighing, Limits(load=math.inf))
         now, graph = _now(scale), attractions(scale)
         joins = [((a, b), (a | b,)) for a, b in combinations(now, 2) if not scale.weight(a | b)[0]]
         joins.sort(key=lambda join: scale.total(join[1])[1] - scale.total(join[0])[1])
@@ -151,12 +152,21 @@ class Planner:
             for old, new in (*joins[:_MOST], *halves[:_MOST])
         ]
 
+    def new_name(self, carrier: Carrier) -> str:
+        """Returns the name of a new bridge for a connection."""
+        return self._free(self._weighing.owner_of[carrier], ())
+
+    def _free(self, origin: bridge.Bridge, taken: Collection[str]) -> str:
+        used = {str(one.name).lower() for one in self._weighing.participants}.union(taken)
+        free = (f"{origin.name}_{number}" for number in count(2))
+        return next(name for name in free if name.lower() not in used)
+
     @cached_property
     def _owners(self) -> Mapping[str, bridge.Bridge]:
         return {str(owner.name): owner for owner in self._weighing.owners}
 
     @cached_property
-    def _before(self) -> tuple[Planned, ...]:
+    def before(self) -> tuple[Planned, ...]:
         """The bridges as they are."""
         scale = Scale(self._weighing, Limits(load=math.inf), are_divided=True)
         numbers = {group.carriers[0]: number for number, group in enumerate(scale.groups)}
@@ -178,12 +188,11 @@ class Planner:
         for pair in networkx.max_weight_matching(graph):
             (_, name), (_, number) = sorted(pair)
             names[number] = name
-        taken = {str(one.name).lower() for one in self._weighing.participants} | set(names.values())
+        taken = {name.lower() for name in names.values()}
         for number, part in enumerate(parts):
             if number not in names:
                 origin = next(iter(scale.origins(part)))
-                free = (f"{origin.name}_{n}" for n in count(2))
-                names[number] = next(name for name in free if name.lower() not in taken)
+                names[number] = self._free(origin, taken)
                 taken.add(names[number].lower())
         order = list(self._owners)
         planned = [

@@ -109,7 +109,7 @@ class Cost:
 
 def united(costs: Sequence[Cost]) -> Cost:
     """Returns what costs are in one bridge: what they share counts once."""
-    first, *others = costs
+    first, *others = costs or [Cost(0, 0.0, 0.0, {}, {})]
     connections, share, wait = first.connections, first.share, first.wait
     datagrams, remote = dict(first.datagrams), dict(first.remote)
     for cost in others:
