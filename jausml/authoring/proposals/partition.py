@@ -248,10 +248,10 @@ class _Applying:
                     if service in services or (is_core and planned.owner not in (None, source)):
                         continue
                     users = [c for c in carriers_of(source) if _needs(c, service, feature)]
-                    stays = source is planned.owner and not all(c in self._moved for c in users)
-                    stays |= source is planned.owner and not users
+                    remains = source is planned.owner and not all(c in self._moved for c in users)
+                    remains |= source is planned.owner and not users
                     comes = any(self._moved.get(c) is planned for c in users)
-                    if stays or comes or (is_core and planned.owner is None):
+                    if remains or comes or (is_core and planned.owner is None):
                         services.append(service)
         return known
 
@@ -271,8 +271,8 @@ class _Applying:
         taken: dict[tuple[str, str], list[str]] = defaultdict(list)
         for planned in self._plan.after:
             for feature in _FEATURES.values() if planned.owner is not None else ():
-                stays = (one for one in getattr(planned.owner, feature) if one not in going)
-                taken[planned.name, feature] += map(name_of, stays)
+                kept = (one for one in getattr(planned.owner, feature) if one not in going)
+                taken[planned.name, feature] += map(name_of, kept)
         maps = self._scope.model.instances(bridge.AttributeMap)
         for element, planned in going.items():
             known, name = taken[planned.name, _FEATURES[type(element)]], name_of(element)

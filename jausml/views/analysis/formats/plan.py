@@ -43,7 +43,7 @@ def changes_of(system: System, assumptions: Assumptions) -> tuple[str, ...]:
 
 def _change(old: Sequence[Planned], new: Sequence[Planned]) -> str:
     names = [" and ".join(planned.name for planned in some) for some in (old, new)]
-    told = f"{names[0]} as one" if len(old) > len(new) else f"{names[0]} as {len(new)}"
+    title = f"{names[0]} as one" if len(old) > len(new) else f"{names[0]} as {len(new)}"
     datagrams, remote = (
         sum(getattr(planned, figure) for planned in new)
         - sum(getattr(planned, figure) for planned in old)
@@ -52,7 +52,7 @@ def _change(old: Sequence[Planned], new: Sequence[Planned]) -> str:
     wait = max(planned.wait for planned in new)
     load = ", ".join(f"{number(planned.share * 100)} %" for planned in new)
     return (
-        f"{told}: {load} of a processor; {datagrams:+.0f} datagrams/s; {remote / 1e3:+.0f} kB/s "
+        f"{title}: {load} of a processor; {datagrams:+.0f} datagrams/s; {remote / 1e3:+.0f} kB/s "
         f"between hosts; a message waits {wait * 1e3:.2f} ms at most behind one of each connection"
     )
 

@@ -184,8 +184,8 @@ def _lines(report: Report) -> Iterator[str]:
     yield ""
     if report.changes:
         yield "With other bridges (jausml new partition proposes them):"
-        for told in report.changes:
-            yield from wrapped(told, "  ")
+        for change in report.changes:
+            yield from wrapped(change, "  ")
         yield ""
     for note in notes(report.assumptions):
         yield from wrapped(note, "")

@@ -25,14 +25,14 @@ def cut(scale: Scale, now: Sequence[Part]) -> Sequence[Part]:
     graph = attractions(scale)
     communities = networkx.community.louvain_communities(graph, seed=_SEED)
     starts = (now, [frozenset(graph)], [frozenset(community) for community in communities])
-    found = [
+    partitions = [
         _improved(scale, [half for part in start for half in _halves(scale, graph, part)])
         for start in starts
     ]
     grown: list[Part] = []
     for number in sorted(graph, key=scale.size):
         grown = _put(scale, grown, number)
-    return min((now, *found, _improved(scale, grown)), key=scale.total)
+    return min((now, *partitions, _improved(scale, grown)), key=scale.total)
 
 
 def attractions(scale: Scale) -> networkx.Graph[int]:

@@ -38,7 +38,7 @@ def maps_of(carrier: Carrier) -> set[bridge.AttributeMap]:
         used = [one for one in (carrier.request, carrier.response) if one is not None]
     else:
         used = [carrier.element]
-    return {found for one in used for way in (True, False) for found in used_maps(one, to_ros=way)}
+    return {inner for one in used for way in (True, False) for inner in used_maps(one, to_ros=way)}
 
 
 def tied(owners: Iterable[bridge.Bridge]) -> list[tuple[str, list[Carrier]]]:

@@ -215,10 +215,10 @@ class Weighing:
             networkx.add_path(graph, carriers)
             reasons[carriers[0]][reason] = None
         order = {carrier: number for number, carrier in enumerate(self.costs)}
-        found = (sorted(one, key=order.__getitem__) for one in networkx.connected_components(graph))
+        parts = (sorted(one, key=order.__getitem__) for one in networkx.connected_components(graph))
         return [
             self._group(carriers, pins, [r for carrier in carriers for r in reasons[carrier]])
-            for carriers in found
+            for carriers in parts
         ]
 
     def _named(self, names: Iterable[str]) -> list[Carrier]:
