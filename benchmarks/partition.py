@@ -41,7 +41,7 @@ _COMPONENTS = 4
 _JUDP = 2
 """First byte of a datagram of JUDP (AS5669A): its version."""
 
-_BRIDGE = re.compile(r"\bmain(_\d+)?_jaus\.main")
+_BRIDGE = re.compile(r"\bmain\w*\.main")
 _START = 10.0
 _START_OF_EACH = 3.0
 """Seconds until all have found each other, and for each bridge besides."""

@@ -116,7 +116,7 @@ def partition(
             click.echo(formats.render(plan), nl=False)
         if plan.excess:
             raise EnvironmentFault("the limits cannot be held; nothing was written")
-        if not plan.moved or is_plan:
+        if not plan.is_change or is_plan:
             return
         if not yes and not (can_ask() and click.confirm("Write this?", default=False, err=True)):
             remark("nothing was written; --yes writes it")

@@ -60,10 +60,10 @@ def _change(old: Sequence[Planned], new: Sequence[Planned]) -> str:
 def _lines(plan: Plan) -> Iterator[str]:
     rows: list[tuple[str, ...]] = [("before", *[""] * (len(_HEAD) - 1))]
     rows += map(_row, plan.before)
-    if plan.moved:
+    if plan.is_change:
         rows += [("after", *[""] * (len(_HEAD) - 1)), *map(_row, plan.after)]
     yield from (line.rstrip() for line in table(_HEAD, rows, _LEFT))
-    if not plan.moved:
+    if not plan.is_change:
         yield "nothing that holds the limits would cost less"
     for planned in plan.after:
         arrived = [named(carrier) for carrier, new in plan.moved if new is planned]

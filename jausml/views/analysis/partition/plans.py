@@ -81,6 +81,12 @@ class Plan:
         ]
 
     @property
+    def is_change(self) -> bool:
+        """Whether a connection, or a bridge, goes elsewhere."""
+        hosts = {old.owner: old.host for old in self.before}
+        return bool(self.moved) or any(hosts[new.owner] is not new.host for new in self.after)
+
+    @property
     def gone(self) -> list[bridge.Bridge]:
         """The bridges that carried something, and carry nothing any more."""
         kept = {new.owner for new in self.after}
@@ -107,7 +113,7 @@ class Planner:
         """Returns the plan in which bridges that a person names carry some connections.
 
         All others stay. `faults` says which connections stay together, or cannot be there.
-        `are_kept`: whether bridges stay that carry nothing any more.
+        `are_kept`: whether bridges stay that carry nothing any more, and where they run.
         """
         homes = {carrier: str(owner.name) for carrier, owner in self._weighing.owner_of.items()}
         wanted = {**homes, **names}
@@ -126,7 +132,7 @@ class Planner:
             apart = [why for why in whys if moved and not why.startswith(_ROUTES)]
             faults += [f"{name} cannot carry {who}: {why}" for why in apart]
         after = [
-            self._planned(scale, name, self._owners.get(name), frozenset(part))
+            self._planned(scale, name, frozenset(part), is_placed=are_kept)
             for name, part in parts.items()
         ]
         return Plan(self.before, tuple(after), tuple(faults))
@@ -171,7 +177,9 @@ class Planner:
         scale = Scale(self._weighing, Limits(load=math.inf), are_divided=True)
         numbers = {group.carriers[0]: number for number, group in enumerate(scale.groups)}
         return tuple(
-            self._planned(scale, name, owner, frozenset(numbers[c] for c in carriers_of(owner)))
+            self._planned(
+                scale, name, frozenset(numbers[c] for c in carriers_of(owner)), is_placed=True
+            )
             for name, owner in self._owners.items()
         )
 
@@ -195,20 +203,19 @@ class Planner:
                 names[number] = self._free(origin, taken)
                 taken.add(names[number].lower())
         order = list(self._owners)
-        planned = [
-            self._planned(scale, names[number], self._owners.get(names[number]), part)
-            for number, part in enumerate(parts)
-        ]
+        planned = [self._planned(scale, names[number], part) for number, part in enumerate(parts)]
         return tuple(
             sorted(planned, key=lambda one: (_place(order, one.name), len(one.name), one.name))
         )
 
-    def _planned(self, scale: Scale, name: str, owner: bridge.Bridge | None, part: Part) -> Planned:
+    def _planned(self, scale: Scale, name: str, part: Part, *, is_placed: bool = False) -> Planned:
+        """Returns what a part is as a bridge; one that is placed stays on its host."""
+        owner = self._owners.get(name)
         cost, groups = scale.cost(part), [scale.groups[number] for number in sorted(part)]
         origins = [one for one, _ in scale.origins(part).most_common()]
         origin = owner or next((o for o in origins if not scale.clashes(groups, o)), origins[0])
         home = host_of(self._weighing.system, origin)
-        host = home if scale.are_divided or not part else scale.host(part)
+        host = home if is_placed or not part else scale.host(part)
         reasons = [_together(group) for group in groups if group.reasons]
         if host is not home and host is not None:
             reasons.append(f"on {host.name} fewest bytes cross the network")

@@ -50,6 +50,9 @@ LINK = 12.5e6
 INERTIA = 1e-6
 """Weight of moving a connection: what is as good as before stays."""
 
+NEAR = 1000.0
+"""Bytes each second for which no bridge is run on another host."""
+
 LARGEST_SHARE = 0.5
 """Share of a processor that a bridge may take: the other half is for what was not foreseen."""
 
@@ -325,7 +328,6 @@ class Scale:
     def __init__(self, weighing: Weighing, limits: Limits, *, are_divided: bool = False) -> None:
         self.weighing = weighing
         self.limits = limits
-        self.are_divided = are_divided
         self.groups = weighing.groups(limits, are_divided=are_divided)
         self._known: dict[Part, tuple[float, float]] = {frozenset(): (0.0, 0.0)}
         self.cost = lru_cache(1024)(self._cost)
@@ -385,7 +387,7 @@ class Scale:
         if home is None or not cost.remote:
             return home
         known = [host for host in self.weighing.hosts if host.transport is home.transport]
-        return min((home, *known), key=cost.away)
+        return min((home, *known), key=lambda host: cost.away(host) + NEAR * (host is not home))
 
     def _excess(self, part: Part, cost: Cost) -> float:
         """Returns by how much a part is over the limits: nought where it holds them all."""
