@@ -134,7 +134,8 @@ def main() -> None:
     seconds = parser.parse_args().seconds
     os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
     os.environ.setdefault("ROS_DOMAIN_ID", "77")
-    rows = []
+    head = ("", "bridges", "CPU %", "estimated", "datagrams/s", "estimated")
+    sys.stdout.write(table(head, ()))
     for form, limits in FORMS.items():
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
@@ -146,9 +147,9 @@ def main() -> None:
             share, datagrams, count = measure(folder, seconds)
             meant, expected = _estimated(folder)
             figures = (share * 100, meant * 100, datagrams, expected)
-            rows.append((form, count, *(f"{figure:.1f}" for figure in figures)))
-    head = ("", "bridges", "CPU %", "estimated", "datagrams/s", "estimated")
-    sys.stdout.write(table(head, rows) + "\n")
+            row = (form, count, *(f"{figure:.1f}" for figure in figures))
+            sys.stdout.write(table(row, ()).splitlines()[0] + "\n")
+            sys.stdout.flush()
 
 
 if __name__ == "__main__":
