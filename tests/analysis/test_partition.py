@@ -9,7 +9,8 @@ import pytest
 from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml.views.analysis.partition.plans import Planner
-from jausml.views.analysis.partition.weighing import Limits, Scale, Weighing
+from jausml.views.analysis.partition.scale import Scale
+from jausml.views.analysis.partition.weighing import Limits, Weighing
 from jausml.views.analysis.report import report_of
 from jausml.views.analysis.sizes import Assumptions
 from tests.support.partitioned import HEAD, robot

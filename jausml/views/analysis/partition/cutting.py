@@ -11,7 +11,7 @@ import networkx
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterator, Sequence
 
-    from jausml.views.analysis.partition.weighing import Part, Scale
+    from jausml.views.analysis.partition.scale import Part, Scale
 
 _SEED = 1
 

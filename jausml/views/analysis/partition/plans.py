@@ -12,16 +12,18 @@ import networkx
 
 from jausml.language.semantics.hosts import host_of
 from jausml.views.analysis.partition.cutting import attractions, cut, halved
+from jausml.views.analysis.partition.scale import Scale
 from jausml.views.analysis.partition.ties import carriers_of
-from jausml.views.analysis.partition.weighing import Limits, Scale, Weighing
+from jausml.views.analysis.partition.weighing import Limits, Weighing
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from jausml.language.metamodel.classes import bridge
     from jausml.language.metamodel.classes.system import Host, System
+    from jausml.views.analysis.partition.scale import Part
     from jausml.views.analysis.partition.ties import Carrier
-    from jausml.views.analysis.partition.weighing import Group, Part
+    from jausml.views.analysis.partition.weighing import Group
     from jausml.views.analysis.sizes import Assumptions
 
 _ROUTES = "bridge is", "namespace is", "subsystem is"
