@@ -50,6 +50,8 @@ export type Dialog =
       revision?: number;
     }
   | { kind: "hosts"; boxes: string[] }
+  | { kind: "bridges"; elements: Ref[] }
+  | { kind: "partition" }
   | { kind: "rename"; element: Ref; name: string | null; base: number }
   | { kind: "diff"; title: string; diff: string };
 

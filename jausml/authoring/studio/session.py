@@ -14,7 +14,14 @@ from watchfiles import awatch
 
 from jausml.authoring.editing.layout import SUFFIXES
 from jausml.authoring.studio.checking import Checking
-from jausml.authoring.studio.handlers import editing, modelling, playing, showing, stepping
+from jausml.authoring.studio.handlers import (
+    editing,
+    modelling,
+    partitioning,
+    playing,
+    showing,
+    stepping,
+)
 from jausml.authoring.studio.handlers.showing import LiveRequests
 from jausml.authoring.studio.operating.seats import Operating
 from jausml.authoring.studio.rpc import Answering
@@ -35,7 +42,7 @@ if TYPE_CHECKING:
     from jausml.authoring.studio.operating.unit import Powers
     from jausml.authoring.studio.rpc import Request
 
-_MODULES = (showing, editing, modelling, stepping, playing)
+_MODULES = (showing, editing, modelling, partitioning, stepping, playing)
 _LOG = logging.getLogger(__name__)
 
 DEBOUNCE_MS, STEP_MS = 50, 10

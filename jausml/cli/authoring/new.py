@@ -27,6 +27,7 @@ _KINDS = {
     "node": ("authoring.new_parts:node", "A node of ROS."),
     "map": ("authoring.new_map:map_", "A map between a JAUS message and a ROS type."),
     "service": ("authoring.new_parts:service", "A JAUS service."),
+    "partition": ("authoring.new_partition:partition", "Other bridges for the connections."),
 }
 """The kinds, as `LazyGroup` has them."""
 

@@ -126,7 +126,7 @@ _LARGEST_LENGTH = 1 << 32
 _MOST_DIGITS = 18
 
 
-def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
+def assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     """Adds the options of what a model does not say; the verb takes them as `assumptions`."""
 
     @click.option(
@@ -161,7 +161,7 @@ def _assumption_options(command: Callable[..., None]) -> Callable[..., None]:
     return with_assumptions
 
 
-def _check_names(assumptions: Assumptions, system: System) -> None:
+def check_names(assumptions: Assumptions, system: System) -> None:
     """Refuses assumptions about connections that a system does not have."""
     from jausml.views.analysis.sizes import names_of
 
@@ -210,7 +210,7 @@ FORMATS = ("text", "json", "html")
 @format_option("Format of the report; HTML is a single self-contained page.", FORMATS)
 @click.option("-o", "--output", metavar="FILE", help="Write to a file instead of stdout.")
 @click.option("--bridge", "bridge_name", metavar="NAME", help="Report only this bridge.")
-@_assumption_options
+@assumption_options
 @reading_options
 def report(
     model: str,
@@ -231,16 +231,17 @@ def report(
     from dataclasses import replace
     from importlib import import_module
 
+    from jausml.views.analysis.formats.plan import changes_of
     from jausml.views.analysis.report import report_of
 
     read, system = valid_system(model, reading)
-    _check_names(assumptions, system)
-    report = report_of(system, assumptions)
+    check_names(assumptions, system)
+    report = replace(report_of(system, assumptions), changes=changes_of(system, assumptions))
     if bridge_name is not None:
         chosen = tuple(bridge for bridge in report.bridges if bridge.name == bridge_name)
         if not chosen:
             known = ", ".join(bridge.name for bridge in report.bridges) or "none"
             raise click.UsageError(f"no bridge {bridge_name!a}; there are: {known}")
-        report = replace(report, components=chosen, hosts=())
+        report = replace(report, components=chosen, hosts=(), changes=())
     render = import_module(f"jausml.views.analysis.formats.{output_format}").render
     write_report(render(report), output, (document.path for document in read.documents))

@@ -115,12 +115,16 @@ class HostReport:
 
 @dataclass(frozen=True)
 class Report:
-    """A system."""
+    """A system.
+
+    `changes`: what it would change if bridges were one, or one were two; each in a sentence.
+    """
 
     system: str
     assumptions: Assumptions
     hosts: tuple[HostReport, ...]
     components: tuple[ComponentReport, ...]
+    changes: tuple[str, ...] = ()
 
     @property
     def bridges(self) -> tuple[ComponentReport, ...]:
@@ -305,6 +309,15 @@ def seconds_of(
     )
     seconds = MESSAGE + topics * PACKET + ros_size.expected * BYTE
     return arriving * seconds + packets * PACKET
+
+
+def seconds_of_message(
+    connection: bridge.Connection, streams: list[Stream], ros_size: Size
+) -> float:
+    """Returns how long one message of a connection keeps the loop of its bridge busy."""
+    topics = sum(topic.join is None for topic in connection.topics)
+    packets = max((stream.packets for stream in streams), default=1)
+    return MESSAGE + (topics + packets) * PACKET + ros_size.expected * BYTE
 
 
 @dataclass(frozen=True)

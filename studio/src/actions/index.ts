@@ -2,6 +2,7 @@
 
 export * from "./adding";
 export * from "./asking";
+export * from "./carrying";
 export * from "./changing";
 export * from "./choosing";
 export * from "./connecting";

@@ -1,6 +1,13 @@
 import { Handle, type NodeProps, Position, useStore } from "@xyflow/react";
-import { type CSSProperties, memo, useState } from "react";
-import { beginRename, rename } from "../actions";
+import {
+  type CSSProperties,
+  createContext,
+  type DragEvent,
+  memo,
+  useContext,
+  useState,
+} from "react";
+import { beginRename, CARRIED, carriedBy, rename } from "../actions";
 import { NameInput } from "../dialogs/NameInput";
 import type { GraphNode, GraphPort } from "../protocol";
 import { CLOSED, nodeKey, type PartKey, portKey } from "../selection";
@@ -12,12 +19,16 @@ import { useTurn } from "./turns";
 /** Zoom below which no row can be read, and none is drawn. */
 const FAR = 0.28;
 
+/** What bridges cost, by the ids of their boxes. */
+export const Loads = createContext<Record<string, string>>({});
+
 /** A box with its rows, as large as the server says. */
 export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
   const { node } = data;
   const key = nodeKey(node.id);
   const states = useStudio((studio) => statesOf(studio, node));
   const live = useStudio((studio) => studio.live?.boxes[node.id]);
+  const load = useContext(Loads)[node.id];
   const isNow = useStudio((studio) => isPresent(studio, node.id));
   const severity = severityOf(node.findings);
   const renaming = useStudio(({ renaming }) =>
@@ -58,12 +69,18 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
           {liveText(live)}
         </div>
       )}
+      {load && !live && (
+        <div className="live-text" title="Estimated as jausml report does">
+          {load}
+        </div>
+      )}
       {hasRows &&
         node.ports.map((port, at) => (
           <Row
             key={port.id}
             node={node.id}
             port={port}
+            isCarried={node.kind === "bridge" && Boolean(port.element)}
             states={rows[at] ?? ""}
             renaming={renaming?.key === portKey(node.id, port.id) ? renaming : null}
           />
@@ -89,17 +106,25 @@ function closedStyle({ width, height }: GraphNode): CSSProperties {
 interface RowProps {
   node: string;
   port: GraphPort;
+  /** Whether it may be dragged to another bridge. */
+  isCarried: boolean;
   states: string;
   renaming: Studio["renaming"];
 }
 
-const Row = memo(function Row({ node, port, states, renaming }: RowProps) {
+const Row = memo(function Row({ node, port, isCarried, states, renaming }: RowProps) {
   const key = portKey(node, port.id);
+  function onDragStart(event: DragEvent) {
+    event.dataTransfer.effectAllowed = "move";
+    event.dataTransfer.setData(CARRIED, JSON.stringify(carriedBy(key)));
+  }
   return (
     // biome-ignore lint/a11y/useSemanticElements: the diagram is one application with parts
     <div
       id={domId(key)}
-      className={`row ${states} ${/unmapped|unconnected/.test(port.mark) ? "quiet" : ""}`}
+      draggable={isCarried}
+      onDragStart={isCarried ? onDragStart : undefined}
+      className={`row ${isCarried ? "nodrag" : ""} ${states} ${/unmapped|unconnected/.test(port.mark) ? "quiet" : ""}`}
       style={{ top: port.y, height: port.height, paddingLeft: 10 + 12 * port.depth }}
       role="group"
       aria-label={[port.label, port.note, port.mark, told(port.findings)]

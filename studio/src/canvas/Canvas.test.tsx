@@ -164,6 +164,40 @@ test("an item of the palette that is dropped is added", async () => {
   expect(server.params("edit")[0]).toMatchObject({ label: "Add it" });
 });
 
+test("a row of a bridge that is dropped on another one is carried by that", async () => {
+  const graph = smallGraph();
+  const main = graph.nodes[1]!;
+  graph.nodes.push({ ...main, id: "other", element: "robot.xmi#other", title: "other", ports: [] });
+  update({ graph });
+  const commands = [{ kind: "remove" as const, element: "x" }];
+  server.answer("carry", () => ({
+    ...{ label: "Move velocity to other", why: "", preview: "", commands, is_best: false },
+  }));
+  render(<Canvas />);
+  const kept = new Map<string, string>();
+  const dataTransfer = {
+    effectAllowed: "",
+    setData: (type: string, text: string) => kept.set(type, text),
+    getData: (type: string) => kept.get(type) ?? "",
+  };
+  const row = part(portKey("bridge", "velocity"))!;
+  expect(row).toHaveAttribute("draggable", "true");
+  fireEvent.dragStart(row, { dataTransfer });
+  fireEvent.drop(part(nodeKey("other"))!, { dataTransfer });
+  await waitFor(() => expect(server.params("edit")).toHaveLength(1));
+  const element = main.ports.find((each) => each.id === "velocity")!.element;
+  expect(server.params("carry")[0]).toMatchObject({
+    elements: [element],
+    bridge: "robot.xmi#other",
+  });
+});
+
+test("a bridge tells its load", async () => {
+  server.answer("loads", () => ({ loads: { bridge: "0.95 % CPU" } }));
+  render(<Canvas />);
+  expect(await screen.findByText("0.95 % CPU")).toBeInTheDocument();
+});
+
 test("an empty folder offers a new model, an empty diagram says what to do", async () => {
   const { rerender } = render(<Canvas />);
   act(() => update({ graph: { ...smallGraph(), nodes: [], edges: [] } }));

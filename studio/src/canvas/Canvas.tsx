@@ -22,12 +22,14 @@ import {
   useRef,
   useState,
 } from "react";
-import { beginDrawing, connect, endDrawing, select } from "../actions";
+import { beginDrawing, bridgesOf, connect, endDrawing, select } from "../actions";
 import { useCanvasKeys } from "../keyboard/canvasKeys";
+import { useAnswer } from "../panels/base/useAnswer";
+import { useSettled } from "../panels/base/useSettled";
 import type { Graph } from "../protocol";
 import { edgeKey, groupKey, type PartKey, partOf } from "../selection";
 import { active, state, update, useStudio } from "../store";
-import { Box } from "./Box";
+import { Box, Loads } from "./Box";
 import { useDragging, useDropping } from "./dragging";
 import { EmptyHint, Nothing } from "./EmptyHint";
 import { Frame } from "./Frame";
@@ -65,10 +67,13 @@ export function Canvas() {
   const fault = useStudio((studio) => studio.graphFault);
   const visits = useStudio((studio) => studio.visits);
   const [hasMap, setHasMap] = useState(true);
+  const loads = useLoads(graph);
   if (!graph) return fault ? <p className="quiet">{fault}</p> : <Nothing />;
   return (
     <ReactFlowProvider key={visits}>
-      <Diagram graph={graph} hasMap={hasMap} onMap={setHasMap} />
+      <Loads value={loads}>
+        <Diagram graph={graph} hasMap={hasMap} onMap={setHasMap} />
+      </Loads>
     </ReactFlowProvider>
   );
 }
@@ -192,6 +197,21 @@ function Diagram({ graph, hasMap, onMap }: ToolsProps) {
       {graph.nodes.length === 0 && <EmptyHint />}
     </div>
   );
+}
+
+/** Milliseconds without an edit after which the bridges are weighed. */
+const REST_MS = 500;
+const NO_LOADS = {};
+
+/** What the bridges of a system cost. */
+function useLoads(graph: Graph | null): Record<string, string> {
+  const file = useStudio((studio) => studio.file);
+  const revision = useSettled(
+    useStudio((studio) => `${studio.revision}`),
+    REST_MS,
+  );
+  const isAsked = graph?.view === "system" && bridgesOf(graph).length > 0;
+  return useAnswer("loads", isAsked ? { file } : null, revision).value?.loads ?? NO_LOADS;
 }
 
 const classInMap = (node: FlowNode): string =>

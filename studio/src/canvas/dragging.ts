@@ -2,9 +2,9 @@
 
 import { type NodeChange, useReactFlow, type XYPosition } from "@xyflow/react";
 import { type DragEvent, useCallback } from "react";
-import { DRAGGED, drop, place, placeOn } from "../actions";
+import { CARRIED, carry, DRAGGED, drop, place, placeOn } from "../actions";
 import type { Graph, LayoutKey, PaletteItem, Point } from "../protocol";
-import { elementOf, groupKey, nodeKey, type PartKey, partOf } from "../selection";
+import { elementOf, groupKey, indexOf, nodeKey, type PartKey, partOf } from "../selection";
 import { state, update } from "../store";
 import { type FlowNode, frameId, type Moved, NOTHING_MOVED } from "./flow";
 import { contentOf, hostAt, hostOf, movedTogether } from "./frames";
@@ -111,26 +111,38 @@ function mark(under: PartKey | null): void {
   if (state().under !== under) update({ under });
 }
 
-/** Taking items of the palette, which go on the box under the pointer if they fit there. */
+/** Taking items of the palette, and rows of bridges, which go on the box under the pointer. */
 export function useDropping(graph: Graph) {
   const flow = useReactFlow();
   function onDragOver(event: DragEvent) {
-    if (!event.dataTransfer.types.includes(DRAGGED)) return;
+    const { types } = event.dataTransfer;
+    const isCarried = types.includes(CARRIED);
+    const under = boxUnder(event);
+    if (!types.includes(DRAGGED) && !(isCarried && isBridge(under))) return mark(null);
     event.preventDefault();
-    event.dataTransfer.dropEffect = "copy";
-    mark(boxUnder(event));
+    event.dataTransfer.dropEffect = isCarried ? "move" : "copy";
+    mark(under);
   }
   async function onDrop(event: DragEvent) {
     const text = event.dataTransfer.getData(DRAGGED);
+    const carried = event.dataTransfer.getData(CARRIED);
     const under = boxUnder(event);
     mark(null);
-    if (!text) return;
+    if (!text && !carried) return;
     event.preventDefault();
+    if (carried && under) return carry(JSON.parse(carried) as string[], idOf(under));
     const at = flow.screenToFlowPosition({ x: event.clientX, y: event.clientY });
     const onto = under ? elementOf(graph, under) : "";
     await drop(JSON.parse(text) as PaletteItem, [at.x, at.y], onto);
   }
+  const isBridge = (key: PartKey | null) =>
+    key !== null && indexOf(graph).nodes.get(idOf(key))?.kind === "bridge";
   return { onDragOver, onDrop, onDragLeave: () => mark(null) };
+}
+
+function idOf(key: PartKey): string {
+  const part = partOf(key);
+  return part.of === "node" ? part.id : "";
 }
 
 function boxUnder(event: DragEvent): PartKey | null {

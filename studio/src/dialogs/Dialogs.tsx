@@ -1,11 +1,12 @@
 import { type FormEvent, useEffect, useRef, useState } from "react";
-import { choose, connect, edit, placeOn, rename, take } from "../actions";
+import { bridgesOf, carry, choose, connect, edit, placeOn, rename, take } from "../actions";
 import { hostsOf } from "../canvas/frames";
 import { HELP } from "../keyboard/keys";
 import { type Dialog, update, useStudio } from "../store";
 import { Diff } from "./Diff";
 import { Modal } from "./Modal";
 import { NewModel } from "./NewModel";
+import { Partition } from "./Partition";
 import { Picker } from "./Picker";
 import { useName } from "./useName";
 
@@ -28,6 +29,10 @@ export function Dialogs() {
       return <Connect dialog={dialog} />;
     case "hosts":
       return <Hosts dialog={dialog} />;
+    case "bridges":
+      return <Bridges dialog={dialog} />;
+    case "partition":
+      return <Partition onClose={close} />;
     case "rename":
       return <Rename dialog={dialog} />;
     case "create":
@@ -216,6 +221,24 @@ function Hosts({ dialog }: Of<"hosts">) {
           const host = hosts[at];
           close();
           if (host) void placeOn(host.id, dialog.boxes, {});
+        }}
+      />
+    </Modal>
+  );
+}
+
+function Bridges({ dialog }: Of<"bridges">) {
+  const graph = useStudio((studio) => studio.graph);
+  const bridges = graph ? bridgesOf(graph) : [];
+  const picks = [...bridges, { id: "", title: "a new bridge" }];
+  return (
+    <Modal title="Carry by bridge…" onClose={close}>
+      <Picker
+        label="bridges of the system"
+        picks={picks.map(({ id, title }) => ({ id, text: title, shown: <strong>{title}</strong> }))}
+        onPick={(at) => {
+          close();
+          void carry(dialog.elements, picks[at]?.id ?? "");
         }}
       />
     </Modal>

@@ -1,4 +1,4 @@
-import { beginModel, openFile, openView, redo, undo } from "../actions";
+import { beginModel, bridgesOf, openFile, openView, redo, undo } from "../actions";
 import { operate } from "../operate/mode";
 import type { ViewInfo } from "../protocol";
 import { update, useStudio } from "../store";
@@ -9,6 +9,7 @@ export function Header() {
   const file = useStudio((studio) => studio.file);
   const views = useStudio((studio) => studio.views);
   const view = useStudio((studio) => studio.view);
+  const hasBridges = useStudio(({ graph }) => graph !== null && bridgesOf(graph).length > 0);
   return (
     <header className="header">
       <h1>
@@ -53,6 +54,15 @@ export function Header() {
       <button type="button" onClick={() => operate(true)}>
         Operate
       </button>
+      {hasBridges && (
+        <button
+          type="button"
+          onClick={() => update({ dialog: { kind: "partition" } })}
+          title="Propose which bridge carries which connections"
+        >
+          Bridges…
+        </button>
+      )}
       <button type="button" onClick={() => void beginModel()}>
         New model…
       </button>

@@ -61,6 +61,7 @@ export const HELP: readonly HelpGroup[] = [
       ["Enter", "to the form of what is chosen"],
       ["C", "connect to…: search among the ends that are allowed"],
       ["H", "run on host…: the same as dragging boxes into the frame of a host"],
+      ["H", "on rows of a bridge, carry by bridge…: the same as dragging them to another bridge"],
       ["F", "to the frame around the box, then to the one around that"],
       ["F2", "rename"],
       ["Delete", "delete; what refers to it is shown first"],
@@ -87,6 +88,7 @@ export const HELP: readonly HelpGroup[] = [
     "With the mouse",
     [
       ["drag a box", "move it; into the frame of another host, it runs there then"],
+      ["drag a row of a bridge", "move it to another bridge, with all chosen rows"],
       ["drag the title of a frame", "move all that stands in it"],
       ["drag from the end of a row", "draw a line; where it may end lights up"],
       ["Shift and drag", "select what lies in a rectangle"],

@@ -4,9 +4,11 @@ import { flushSync } from "react-dom";
 import {
   arrange,
   beginRename,
+  carriedBy,
   copySelected,
   cutSelected,
   focusOn,
+  offerBridges,
   offerEnds,
   offerHosts,
   removeSelected,
@@ -22,7 +24,7 @@ import { active, state, update } from "../store";
 export const PART_KEYS: Record<string, () => void> = {
   Enter: openForm,
   C: () => void offerEnds(),
-  H: offerHosts,
+  H: () => (carriedBy().length ? offerBridges() : offerHosts()),
   F: toFrame,
   F2: () => void beginRename(),
   Delete: () => void removeSelected(),

@@ -6,6 +6,7 @@ export type * from "./live";
 export type * from "./maps";
 export type * from "./methods";
 export type * from "./offers";
+export type * from "./partitions";
 export type * from "./plans";
 export type * from "./problems";
 export type * from "./project";

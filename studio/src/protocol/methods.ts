@@ -5,6 +5,7 @@ import type { GraphEnd, ViewResult } from "./graphs";
 import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
 import type { Choice, ConnectOption, ConnectResult, Form, LegalEnd, PaletteItem } from "./offers";
+import type { Partition } from "./partitions";
 import type { Plan } from "./plans";
 import type { LoggedFault, Problems } from "./problems";
 import type { FileInfo, Freshness, LayoutKey, Point, Project, Ref, ViewInfo } from "./project";
@@ -49,6 +50,15 @@ export interface Methods {
   ends: [{ file: string; view: string; node: string; port: string }, { ends: LegalEnd[] }];
   /** What lets boxes run on a host, given by the id of its frame; empty for outside of all. */
   host: [{ file: string; nodes: string[]; host: string }, ConnectOption];
+  /** Bridges as they are proposed, or with the bridge of some connections by their names. */
+  partition: [
+    { file: string; most: number; load: number; names?: Record<string, string> },
+    Partition,
+  ];
+  /** What moves connections to a bridge, empty for a new one; `why` tells what goes along. */
+  carry: [{ file: string; elements: Ref[]; bridge: Ref | "" }, ConnectOption];
+  /** What bridges cost, by the ids of their boxes. */
+  loads: [{ file: string }, { loads: Record<string, string> }];
   /** How a line is taken away that is no element. */
   unlink: [{ file: string; line: string }, ConnectResult];
   problems: [{ file: string }, Problems];

@@ -21,6 +21,7 @@ from jausml.authoring.proposals.bridging import (
 from jausml.authoring.proposals.elements import Option, Options
 from jausml.authoring.proposals.named_elements import are_examples
 from jausml.authoring.proposals.new_elements import name_among
+from jausml.authoring.proposals.partition import burden, merits_of
 from jausml.authoring.studio.views.spots import Spot
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model.names import name_of
@@ -55,7 +56,7 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
     wanted = _wanted(component, at_jaus.message, direction)
     if not wanted:
         return Options(refusal=_nothing(component, at_jaus.message, direction))
-    owners = sorted(owners, key=lambda owner: not _serves(owner, component))
+    owners = sorted(owners, key=lambda owner: burden(owner, component, at_ros.owner))
 
     def options_at(end: Spot) -> list[Option]:
         return [
@@ -79,12 +80,6 @@ def bridged(scope: Scope, at_jaus: Spot, at_ros: Spot, direction: str) -> Option
     node = name_of(at_ros.owner)
     reason = f"no ready map has a message of {name_of(component)}, and {node} has no topic for it"
     return Options(refusal=f"{reason}; add one to {node} first, to which a new map can go")
-
-
-def _serves(owner: EObject, component: jaus.Component) -> bool:
-    """Tells whether a bridge has connections with a component already."""
-    connections = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
-    return any(component in connection.peers for connection in connections)
 
 
 def _ends_of(at_ros: Spot, direction: str) -> list[Spot]:
@@ -326,17 +321,23 @@ def _crossing(
     commands = draft.commands(scope, owner)
     if not isinstance(end, ros.TopicEndpoint):
         commands.append(_new_end(scope, at_ros.owner, kind, topic, to_ros=offer.to_ros))
-    return _option(owner, component, draft, commands)
+    return _option(owner, component, draft, commands, at_ros.owner)
 
 
 def _option(
-    owner: EObject, component: jaus.Component, draft: Draft, commands: Sequence[Command]
+    owner: EObject,
+    component: jaus.Component,
+    draft: Draft,
+    commands: Sequence[Command],
+    node: EObject | None = None,
 ) -> Option:
     """Returns a draft as people choose it: what crosses, how, and why it can."""
     offer, used = draft.offer, draft.map
     how = f"ready map {name_of(used)}" if used is not None else "new map"
     bridged = name_of(owner) if isinstance(owner, bridge.Bridge) else "a new bridge"
     why = f"{offer.why(name_of(component))}; {_style(offer)} through {bridged}"
+    if node is not None and (merits := merits_of(owner, component, node)):
+        why += f", which {' and '.join(merits)}"
     if used is not None and lacks_stop(offer, used):
         why += "; nothing stops it when its source is lost: that is for you to decide"
     label = f"{name_of(offer.message)} by {how} ({ros_name(draft.type)})"

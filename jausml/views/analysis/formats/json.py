@@ -64,6 +64,7 @@ def to_plain(report: Report) -> dict[str, Any]:
         },
         "hosts": _plain(report.hosts),
         "components": _plain(report.components),
+        "changes": list(report.changes),
     }
 
 

@@ -168,41 +168,46 @@ def render(report: Report) -> str:
 
 
 def _lines(report: Report) -> Iterator[str]:
-    yield f"system {_cut(report.system, WIDTH - 7)}"
+    yield f"system {cut(report.system, WIDTH - 7)}"
     yield ""
     rows = [
-        (_cut(name, _NAME), _cut(host, _MESSAGE - 6), *figures)
+        (cut(name, _NAME), cut(host, _MESSAGE - 6), *figures)
         for name, host, *figures in sums(report, ("judp", "ip"))
     ]
-    yield from _table(_SUMS, rows, _LEFT_OF_SUMS)
+    yield from table(_SUMS, rows, _LEFT_OF_SUMS)
     for component in report.components:
         for warning in component.warnings:
-            yield from _wrapped(f"warning: {component.name}: {warning}", "")
+            yield from wrapped(f"warning: {component.name}: {warning}", "")
     for bridge in report.bridges:
         yield ""
         yield from _bridge(bridge)
     yield ""
+    if report.changes:
+        yield "With other bridges (jausml new partition proposes them):"
+        for change in report.changes:
+            yield from wrapped(change, "  ")
+        yield ""
     for note in notes(report.assumptions):
-        yield from _wrapped(note, "")
+        yield from wrapped(note, "")
 
 
 def _bridge(bridge: ComponentReport) -> Iterator[str]:
     share = number(bridge.share * 100)
-    yield f"bridge {_cut(bridge.name, _NAME)} ({bridge.address}), {share} % of a processor"
+    yield f"bridge {cut(bridge.name, _NAME)} ({bridge.address}), {share} % of a processor"
     yield ""
-    yield from _table(_LOAD, [_row(connection) for connection in bridge.connections], _LEFT)
+    yield from table(_LOAD, [_row(connection) for connection in bridge.connections], _LEFT)
     for connection in bridge.connections:
         yield ""
         yield from _details(connection)
     for served in bridge.calls:
         yield ""
-        yield from _wrapped(call(served), "  ")
+        yield from wrapped(call(served), "  ")
 
 
 def _row(connection: ConnectionReport) -> tuple[str, ...]:
     load = connection.load
     return (
-        _cut(connection.name, _NAME),
+        cut(connection.name, _NAME),
         WAYS[connection.direction],
         connection.exchange.replace(" event", ""),
         rate(connection),
@@ -218,21 +223,23 @@ def _row(connection: ConnectionReport) -> tuple[str, ...]:
 def _details(connection: ConnectionReport) -> Iterator[str]:
     ros = size(connection.ros.bytes)
     named = f"{connection.message} and {connection.type} ({ros} bytes)"
-    yield from _wrapped(f"{connection.name}: {named}; {ends(connection)}", "  ")
+    yield from wrapped(f"{connection.name}: {named}; {ends(connection)}", "  ")
     for budget in connection.budgets:
         head = f"{CASES[budget.case]:<15} {time(budget):>9}  "
-        yield from _wrapped(f"{steps(budget)}", f"    {head}")
+        yield from wrapped(f"{steps(budget)}", f"    {head}")
     for warning in connection.warnings:
-        yield from _wrapped(f"warning: {warning}", "    ")
+        yield from wrapped(f"warning: {warning}", "    ")
 
 
-def _wrapped(text: str, first: str) -> Iterator[str]:
+def wrapped(text: str, first: str) -> Iterator[str]:
+    """Yields lines of a text, the first after another one."""
     yield from textwrap.wrap(
         text, WIDTH, initial_indent=first, subsequent_indent=" " * max(len(first), 2)
     )
 
 
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> Iterator[str]:
+def table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> Iterator[str]:
+    """Yields the lines of a table, of which so many columns stand at their left."""
     widths = [max(map(len, column)) for column in zip(head, *rows, strict=True)]
     for row in (head, *rows):
         cells = [
@@ -242,5 +249,6 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> Ite
         yield "  ".join(cells)
 
 
-def _cut(text: str, width: int) -> str:
+def cut(text: str, width: int) -> str:
+    """Returns the beginning of a text that is too long."""
     return text if len(text) <= width else f"{text[: width - 3]}..."
