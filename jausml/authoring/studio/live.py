@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.studio.live_places import Places, is_known, machine_boxes, places_of
 from jausml.authoring.studio.running import LONGEST, RunningSystem, messages_of
+from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.inspection import Inspection
-from jausml.live.systems.state import Level, components_of, declarations_of, state_as_json
+from jausml.live.systems.state import Level, state_as_json
 from jausml.live.systems.tables import cell, state_text
 
 if TYPE_CHECKING:

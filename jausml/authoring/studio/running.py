@@ -12,9 +12,9 @@ from jausml.live.messages import CatalogueError, load_catalogue
 from jausml.live.peers.network import fault, identified, silence_log
 from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer
+from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.folding import expected
 from jausml.live.systems.monitoring import Monitor, listening, polling
-from jausml.live.systems.state import components_of, declarations_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
