@@ -132,9 +132,8 @@ class ThawedCatalogue(Catalogue):
             inputs = tuple(self.listed[number] for number in service.inputs)
             return inputs, tuple(self.listed[number] for number in service.outputs)
 
-        inputs, outputs = messages()
-        names = [tuple(entry.name for entry in entries) for entries in (inputs, outputs)]
-        return ServiceEntry(service.names, *names, messages)
+        inputs, outputs = (tuple(entry.name for entry in entries) for entries in messages())
+        return ServiceEntry(service.names, inputs, outputs, messages)
 
 
 class _Facts:

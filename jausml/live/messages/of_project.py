@@ -29,6 +29,14 @@ def project_catalogue(warn: Callable[[str], None]) -> DefinedCatalogue:
         return load_catalogue(sound_files(files, "messages", warn), notations=NOTATIONS)
 
 
+def messages_of(path: Path, root: Path) -> DefinedCatalogue:
+    """Returns the messages that are known: of a model with errors those of the library alone."""
+    try:
+        return load_catalogue([path], project_root=root, notations=NOTATIONS)
+    except CatalogueError:
+        return load_catalogue()
+
+
 def sound_files(files: Iterable[Path], what: str, warn: Callable[[str], None]) -> list[Path]:
     """Returns the files that can be read, with all that they refer to, without an error.
 
