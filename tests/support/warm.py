@@ -33,7 +33,7 @@ CLIENT = Path(__file__).with_name("warm_client.py")
 OF_PYGLS = "'asyncio.iscoroutinefunction' is deprecated"
 """What pygls 2.1 does that Python 3.14 warns of."""
 PAGE = "JAUSML_PAGE"
-"""Names, in the environment of a command, the page of the studio, or of the operator unit, of a test."""
+"""Names, in the environment of a command, the page of a test."""
 
 
 _WINGS = (

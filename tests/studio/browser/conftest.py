@@ -6,6 +6,7 @@ import os
 import re
 import signal
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -45,11 +46,12 @@ def chromium():
 
 
 class Studio:
-    """A running `jausml studio`."""
+    """A running `jausml studio`, or `jausml operate`."""
 
-    def __init__(self, target: Path, log: Path, *options: str) -> None:
+    def __init__(self, target: Path, log: Path, *options: str, line: Sequence[str] = ()) -> None:
+        """Begins (`line`: how the command line begins, that of a studio without)."""
         self.log = log
-        command = [*warm.command(), "studio", str(target), "--no-browser", *options]
+        command = [*(line or (*warm.command(), "studio")), str(target), "--no-browser", *options]
         with log.open("w") as errors:
             self.process = subprocess.Popen(
                 command,
@@ -59,7 +61,7 @@ class Studio:
                 env={**os.environ, "PYTHONUNBUFFERED": "1"},
             )
         self.address = self._address()
-        self.commanding_address = self._address() if "--operate" in options else ""
+        self.commanding_address = self._address() if "--stop-all" in options else ""
 
     def _address(self) -> str:
         said = ""
