@@ -122,16 +122,19 @@ class Page:
             self.told.append(message)
 
 
-def started(path: Path, page: Path, *options: str) -> subprocess.Popen[str]:
-    """Returns a process of `jausml studio` that has just begun."""
+def started(
+    path: Path, page: Path, *options: str, verb: str = "studio", script: Path = PROCESS
+) -> subprocess.Popen[str]:
+    """Returns a process of a verb that has just begun."""
     line = [
         sys.executable,
         "-W",
         "error",
         "-W",
         f"ignore:{warm.OF_PYGLS}",
-        str(PROCESS),
+        str(script),
         str(page),
+        verb,
         "--no-browser",
         *options,
     ]
@@ -178,6 +181,8 @@ def serving(
     assert "Traceback" not in log, log
 
 
-def operating(path: Path, page: Path, *options: str) -> AbstractContextManager[Server]:
+def operating(
+    path: Path, page: Path, *options: str, start: Callable[..., subprocess.Popen[str]] = begun
+) -> AbstractContextManager[Server]:
     """Serves the operator unit of a folder as long as the context lasts."""
-    return serving(path, page, *options, start=partial(begun, verb="operate"))
+    return serving(path, page, *options, start=partial(start, verb="operate"))

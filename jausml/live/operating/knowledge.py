@@ -51,7 +51,8 @@ class Knowledge:
         declarations: The connections that are looked for.
         components: Names of components by JAUS id.
         stops: What is declared, by JAUS id of the receiver and name of the message.
-        fault: Why nothing else could be read; empty where all was.
+        fault: Why the system cannot be read; empty where it was.
+        left_out: Which files of messages are left out, and why.
     """
 
     messages: FrozenMessages
@@ -59,6 +60,7 @@ class Knowledge:
     components: Mapping[str, str] = field(default_factory=dict)
     stops: Mapping[tuple[str, str], Declarations] = field(default_factory=dict)
     fault: str = ""
+    left_out: str = ""
 
 
 class ReadingError(Exception):

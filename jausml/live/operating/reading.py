@@ -25,6 +25,7 @@ from jausml.language.semantics.paths.scopes import target_paths
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
 from jausml.live.messages.frozen import frozen
+from jausml.live.messages.of_project import sound_files
 from jausml.live.operating.knowledge import LENGTH, DeclaredStop, Knowledge
 from jausml.live.systems.declarations import components_of, declarations_of
 
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from jausml.language.model import Model
+    from jausml.live.messages.frozen import FrozenMessages
     from jausml.live.operating.knowledge import Declarations
 
 _DEBOUNCE_MS, _STEP_MS = 100, 20
@@ -47,20 +49,27 @@ def read(path: Path) -> Knowledge:
         result = read_models([file], notations=NOTATIONS)
         fault = next((d for d in result.diagnostics if d.severity is Severity.ERROR), None)
         if fault is not None:
-            return Knowledge(_messages(()), fault=f"{fault.location}: {fault.message}")
+            messages, _ = _messages(())
+            return Knowledge(messages, fault=f"{fault.location}: {fault.message}")
         model = result.model
         if index is None or model.instances(system.System, library=False):
             declared = tuple(declarations_of(model))
-            messages = _messages(dict.fromkeys([file, *beside]))
-            return Knowledge(messages, declared, components_of(model), stops_of(model))
-    return Knowledge(_messages(beside))
+            messages, without = _messages(dict.fromkeys([file, *beside]))
+            named, stops = components_of(model), stops_of(model)
+            return Knowledge(messages, declared, named, stops, left_out=without)
+    messages, without = _messages(beside)
+    return Knowledge(messages, left_out=without)
 
 
-def _messages(files: Iterable[Path]) -> Any:
+def _messages(files: Iterable[Path]) -> tuple[FrozenMessages, str]:
+    """Returns the messages of files and of the library, and which files are left out, and why."""
+    paths, told = list(files), list[str]()
     try:
-        return frozen(load_catalogue(list(files), notations=NOTATIONS))
+        catalogue = load_catalogue(paths, notations=NOTATIONS)
     except CatalogueError:
-        return frozen(load_catalogue())
+        sound = sound_files(paths, "messages", told.append)
+        catalogue = load_catalogue(sound, notations=NOTATIONS)
+    return frozen(catalogue), "; ".join(told)
 
 
 def stops_of(model: Model) -> dict[tuple[str, str], Declarations]:

@@ -223,7 +223,8 @@ class Seat:
         self._unit.require_commander(self._number)
         if not self._unit.operator.controls(target):
             raise Refused(f"{target} is not controlled by us")
-        self._unit.act(target)
+        if wanted is Status.STANDBY:
+            self._unit.act(target)
         self._unit.journal.note(self._name, f"{message.NAME} to {target}")
         state = self._unit.operator.change(target, message, wanted)
         return {"state": state.name if state is not None else ""}

@@ -21,7 +21,6 @@ from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.serving.rpc import UNAUTHORIZED, RpcError
 from jausml.live.serving.security import Token
-from jausml.live.systems.state import state_as_json
 from jausml.runtime import HandoffDecision
 from jausml.runtime.messages import Standby
 from jausml.runtime.services.definitions import Status
@@ -102,6 +101,7 @@ class OperatorUnit:
         self.sticks = Sticks(self._system, self.journal, declared)
         self.lists = Lists(self._system, self.journal)
         self._told_last: tuple[float, dict[str, Any]] | None = None
+        self._told_components: list[dict[str, Any]] = []
         self._collected = time.monotonic()
         self._guarding: Guarding | None = None
         self._commander: Commander | None = None
@@ -161,11 +161,10 @@ class OperatorUnit:
     def begin(self) -> dict[str, Any]:
         """Returns what a page is told first."""
         state = self._system.monitor.state()
-        return {**self.content(state), "ages": _ages(state)}
+        return {**self.content(), "ages": _ages(state), "components": _components(state)}
 
-    def content(self, state: SystemState) -> dict[str, Any]:
-        """Returns what all pages are told, without ages."""
-        state_entries = state_as_json(state)
+    def content(self) -> dict[str, Any]:
+        """Returns what all pages are told of the unit itself."""
         operator, commander, stick = self._system.running, self._commander, self.sticks.held
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
@@ -186,11 +185,6 @@ class OperatorUnit:
                 for request in waiting
                 if operator is not None and operator.controls(request.target)
             ],
-            "components": [_without_age(component) for component in state_entries["components"]],
-            "connections": [
-                {name: connection[name] for name in ("bridge", "connection", "level", "reason")}
-                for connection in state_entries["connections"]
-            ],
             "alarms": self.journal.alarms,
         }  # fmt: skip
 
@@ -199,7 +193,10 @@ class OperatorUnit:
 
         It is how pages know that this process goes on.
         """
-        content, now = self.content(state), time.monotonic()
+        content, components, now = self.content(), _components(state), time.monotonic()
+        if components != self._told_components:
+            self._told_components = components
+            self._notify("operate.components", {"components": components})
         last = self._told_last
         if last is None or content != last[1] or now - last[0] >= WORD:
             self._told_last = now, content
@@ -316,6 +313,8 @@ class OperatorUnit:
         if operator is not None and operator.controls(target) and "no more" not in news:
             self.journal.note(name, news)
             self.journal.returned(f"control of {name}")
+        elif self._system.has_acted(target):
+            self.journal.note(name, f"{news}, after what this unit did")
         else:
             self.journal.alarm(name, news, f"control of {name}")
         if operator is not None and not operator.controls(target):
@@ -410,7 +409,7 @@ class OperatorUnit:
         if operator is None:
             return
         self.sticks.end(f"its page {why}")
-        self.journal.alarm(f"page {commander.name}", f"it commanded, and {why}")
+        self.journal.alarm(commander.name, f"it commanded, and {why}")
         self.stop_all("unit", ())
         with self._turn:
             for hold in operator.holds:
@@ -425,10 +424,20 @@ def _hold(hold: Hold) -> dict[str, Any]:
     return {"component": str(hold.target), "state": state, "held": hold.is_held}
 
 
-def _without_age(component: dict[str, Any]) -> dict[str, Any]:
-    """Returns a component without what changes all the time."""
-    left_out = ("told", "round_trip_ms")
-    return {name: value for name, value in component.items() if name not in left_out}
+def _components(state: SystemState) -> list[dict[str, Any]]:
+    """Returns who is there, without what changes all the time."""
+    return [
+        {
+            "id": component.address,
+            "name": component.name,
+            "level": component.level.value,
+            "reason": component.reason,
+            "state": component.state or None,
+            "controller": component.controller or None,
+            "authority": component.authority,
+        }
+        for component in state.components.values()
+    ]
 
 
 def _ages(state: SystemState) -> dict[str, float]:

@@ -51,7 +51,7 @@ class WatchedSystem(RunningSystem):
             ending: Is called before our component ends.
         """
         self.catalogue = ThawedCatalogue(knowledge.messages)
-        self.unread = knowledge.fault
+        self.unread = knowledge.fault or knowledge.left_out
         identity = Identity(name="jausml operate")
         super().__init__(
             network,
@@ -70,7 +70,7 @@ class WatchedSystem(RunningSystem):
 
     def learn(self, knowledge: Knowledge) -> None:
         """Takes what models say now; what was known stays where they cannot be read."""
-        self.unread = knowledge.fault
+        self.unread = knowledge.fault or knowledge.left_out
         if knowledge.fault:
             return
         self.catalogue = ThawedCatalogue(knowledge.messages)
@@ -105,8 +105,12 @@ class WatchedSystem(RunningSystem):
         return f"{name} ({address})" if name else str(address)
 
     def act(self, target: object) -> None:
-        """Takes that we do something to a component: what follows of it is no alarm."""
+        """Takes that we stop or release a component: what follows of it is no alarm."""
         self._acts[str(target)] = time.monotonic()
+
+    def has_acted(self, target: object) -> bool:
+        """Tells whether we did something to a component just now."""
+        return time.monotonic() - self._acts.get(str(target), float("-inf")) < _OWN_ACT
 
     def _look(self) -> None:
         state = self.monitor.state()
@@ -116,14 +120,16 @@ class WatchedSystem(RunningSystem):
     def _watch_for_alarms(self, state: SystemState) -> None:
         """Raises alarms for what went well, or has begun, and does no more."""
         for address, component in state.components.items():
-            name = self.name_of(address)
-            is_gone = component.is_gone
-            self._judge(name, name, address, component.level, component.reason, is_gone=is_gone)
+            level = component.level
+            if self._levels.get(address) is not level:
+                subject, is_gone = self.name_of(address), component.is_gone
+                self._judge(address, subject, address, level, component.reason, is_gone=is_gone)
         for connection in state.connections.values():
-            at = self._cause(state, connection)
-            subject = f"connection {connection.bridge}.{connection.name}"
-            level, reason = connection.level, connection.reason
-            self._judge(subject, self.name_of(at), at, level, reason, is_gone=connection.is_gone)
+            key = f"connection {connection.bridge}.{connection.name}"
+            level, is_gone = connection.level, connection.is_gone
+            if self._levels.get(key) is not level:
+                at = self._cause(state, connection)
+                self._judge(key, key, at, level, connection.reason, is_gone=is_gone)
 
     @staticmethod
     def _cause(state: SystemState, connection: ConnectionState) -> str:
@@ -136,20 +142,19 @@ class WatchedSystem(RunningSystem):
         return connection.jaus_id or connection.bridge
 
     def _judge(
-        self, subject: str, cause: str, address: str, level: Level, reason: str, *, is_gone: bool
+        self, key: str, subject: str, address: str, level: Level, reason: str, *, is_gone: bool
     ) -> None:
-        before = self._levels.get(subject)
-        self._levels[subject] = level
-        is_bad = level is Level.ERROR or is_gone
-        if before is None or before is level:
+        """Takes another level of a component or connection (`address`: what it comes from)."""
+        before = self._levels.get(key)
+        self._levels[key] = level
+        if before is None:
             return
-        if not is_bad:
+        if level is not Level.ERROR and not is_gone:
             if level in (Level.OK, Level.WARNING):
                 self._journal.returned(subject)
             return
         text = f"lost: {reason}" if is_gone else reason
-        since = time.monotonic() - self._acts.get(address, float("-inf"))
-        if since < _OWN_ACT and not is_gone:
+        if self.has_acted(address) and not is_gone:
             self._journal.note("unit", f"{subject}: {text}, after what this unit did")
         else:
-            self._journal.alarm(cause, text, subject)
+            self._journal.alarm(self.name_of(address), text, subject)

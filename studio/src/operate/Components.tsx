@@ -11,7 +11,7 @@ const SIGNS: Record<string, string> = { ok: "✔", warning: "▲", error: "✖" 
 export function Components() {
   const state = useUnit((unit) => unit.state);
   const chosen = useUnit((unit) => unit.chosen);
-  const components = state?.components ?? [];
+  const components = useUnit((unit) => unit.components);
   return (
     <section className="components" aria-label="Components">
       <table>

@@ -86,8 +86,6 @@ export interface UnitState {
   stick: { component: string; message: string } | null;
   holds: { component: string; state: string; held: boolean }[];
   requests: HandoffRequest[];
-  components: Component[];
-  connections: { bridge: string; connection: string; level: string; reason: string }[];
   /** The newest first. */
   alarms: Alarm[];
   /** Seconds since each component was heard. */
@@ -158,11 +156,12 @@ export interface OperateHello {
   can_command: boolean;
   /** Seconds from one word to the next. */
   word: number;
-  state: UnitState;
+  state: UnitState & { components: Component[] };
 }
 
 export interface OperateNotifications {
   "operate.state": UnitState;
   "operate.journal": { entry: JournalEntry };
+  "operate.components": { components: Component[] };
   "operate.learnt": Record<string, never>;
 }

@@ -11,6 +11,7 @@ import {
   TOKEN_KEY,
 } from "../connection";
 import type {
+  Component,
   JournalEntry,
   OperateHello,
   OperateMethod,
@@ -44,6 +45,7 @@ export interface Unit {
   /** Why the right was refused. */
   noRight: string;
   state: UnitState | null;
+  components: Component[];
   journal: JournalEntry[];
   values: Values[];
   /** The component that is chosen. */
@@ -72,6 +74,7 @@ export const useUnit = create<Unit>(() => ({
   mayCommand: false,
   noRight: "",
   state: null,
+  components: [],
   journal: [],
   values: [],
   chosen: "",
@@ -157,6 +160,7 @@ const LISTENER = {
   },
   onNotification<N extends keyof OperateNotifications>(name: N, params: OperateNotifications[N]) {
     if (name === "operate.learnt") put((before) => ({ learnt: before.learnt + 1 }));
+    if (name === "operate.components") put(params as OperateNotifications["operate.components"]);
     if (name === "operate.state") take(params as UnitState);
     if (name === "operate.journal") {
       const { entry } = params as OperateNotifications["operate.journal"];
@@ -173,6 +177,7 @@ export function take(state: UnitState): void {
 
 async function begin(hello: OperateHello): Promise<void> {
   put({ page: hello.page, word: hello.word, name: hello.name, canCommand: hello.can_command });
+  put({ components: hello.state.components });
   take(hello.state);
   const right = sessionStorage.getItem(RIGHT_KEY);
   if (right !== null && hello.can_command) await claim(right, ownName());
@@ -266,6 +271,6 @@ export async function stop(): Promise<void> {
 
 /** The name of a component with its JAUS id. */
 export function nameOf(id: string): string {
-  const name = unit().state?.components.find((each) => each.id === id)?.name;
+  const name = unit().components.find((each) => each.id === id)?.name;
   return name ? `${name} (${id})` : id;
 }
