@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+import sys
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from itertools import count
@@ -37,6 +38,9 @@ PAGE = Path(__file__).resolve().parent / "page"
 
 KEPT_SOCKETS = 8
 """Further sockets, for pages that may command."""
+
+_SWITCH = 0.001
+"""Seconds for which a thread keeps the interpreter from others that want it."""
 
 
 class Operating:
@@ -114,6 +118,8 @@ class Unit:
         gc.collect()
         gc.freeze()
         gc.disable()
+        # Who waits for the interpreter, as the loops do, has it so soon.
+        sys.setswitchinterval(_SWITCH)
         try:
             yield
         finally:

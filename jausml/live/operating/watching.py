@@ -66,6 +66,7 @@ class WatchedSystem(RunningSystem):
         self._journal, self._notify, self._ending = journal, listener, ending
         self._levels: dict[str, Level] = {}
         self._acts: dict[str, float] = {}
+        self._names = dict(knowledge.components)
         self._ready = Event()
 
     def learn(self, knowledge: Knowledge) -> None:
@@ -100,8 +101,7 @@ class WatchedSystem(RunningSystem):
 
     def name_of(self, address: object) -> str:
         """Returns the name of a component with its JAUS id, the id alone where it has none."""
-        component = self.monitor.state().components.get(str(address))
-        name = component.name if component is not None else ""
+        name = self._names.get(str(address), "")
         return f"{name} ({address})" if name else str(address)
 
     def act(self, target: object) -> None:
@@ -120,6 +120,8 @@ class WatchedSystem(RunningSystem):
     def _watch_for_alarms(self, state: SystemState) -> None:
         """Raises alarms for what went well, or has begun, and does no more."""
         for address, component in state.components.items():
+            if component.name:
+                self._names[address] = component.name
             level = component.level
             if self._levels.get(address) is not level:
                 subject, is_gone = self.name_of(address), component.is_gone

@@ -212,7 +212,7 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
     count = len(vehicle.efforts)
     page.mouse.move(x + 1, y)
     until(lambda: len(vehicle.efforts) > count + 3)
-    assert {sent for _, sent in vehicle.efforts[count:]} == {effort}
+    assert all(abs(sent - effort) < 1 for _, sent in vehicle.efforts[count:])  # a pixel is 0.4
     assert places(page) == before
     pad = page.get_by_role("application", name="Stick of").bounding_box()
     assert pad["y"] + pad["height"] <= size[1]
