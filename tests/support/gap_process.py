@@ -61,8 +61,10 @@ class Measured(serving.Unit):
     @asynccontextmanager
     async def _lifespan(self, app: object) -> AsyncIterator[None]:
         async with super()._lifespan(app):  # type: ignore[arg-type]
-            operator = await asyncio.to_thread(lambda: self.operating.unit.operator)
-            loop = operator.transport.loop
+            system = self.operating.unit._system
+            while system.running is None:
+                await asyncio.sleep(0.1)
+            loop = system.running.transport.loop
 
             def turn() -> None:
                 METERS["JAUS"].turn()

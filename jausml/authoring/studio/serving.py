@@ -40,13 +40,13 @@ def serve(session: Session, host: str, port: int, opened: Callable[[Studio], Non
     """
     # It tells of texts that it cannot understand at length, and its editor is told anyway.
     logging.getLogger("pygls").setLevel(logging.CRITICAL)
-    made: list[Studio] = []
+    studios: list[Studio] = []
 
     def app(served: Served) -> ASGIApp:
-        made.append(Studio(session, served, PAGE))
-        return made[0].app()
+        studios.append(Studio(session, served, PAGE))
+        return studios[0].app()
 
-    server.serve(host, port, app, lambda: opened(made[0]))
+    server.serve(host, port, app, lambda: opened(studios[0]))
 
 
 @dataclass

@@ -98,11 +98,11 @@ class Guarding:
     ) -> Iterator[dict[str, Any]]:
         transport, own = self._operator.transport, self._operator.own
         for target in targets:
-            made = transport.datagram(own, target, message.encode(), Priority.SAFETY_CRITICAL)
+            datagram = transport.datagram(own, target, message.encode(), Priority.SAFETY_CRITICAL)
             number = partial(transport.next_number, own, target)
             slot = self._ward.slots.take(self, (own, target), number)
-            if made is not None and slot is not None:
-                data, endpoint = made
+            if datagram is not None and slot is not None:
+                data, endpoint = datagram
                 yield {"data": data.hex(), "endpoint": endpoint, "slot": slot}
 
 

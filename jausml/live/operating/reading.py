@@ -63,25 +63,25 @@ def read(path: Path) -> Knowledge:
 
 def _messages(files: Iterable[Path]) -> tuple[FrozenMessages, str]:
     """Returns the messages of files and of the library, and which files are left out, and why."""
-    paths, told = list(files), list[str]()
+    paths, reasons = list(files), list[str]()
     try:
         catalogue = load_catalogue(paths, notations=NOTATIONS)
     except CatalogueError:
-        sound = sound_files(paths, "messages", told.append)
+        sound = sound_files(paths, "messages", reasons.append)
         catalogue = load_catalogue(sound, notations=NOTATIONS)
-    return frozen(catalogue), "; ".join(told)
+    return frozen(catalogue), "; ".join(reasons)
 
 
 def stops_of(model: Model) -> dict[tuple[str, str], Declarations]:
     """Returns the stops that connections declare, or why one declares none."""
-    found: dict[tuple[str, str], Declarations] = {}
+    stops_by_command: dict[tuple[str, str], Declarations] = {}
     for owner in model.instances(bridge.Bridge, library=False):
         for connection in owner.bridgeConnections:
             for target in _receivers(owner, connection):
                 key = target, str(connection.map.message.name)
                 declared = _declared(connection, f"{owner.name}.{connection.name}")
-                found[key] = (*found.get(key, ()), declared)
-    return found
+                stops_by_command[key] = (*stops_by_command.get(key, ()), declared)
+    return stops_by_command
 
 
 def _receivers(owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[str]:

@@ -154,10 +154,10 @@ def serve(
     Raises:
         OSError: The port cannot be had.
     """
-    made: list[Unit] = []
+    units: list[Unit] = []
 
     def app(served: Served) -> ASGIApp:
-        made.append(Unit(operating, learning, served, PAGE))
-        return made[0].app()
+        units.append(Unit(operating, learning, served, PAGE))
+        return units[0].app()
 
-    server.serve(host, port, app, lambda: opened(made[0]))
+    server.serve(host, port, app, lambda: opened(units[0]))

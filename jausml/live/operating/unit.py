@@ -442,9 +442,9 @@ def _components(state: SystemState) -> list[dict[str, Any]]:
 
 def _ages(state: SystemState) -> dict[str, float]:
     """Returns the seconds since each component was heard, for those that were."""
-    told = {address: component.told for address, component in state.components.items()}
+    times = {address: component.told for address, component in state.components.items()}
     return {
         address: round(state.now - time_told, 1)
-        for address, time_told in told.items()
+        for address, time_told in times.items()
         if time_told is not None
     }
