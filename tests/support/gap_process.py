@@ -2,7 +2,7 @@
 
 A gap counts as far as this process worked through it: one in which others had the processors is no
 matter of what this process does. Usage: gap_process.py PAGE VERB ARGUMENT...; the longest gap of
-each loop, in seconds, is the last line of its standard error.
+each loop, in seconds, stands behind `gaps` on its standard error.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class Measured(serving.Unit):
             yield
             measuring.cancel()
             found = " ".join(f"{meter.longest:.4f}" for meter in METERS.values())
-            sys.stderr.write(f"{found}\n")
+            sys.stderr.write(f"gaps {found}\n")
 
 
 if __name__ == "__main__":

@@ -73,6 +73,7 @@ class Learning:
     def __init__(self, path: Path) -> None:
         """Begins to read a file, or the first system below a folder."""
         line = [sys.executable, "-m", _READING, str(path)]
+        self._is_closed = False
         # At the end of its input it ends: so it does when this process is killed.
         self._process = subprocess.Popen(  # noqa: S603 - itself
             line, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
@@ -95,12 +96,14 @@ class Learning:
         def run() -> None:
             while (knowledge := self._next()) is not None:
                 learnt(knowledge)
-            ended()
+            if not self._is_closed:
+                ended()
 
         Thread(target=run, name="learning", daemon=True).start()
 
     def close(self) -> None:
         """Ends the process."""
+        self._is_closed = True
         for pipe in (self._process.stdin, self._process.stdout):
             if pipe is not None:
                 pipe.close()

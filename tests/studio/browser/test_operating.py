@@ -203,10 +203,9 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
         page = open_studio.page_of(studio.commanding_address, viewport=window)
         control(page)
         expect(page.get_by_role("row", name="100.1.40")).to_contain_text("ago")
-        before = places(page)
         x, y = hold(page)
         until(lambda: driving(vehicle))
-        effort = vehicle.last
+        effort, before = vehicle.last, places(page)
     alarms = page.get_by_role("region", name="Alarms")
     expect(alarms).to_contain_text("gps (100.1.40)")
     count = len(vehicle.efforts)
@@ -230,7 +229,7 @@ def places(page):
         """() => Object.fromEntries(
             [...document.querySelectorAll(".operate section, .dock > *")].map((part) => {
                 const { x, y, width, height } = part.getBoundingClientRect();
-                return [part.className, [x, y, width, height]];
+                return [part.ariaLabel || part.className, [x, y, width, height]];
             })
         )"""
     )
