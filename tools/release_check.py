@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).resolve().parent.parent
 RELEASE = re.compile(r"\d+\.\d+\.\d+")
-PAGE = "jausml/authoring/studio/page/"
+PAGES = ("jausml/authoring/studio/page/", "jausml/live/operating/page/")
 EXAMPLE = "minimal/minimal.xmi"
 SMOKE = (
     *("tests/metamodel/test_shipped.py", "tests/model"),
@@ -102,14 +102,16 @@ def lowest(requirements: Iterable[str], extras: Iterable[str] = ()) -> list[str]
 
 
 def check_page(names: Iterable[str]) -> None:
-    """Checks that a wheel has the page of the studio.
+    """Checks that a wheel has the pages of the studio and of the operator unit.
 
     Raises:
         NotReleasableError: it has not.
     """
-    files = {name.removeprefix(PAGE) for name in names if name.startswith(PAGE)}
-    if "index.html" not in files or not any(file.endswith(".js") for file in files):
-        raise NotReleasableError(f"the wheel has no page of the studio: {sorted(files)}")
+    files = list(names)
+    for page in PAGES:
+        parts = {name.removeprefix(page) for name in files if name.startswith(page)}
+        if "index.html" not in parts or not any(part.endswith(".js") for part in parts):
+            raise NotReleasableError(f"the wheel has no page in {page}: {sorted(parts)}")
 
 
 def build(place: Path) -> Path:

@@ -4,7 +4,6 @@ import { Dialogs } from "./dialogs/Dialogs";
 import { Banners } from "./header/Banners";
 import { Header } from "./header/Header";
 import { onPaste, onShortcut } from "./keyboard/shortcuts";
-import { hasRight, useOperating } from "./operate/mode";
 import { PropertyForm } from "./panels/form/PropertyForm";
 import { Generate } from "./panels/generate/Generate";
 import { Live } from "./panels/live/Live";
@@ -22,7 +21,6 @@ import { TableView } from "./table/TableView";
 import { ViewBar } from "./views/ViewBar";
 
 const Recording = lazy(() => import("./panels/recording/Recording"));
-const Operate = lazy(() => import("./operate/Operate"));
 
 /** The page: what there is (left), the diagram (middle), what is chosen (right), verdicts (bottom). */
 export function App() {
@@ -35,7 +33,6 @@ export function App() {
     };
   }, []);
   const right = useStudio((studio) => studio.right);
-  const isOperating = useOperating((mode) => mode.isOpen);
   const [sizes, resize] = useSizes();
   const fold = () => resize({ isFolded: !sizes.isFolded });
   return (
@@ -71,12 +68,6 @@ export function App() {
         />
       </Bottom>
       <Dialogs />
-      {/* Who may command has the stop at hand, whatever else is shown. */}
-      {(isOperating || hasRight()) && (
-        <Suspense>
-          <Operate />
-        </Suspense>
-      )}
       <Said />
     </div>
   );

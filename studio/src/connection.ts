@@ -14,6 +14,10 @@ export class CallError extends Error {
   }
 }
 
+/** What went wrong, for people. */
+export const messageOf = (error: unknown): string =>
+  error instanceof Error ? error.message : String(error);
+
 /** Code of our own for calls that found no connection or lost it. */
 export const LOST = -1;
 /** Code for a fault of the server itself. */

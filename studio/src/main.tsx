@@ -4,13 +4,11 @@ import { App } from "./App";
 import { listener, use } from "./actions";
 import { fitTexts } from "./canvas/fonts";
 import { Connection, socketAddress, takeToken } from "./connection";
-import { hasRight, operate } from "./operate/mode";
 import "@xyflow/react/dist/base.css";
 import "./styles/index.css";
 
 const token = takeToken(window.location, window.history, window.sessionStorage);
 const connection = new Connection(socketAddress(window.location, "/socket"), token, listener);
-operate(hasRight());
 use(connection);
 connection.open();
 

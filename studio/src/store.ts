@@ -28,6 +28,7 @@ import type { PartKey } from "./selection";
 /** A dialog that is open; one at a time. */
 export type Dialog =
   | { kind: "help" }
+  | { kind: "operate" }
   | { kind: "create"; points: StartingPoint[] | null }
   | {
       kind: "delete";

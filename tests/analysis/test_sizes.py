@@ -7,7 +7,6 @@ import functools
 import needs
 import pytest
 
-from jausml.language import wire
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import library_root, read_models
 from jausml.live.messages import load_catalogue
@@ -33,7 +32,7 @@ def messages():
 def test_encoded_messages_lie_within_their_bounds():
     assert len(messages()) > 300
     for entry in messages():
-        layout = wire.resolve(entry.definition)
+        layout = entry.layout
         size = jaus_size(layout, 1)
         for fields in (sample(entry.record), example(entry)):
             encoded = len(entry.encode(fields))
@@ -44,7 +43,7 @@ def test_encoded_messages_lie_within_their_bounds():
 def test_messages_of_one_size_have_exactly_that():
     exact = 0
     for entry in messages():
-        size = jaus_size(wire.resolve(entry.definition), 1)
+        size = jaus_size(entry.layout, 1)
         if size.least == size.most:
             assert len(entry.encode(example(entry))) == size.expected == size.least, entry.name
             exact += 1
@@ -53,7 +52,7 @@ def test_messages_of_one_size_have_exactly_that():
 
 def test_fields_that_may_not_be_there_count_nothing():
     entry = catalogue().message("ReportVelocityState")
-    layout = wire.resolve(entry.definition)
+    layout = entry.layout
     assert jaus_size(layout, 1, {"Velocity_X"}).most == 2 + 2 + 4
     assert jaus_size(layout, 1, frozenset()).expected == jaus_size(layout, 1).least == 4
 

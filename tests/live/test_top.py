@@ -17,10 +17,10 @@ needs.ask("rclpy")
 from jausml.cli.shared.models import open_catalogue, readable_model
 from jausml.live.peers.network import make_network
 from jausml.live.peers.operator import running_operator
+from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.folding import expected
 from jausml.live.systems.inspection import Inspection
 from jausml.live.systems.monitoring import Monitor, listening, polling
-from jausml.live.systems.state import components_of, declarations_of
 from jausml.runtime.base.address import JausAddress
 
 from .bridge_support import MODEL, Process, RosPeer, generate, wait_for

@@ -17,7 +17,7 @@ from sweeps import sweep
 
 from jausml.language.model import read_models
 from jausml.live.messages import CodecError
-from jausml.live.messages.catalogue import Catalogue
+from jausml.live.messages.defined import DefinedCatalogue
 from jausml.live.messages.entries import as_it_is
 from jausml.live.messages.values import as_numbers
 from jausml.runtime.wire.message import DecodeError, EncodeError
@@ -35,7 +35,7 @@ FEW = settings(
 
 @functools.cache
 def catalogue_of(set_name):
-    return Catalogue(read_models([LIBRARY / LIBRARY_FILES[set_name]]).model)
+    return DefinedCatalogue(read_models([LIBRARY / LIBRARY_FILES[set_name]]).model)
 
 
 def attempt(action, *refusals):

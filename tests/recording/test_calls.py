@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from jausml.language.interfaces import Installation
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
-from jausml.live.messages import Catalogue
+from jausml.live.messages.defined import DefinedCatalogue
 from jausml.live.recording.mcap_files import TrafficFilter, copied
 from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits, topics_of
@@ -130,7 +130,7 @@ def test_calls_are_recorded_where_a_node_publishes_them(tmp_path, monkeypatch):
     monkeypatch.setenv("ROS_DOMAIN_ID", free_domain())
     path, whole = tmp_path / "calls.mcap", tmp_path / "whole.mcap"
     recorder = Recorder(
-        RecordingFiles(path, SplitLimits()), Catalogue(read(FLEET)), {}, TrafficFilter()
+        RecordingFiles(path, SplitLimits()), DefinedCatalogue(read(FLEET)), {}, TrafficFilter()
     )
     ros = RosTopics(TrafficFilter(topics=("/switch/*",)))
     with Introspected() as node, recorder.kept(0.1, ros.repeat_latched):

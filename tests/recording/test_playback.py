@@ -18,10 +18,11 @@ from jausml.live.messages import load_catalogue
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.ros_values import RosReader
 from jausml.live.systems import playback
+from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.explaining import MEANINGS, explained, meaning
 from jausml.live.systems.folding import expected, fold_answer, fold_statuses, fold_time
 from jausml.live.systems.playback import NO_ROS, indexed
-from jausml.live.systems.state import SystemState, components_of, declarations_of
+from jausml.live.systems.state import SystemState
 from jausml.runtime.bridge.ends.ros_side import Outcome
 
 DRIVE = ("/loop_bridge", "drive")

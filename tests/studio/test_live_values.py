@@ -13,6 +13,7 @@ from jausml.authoring.studio.live import HISTORY, live_values
 from jausml.authoring.studio.live_places import Places, places_of
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
+from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.folding import (
     AnswerSource,
     ComponentAnswer,
@@ -26,7 +27,7 @@ from jausml.live.systems.folding import (
 )
 from jausml.live.systems.machines import MachineState, StateTime
 from jausml.live.systems.playback import indexed
-from jausml.live.systems.state import SystemState, components_of, declarations_of
+from jausml.live.systems.state import SystemState
 from jausml.views.diagrams.views import graph_of
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -1,13 +1,12 @@
-"""The page of the studio, tested without a server and without a browser."""
+"""The pages of the studio and of the operator unit, without a server and without a browser."""
 
 from __future__ import annotations
 
 import gzip
-import re
 import subprocess
 
 import pytest
-from build_studio import PAGE, SOURCES, environment, npm
+from build_studio import PAGE, SOURCES, UNIT, environment, npm
 
 GUARDS = ("studio",)
 
@@ -29,9 +28,10 @@ def test_its_own_checks_pass(script):
     assert result.returncode == 0, result.stdout[-4000:]
 
 
-def test_nothing_stands_in_the_page_itself():
+@pytest.mark.parametrize("page", [PAGE, UNIT])
+def test_nothing_stands_in_the_page_itself(page):
     """The policy forbids scripts and styles in the page; each file that it names is there."""
-    text = PAGE.read_text(encoding="utf-8")
+    text = page.read_text(encoding="utf-8")
     assert "<style" not in text
     assert "style=" not in text
     named = [
@@ -39,20 +39,21 @@ def test_nothing_stands_in_the_page_itself():
     ]
     own = [reference for reference in named if not reference.startswith("data:")]
     assert len(own) > 1
-    assert all((PAGE.parent / path).is_file() for path in own)
+    assert all((page.parent / path).is_file() for path in own)
     assert text.count("<script") == text.count('<script type="module" crossorigin src="./')
 
 
-def test_licences_of_what_is_in_it_are_beside_it():
-    text = (PAGE.parent / "licenses.md").read_text(encoding="utf-8")
-    for name in ("react", "@xyflow/react", "zustand", "uplot"):
-        assert name in text
+@pytest.mark.parametrize(
+    ("page", "names"),
+    [(PAGE, ("react", "@xyflow/react", "zustand")), (UNIT, ("preact", "zustand", "uplot"))],
+)
+def test_licences_of_what_is_in_it_are_beside_it(page, names):
+    text = (page.parent / "licenses.md").read_text(encoding="utf-8")
+    assert [name for name in names if name not in text] == []
 
 
-def test_all_of_it_stays_light():
+@pytest.mark.parametrize(("page", "most"), [(PAGE, 700_000), (UNIT, 60_000)])
+def test_all_of_it_stays_light(page, most):
     """What a slow link carries: all parts, though those that load late are seldom wanted."""
-    parts = [path for path in (PAGE.parent / "assets").iterdir() if path.suffix in (".js", ".css")]
-    assert sum(len(gzip.compress(part.read_bytes())) for part in parts) < 700_000
-    # Who edits models does not load the operator unit, nor what draws its plots.
-    first = re.findall(r'src="\./([^"]+)"', PAGE.read_text(encoding="utf-8"))
-    assert all("Take control" not in (PAGE.parent / script).read_text() for script in first)
+    parts = [path for path in (page.parent / "assets").iterdir() if path.suffix in (".js", ".css")]
+    assert sum(len(gzip.compress(part.read_bytes())) for part in (page, *parts)) < most

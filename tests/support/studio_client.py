@@ -10,6 +10,7 @@ import sys
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
@@ -19,6 +20,7 @@ from websockets.sync.client import ClientConnection, connect
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
 
 PROCESS = Path(__file__).with_name("studio_process.py")
 LONGEST = 60.0
@@ -35,7 +37,7 @@ class RefusedError(Exception):
 
 @dataclass
 class Server:
-    """A process that serves the studio."""
+    """A process that serves pages."""
 
     process: subprocess.Popen[str]
     address: str
@@ -120,16 +122,19 @@ class Page:
             self.told.append(message)
 
 
-def started(path: Path, page: Path, *options: str) -> subprocess.Popen[str]:
-    """Returns a process of `jausml studio` that has just begun."""
+def started(
+    path: Path, page: Path, *options: str, verb: str = "studio", script: Path = PROCESS
+) -> subprocess.Popen[str]:
+    """Returns a process of a verb that has just begun."""
     line = [
         sys.executable,
         "-W",
         "error",
         "-W",
         f"ignore:{warm.OF_PYGLS}",
-        str(PROCESS),
+        str(script),
         str(page),
+        verb,
         "--no-browser",
         *options,
     ]
@@ -138,9 +143,9 @@ def started(path: Path, page: Path, *options: str) -> subprocess.Popen[str]:
     )
 
 
-def begun(path: Path, page: Path, *options: str) -> subprocess.Popen[str]:
+def begun(path: Path, page: Path, *options: str, verb: str = "studio") -> subprocess.Popen[str]:
     """Like `started`, of a process that has jausml imported; what it does is in another process."""
-    line = [*warm.command(), "studio", "--no-browser", *options, str(path)]
+    line = [*warm.command(), verb, "--no-browser", *options, str(path)]
     environment = {**os.environ, warm.PAGE: str(page)}
     return subprocess.Popen(
         line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
@@ -158,10 +163,10 @@ def serving(
     process = start(path, page, *options)
     try:
         assert process.stdout is not None
-        address = process.stdout.readline().strip().removeprefix("jausml studio: ")
+        _, _, address = process.stdout.readline().strip().partition(": ")
         assert address, process.communicate()[1]
         commanding = ""
-        if "--operate" in options:
+        if "--stop-all" in options:
             commanding = process.stdout.readline().strip().removeprefix("to command: ")
         yield Server(process, address, commanding)
     finally:
@@ -174,3 +179,10 @@ def serving(
             raise
     assert process.returncode == 0, log
     assert "Traceback" not in log, log
+
+
+def operating(
+    path: Path, page: Path, *options: str, start: Callable[..., subprocess.Popen[str]] = begun
+) -> AbstractContextManager[Server]:
+    """Serves the operator unit of a folder as long as the context lasts."""
+    return serving(path, page, *options, start=partial(start, verb="operate"))

@@ -1,16 +1,18 @@
-"""Runs `jausml studio` with a page of the test, for the built one may not be there.
+"""Runs `jausml studio` or `jausml operate` with a page of the test: the built one may be missing.
 
-Usage: studio_process.py PAGE ARGUMENT...
+Usage: studio_process.py PAGE VERB ARGUMENT...
 """
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 
-from jausml.authoring.studio import serving
 from jausml.cli import main
 
+HOMES = {"studio": "jausml.authoring.studio.serving", "operate": "jausml.live.operating.serving"}
+
 if __name__ == "__main__":
-    serving.PAGE = Path(sys.argv[1])
-    main(["studio", *sys.argv[2:]])
+    importlib.import_module(HOMES[sys.argv[2]]).PAGE = Path(sys.argv[1])
+    main(sys.argv[2:])

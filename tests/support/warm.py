@@ -33,10 +33,18 @@ CLIENT = Path(__file__).with_name("warm_client.py")
 OF_PYGLS = "'asyncio.iscoroutinefunction' is deprecated"
 """What pygls 2.1 does that Python 3.14 warns of."""
 PAGE = "JAUSML_PAGE"
-"""Names, in the environment of a command, the page of the studio of a test."""
+"""Names, in the environment of a command, the page of a test."""
 
 
-_WINGS = ("authoring", "cli", "safety_case", "live.messages", "live.peers", "live.traffic")
+_WINGS = (
+    "authoring",
+    "cli",
+    "safety_case",
+    "live.messages",
+    "live.operating",
+    "live.peers",
+    "live.traffic",
+)
 _OF_SERVERS = (
     "uvicorn.lifespan.on",
     "uvicorn.protocols.http.h11_impl",
@@ -176,8 +184,9 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
     sys.argv = ["jausml", *request["arguments"]]
     if page := os.environ.pop(PAGE, ""):
         from jausml.authoring.studio import serving
+        from jausml.live.operating import serving as operating
 
-        serving.PAGE = Path(page)
+        serving.PAGE = operating.PAGE = Path(page)
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", OF_PYGLS)
     program()

@@ -10,8 +10,9 @@ import pytest
 from jausml.language.metamodel.classes.bridge import Bridge
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
+from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.inspection import Inspection, reporters_of, topic_of
-from jausml.live.systems.state import ConnectionState, components_of, declarations_of
+from jausml.live.systems.state import ConnectionState
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = """\

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import metadata
 
 import pytest
-from release_check import USED, NotReleasableError, check_page, check_version, lowest
+from release_check import PAGES, USED, NotReleasableError, check_page, check_version, lowest
 
 CHANGELOG = "# Changelog\n\n## [Unreleased]\n\n## [1.2.3] - 2026-01-02\n"
 
@@ -45,11 +45,8 @@ def test_each_dependency_of_the_project_has_a_lowest_version():
     assert {"pyecore==0.15.2", "textual==6.2", "mcap==1.6", "uvicorn==0.53"} <= set(found)
 
 
-def test_a_wheel_has_the_page_of_the_studio() -> None:
-    page = [
-        "jausml/authoring/studio/page/index.html",
-        "jausml/authoring/studio/page/assets/index-abc.js",
-    ]
+def test_a_wheel_has_its_pages() -> None:
+    page = [f"{folder}{file}" for folder in PAGES for file in ("index.html", "assets/index-abc.js")]
     check_page([*page, "jausml/__init__.py"])
     for missing in page:
         with pytest.raises(NotReleasableError, match="no page"):

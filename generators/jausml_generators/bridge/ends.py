@@ -9,7 +9,7 @@ from jausml.generation.literals import python_literal, python_string
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import policies, reliability
-from jausml.language.semantics.jaus.commands import PRESENCE_VECTOR
+from jausml.language.wire.kinds import PRESENCE_VECTOR
 from jausml_generators.common.components import address_call, query_for, search_call
 from jausml_generators.python.names import snake_case
 from jausml_generators.python.statements import call

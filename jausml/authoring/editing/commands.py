@@ -5,7 +5,7 @@ from __future__ import annotations
 # The types of commands are asked for at run time, where commands come as JSON.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias, TypeVar
+from typing import ClassVar, TypeAlias, TypeVar
 
 from jausml.language.model.refs import Ref
 
@@ -44,6 +44,8 @@ class EditError(Exception):
 class Set:
     """Gives a feature of an element its values; without any, the feature is no longer set."""
 
+    NAME: ClassVar = "set"
+
     element: Ref
     feature: str
     values: Values = ()
@@ -69,6 +71,8 @@ class Add:
     `position`: its position among the values of the feature, None for the end.
     """
 
+    NAME: ClassVar = "add"
+
     owner: Ref
     feature: str
     kind: str
@@ -84,12 +88,16 @@ class Remove:
     References to it lose this value; what cannot be without a reference goes too.
     """
 
+    NAME: ClassVar = "remove"
+
     element: Ref
 
 
 @dataclass(frozen=True, slots=True)
 class Move:
     """Gives an element another owner, or another position; what refers to it follows."""
+
+    NAME: ClassVar = "move"
 
     element: Ref
     owner: Ref
@@ -101,6 +109,8 @@ class Move:
 class Rename:
     """Gives an element another name; what refers to it by name follows."""
 
+    NAME: ClassVar = "rename"
+
     element: Ref
     name: str
 
@@ -108,6 +118,8 @@ class Rename:
 @dataclass(frozen=True, slots=True)
 class Create:
     """Makes a model file with one root element."""
+
+    NAME: ClassVar = "create"
 
     file: str
     kind: str
@@ -121,6 +133,8 @@ class Place:
     `positions`: upper left corners in pixels by the key of the box; None leaves a box to the layout
     engine again.
     """
+
+    NAME: ClassVar = "place"
 
     file: str
     view: str

@@ -18,7 +18,8 @@ from jausml.language.text.reading.parsing import parsed_text
 from jausml.language.text.reading.shaping import word_text
 from jausml.language.text.tree import Direction, Element, End, snake_case
 from jausml.live.messages.errors import DefinitionError
-from jausml.live.messages.text import ros_rows, rows_of
+from jausml.live.messages.ros_rows import ros_rows
+from jausml.live.messages.text import rows_of
 from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:

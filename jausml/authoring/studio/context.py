@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any
 from jausml.authoring.editing.commands import Add, Create, Place
 from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import Scope
-from jausml.authoring.studio import rpc
 from jausml.authoring.studio.checking import Verdict, Verdicts
 from jausml.authoring.studio.drawing import Drawings
 from jausml.authoring.studio.recordings import Recordings
-from jausml.authoring.studio.rpc import as_json, entry_as_json, files_as_json, log_as_json
+from jausml.authoring.studio.rpc import entry_as_json, files_as_json, log_as_json
 from jausml.authoring.studio.views.trying import Trials
 from jausml.language.model import refs
 from jausml.language.model.refs import file_of
@@ -27,6 +26,8 @@ from jausml.live.peers.network import (
     Network,
     make_network,
 )
+from jausml.live.serving.rpc import as_json
+from jausml.live.serving.subscribers import Subscribers
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -144,41 +145,6 @@ class ViewedFiles:
 def usual_network() -> Network:
     """Returns the network of this computer alone."""
     return make_network(None, DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ())
-
-
-class Subscribers:
-    """Who listens; any thread may tell."""
-
-    def __init__(self) -> None:
-        self._listeners: list[Callable[[str], None]] = []
-        self._lock = threading.Lock()
-        self.left: Callable[[], None] = lambda: None
-        """Is called when the last listener goes."""
-
-    @contextmanager
-    def subscribed(self, listener: Callable[[str], None]) -> Iterator[None]:
-        """Tells a listener what happens as long as the context lasts.
-
-        `listener`: takes messages, from any thread.
-        """
-        with self._lock:
-            self._listeners.append(listener)
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._listeners.remove(listener)
-                is_last = not self._listeners
-            if is_last:
-                self.left()
-
-    def notify(self, method: str, params: object) -> None:
-        """Tells all of them."""
-        message = rpc.notification(method, params)
-        with self._lock:
-            listeners = list(self._listeners)
-        for listener in listeners:
-            listener(message)
 
 
 class Faults(logging.Handler):

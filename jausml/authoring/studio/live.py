@@ -10,9 +10,11 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.studio.live_places import Places, is_known, machine_boxes, places_of
-from jausml.authoring.studio.running import LONGEST, RunningSystem, messages_of
+from jausml.live.messages.of_project import messages_of
+from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.inspection import Inspection
-from jausml.live.systems.state import Level, components_of, declarations_of, state_as_json
+from jausml.live.systems.running import LONGEST, RunningSystem
+from jausml.live.systems.state import Level, state_as_json
 from jausml.live.systems.tables import cell, state_text
 
 if TYPE_CHECKING:
@@ -218,7 +220,8 @@ class LiveSystem(RunningSystem):
         most once in `PERIOD`, else once in `LONGEST`.
         """
         known = partial(messages_of, watched.path, watched.root)
-        super().__init__(network, watched.model, known, _TIMEOUT)
+        declared, named = declarations_of(watched.model), components_of(watched.model)
+        super().__init__(network, declared, named, known, _TIMEOUT)
         self.file = watched.file
         self._notify = notify
         self._places = places_of(watched.model)

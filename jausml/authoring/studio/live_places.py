@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.inherited_machines import machine_with
-from jausml.live.systems.state import node_of
+from jausml.live.systems.declarations import node_of
 from jausml.live.systems.tables import cell, share_text
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.folding import frames_of, is_large

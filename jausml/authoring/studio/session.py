@@ -23,12 +23,12 @@ from jausml.authoring.studio.handlers import (
     stepping,
 )
 from jausml.authoring.studio.handlers.showing import LiveRequests
-from jausml.authoring.studio.operating.seats import Operating
-from jausml.authoring.studio.rpc import Answering
-from jausml.authoring.studio.sockets import PACE
+from jausml.authoring.studio.rpc import refusal_of
 from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.project import is_model_file
+from jausml.live.serving.rpc import Answering
+from jausml.live.serving.sockets import PACE
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Callable
@@ -39,8 +39,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.studio.checking import Verdict
     from jausml.authoring.studio.context import StudioContext
-    from jausml.authoring.studio.operating.unit import Powers
-    from jausml.authoring.studio.rpc import Request
+    from jausml.live.serving.rpc import Request
 
 _MODULES = (showing, editing, modelling, partitioning, stepping, playing)
 _LOG = logging.getLogger(__name__)
@@ -52,8 +51,8 @@ DEBOUNCE_MS, STEP_MS = 50, 10
 class Session:
     """Answers pages, and tells them what happens."""
 
-    def __init__(self, context: StudioContext, powers: Powers | None = None) -> None:
-        """Begins a session (`powers`: what pages may command, None for nothing)."""
+    def __init__(self, context: StudioContext) -> None:
+        """Begins a session."""
         load_metamodels()  # now, for threads that ask at once would load them twice
         self._context = context
         self._live_requests = LiveRequests(context)
@@ -61,11 +60,10 @@ class Session:
         methods = {
             name: method for module in _MODULES for name, method in module.methods(context).items()
         }
-        self._answering = Answering({**methods, **self._live_requests.methods()})
+        self._answering = Answering({**methods, **self._live_requests.methods()}, refusal_of)
         self._checking = Checking(
             context.verdicts, lambda: context.viewed_files.files, self._judged
         )
-        self.operating = Operating(context.project, context.network, powers)
         context.followers.extend((self._checking.begin, self._live_requests.changed))
 
     @property
@@ -97,7 +95,6 @@ class Session:
         end = asyncio.Event()
         watched = asyncio.create_task(self._watch(end))
         self._checking.start()
-        self.operating.start()
         # Reading the library takes seconds on a busy computer: better before somebody asks for it.
         threading.Thread(target=library_entries, name="library", daemon=True).start()
         try:
@@ -108,7 +105,6 @@ class Session:
             self._checking.close()
             await watched  # it may wait for its turn among the changes
             self._answering.close()
-            await asyncio.to_thread(self.operating.stop)
             await asyncio.to_thread(self._live_requests.stop)
             await asyncio.to_thread(self._context.recordings.close)
             await asyncio.to_thread(self._context.trials.close)

@@ -108,9 +108,10 @@ def _require_terminal() -> None:
 
 def _expected(model: str | None) -> Monitor:
     """Returns the monitor of a system of which only the model is known yet."""
+    from jausml.live.systems.declarations import components_of, declarations_of
     from jausml.live.systems.folding import expected
     from jausml.live.systems.monitoring import Monitor
-    from jausml.live.systems.state import SystemState, components_of, declarations_of
+    from jausml.live.systems.state import SystemState
 
     if model is None:
         return Monitor(SystemState(time.monotonic()))

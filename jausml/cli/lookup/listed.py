@@ -72,8 +72,8 @@ def _service(entry: ServiceEntry) -> dict[str, Any]:
         "name": entry.name,
         "set": entry.set_name,
         "inherits": entry.inherits.label if entry.inherits else None,
-        "inputs": [str(message.name) for message in entry.definition.inputs],
-        "outputs": [str(message.name) for message in entry.definition.outputs],
+        "inputs": list(entry.input_names),
+        "outputs": list(entry.output_names),
     }
 
 

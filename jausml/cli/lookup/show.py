@@ -88,7 +88,7 @@ def _message_json(entry: MessageEntry, fields: Sequence[Row]) -> dict[str, Any]:
     return {
         **_named(entry),
         "services": [service.label for service in entry.services],
-        "documentation": str(entry.definition.documentation or ""),
+        "documentation": entry.documentation,
         "fields": [field.to_json() for field in fields],
         "example": _example(entry),
     }
@@ -102,8 +102,8 @@ def _example(entry: MessageEntry) -> dict[str, Any]:
 
 def _message_lines(entry: MessageEntry, fields: Sequence[Row]) -> Iterator[str]:
     yield f"{entry.name} {entry.code_text}{' (command)' if entry.is_command else ''}"
-    if entry.definition.documentation:
-        yield f"  {entry.definition.documentation}"
+    if entry.documentation:
+        yield f"  {entry.documentation}"
     yield f"  of {', '.join(service.label for service in entry.services)}"
     yield ""
     if not fields:
@@ -208,7 +208,7 @@ def type_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     from jausml.language.model.library import library_paths
     from jausml.language.semantics.paths.ros_paths import ros_name
     from jausml.live.messages.errors import did_you_mean, similar
-    from jausml.live.messages.text import ros_rows
+    from jausml.live.messages.ros_rows import ros_rows
 
     plain = plain_type(name)
     package = plain.partition("/")[0]

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from jausml.language.model import Model, ReadResult
     from jausml.language.model.project import Reading
     from jausml.language.validation.rule import Report
-    from jausml.live.messages import Catalogue
+    from jausml.live.messages.defined import DefinedCatalogue
 
 SUFFIXES = (".xmi", ".ros2jaus")
 """The endings of model files."""
@@ -308,7 +308,7 @@ def fail(report: Report, outcome: str = "", *, quiet: bool = False) -> NoReturn:
     raise click.exceptions.Exit(PROBLEMS)
 
 
-def open_catalogue(models: Iterable[str]) -> Catalogue:
+def open_catalogue(models: Iterable[str]) -> DefinedCatalogue:
     """Returns the messages of the library, and of the models in files and folders.
 
     Without any, those of the project of the current folder are known.

@@ -34,11 +34,10 @@ def service_names(models: Sequence[str] = ()) -> Iterable[str]:
 
 def message_names(models: Sequence[str] = ()) -> Iterable[str]:
     """Returns the messages."""
-    definitions = (service.definition for service in _catalogue(models).services.values())
     return (
-        str(message.name)
-        for definition in definitions
-        for message in (*definition.inputs, *definition.outputs)
+        name
+        for service in _catalogue(models).services.values()
+        for name in (*service.input_names, *service.output_names)
     )
 
 
@@ -51,7 +50,7 @@ def input_names(models: Sequence[str] = (), labels: Collection[str] = ()) -> Ite
     for service in _catalogue(models).services.values():
         if not labels or service.label in labels:
             for owner in service.lineage:
-                yield from (str(message.name) for message in owner.definition.inputs)
+                yield from owner.input_names
 
 
 def field_paths(name: str, models: Sequence[str] = ()) -> Iterator[str]:

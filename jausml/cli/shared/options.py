@@ -46,7 +46,7 @@ AUTHORITY = 205
 """`jausml.live.peers.console`."""
 
 STOP_WORDS = ("standby", "emergency")
-"""`jausml.authoring.studio.operating.stops`."""
+"""`jausml.live.operating.stops`."""
 
 TRANSPORTS = ("judp", "jtcp", "node-manager")
 INTERFACE = "127.0.0.1"
@@ -177,3 +177,27 @@ class LazyGroup(click.Group):
         """Writes the list of verbs, without loading them."""
         with formatter.section("Commands"):
             formatter.write_dl([(name, text) for name, (_, text) in self.verbs.items()])
+
+
+def page_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Adds the options of what serves a page: `host`, `page_port` and `no_browser`."""
+    host = click.option(
+        "--host",
+        default="127.0.0.1",
+        metavar="ADDRESS",
+        help="Address to serve at; 127.0.0.1 is reachable from this computer only, others from the "
+        "network.",
+    )
+    port = click.option(
+        "--port",
+        "page_port",
+        type=click.IntRange(0, 65535),
+        default=0,
+        show_default=False,
+        metavar="PORT",
+        help="Port to serve at; by default, a free one.",
+    )
+    no_browser = click.option(
+        "--no-browser", is_flag=True, help="Print the address without opening a browser."
+    )
+    return host(port(no_browser(function)))

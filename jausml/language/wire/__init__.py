@@ -2,8 +2,12 @@
 
 `resolve` is the only walk over the field kinds of the metamodel. Whoever needs to know how a
 message is encoded (codecs of every language, dissectors, interface packages, rules) reads its
-result.
+result. The modules of it are
+loaded when used: a process that was handed layouts needs no metamodel.
 """
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from jausml.language.wire.kinds import JAUS_MESSAGE as JAUS_MESSAGE
 from jausml.language.wire.kinds import Alternative as Alternative
@@ -43,13 +47,36 @@ from jausml.language.wire.numbers import Ranges as Ranges
 from jausml.language.wire.numbers import Real as Real
 from jausml.language.wire.numbers import RealType as RealType
 from jausml.language.wire.numbers import Scaled as Scaled
-from jausml.language.wire.numbers import legal_integers as legal_integers
 from jausml.language.wire.numbers import merged as merged
-from jausml.language.wire.numbers import offset_of as offset_of
-from jausml.language.wire.resolving import LARGEST as LARGEST
-from jausml.language.wire.resolving import MAXIMUM_DEPTH as MAXIMUM_DEPTH
-from jausml.language.wire.resolving import MOST_FIELDS as MOST_FIELDS
-from jausml.language.wire.resolving import leaf_of as leaf_of
-from jausml.language.wire.resolving import resolve as resolve
-from jausml.language.wire.resolving import resolve_field as resolve_field
-from jausml.language.wire.resolving import target_of as target_of
+
+if TYPE_CHECKING:
+    from jausml.language.wire.resolving import LARGEST as LARGEST
+    from jausml.language.wire.resolving import MAXIMUM_DEPTH as MAXIMUM_DEPTH
+    from jausml.language.wire.resolving import MOST_FIELDS as MOST_FIELDS
+    from jausml.language.wire.resolving import leaf_of as leaf_of
+    from jausml.language.wire.resolving import resolve as resolve
+    from jausml.language.wire.resolving import resolve_field as resolve_field
+    from jausml.language.wire.resolving import target_of as target_of
+    from jausml.language.wire.value_sets import legal_integers as legal_integers
+    from jausml.language.wire.value_sets import offset_of as offset_of
+
+_HOMES = {
+    "LARGEST": "resolving",
+    "MAXIMUM_DEPTH": "resolving",
+    "MOST_FIELDS": "resolving",
+    "leaf_of": "resolving",
+    "resolve": "resolving",
+    "resolve_field": "resolving",
+    "target_of": "resolving",
+    "legal_integers": "value_sets",
+    "offset_of": "value_sets",
+}
+"""Where the names stand that need the metamodel."""
+
+
+def __getattr__(name: str) -> Any:
+    """Returns a name of the modules that read models (PEP 562)."""
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'jausml.language.wire' has no attribute {name!r}")
+    return getattr(import_module(f"jausml.language.wire.{home}"), name)

@@ -9,6 +9,9 @@ from typing import TypeAlias
 
 from jausml.language.wire.numbers import INTEGERS, IntegerType, LegalIntegers, Number
 
+PRESENCE_VECTOR = "PresenceVector"
+"""Field of a query that names the optional fields which its report shall hold (AS6009)."""
+
 TIME_STAMP = (
     ("Milliseconds", 0, 9, 0, 999),
     ("Seconds", 10, 15, 0, 59),

@@ -18,9 +18,8 @@ from jausml.language.wire.numbers import (
     Number,
     Real,
     Scaled,
-    legal_integers,
-    legal_reals,
 )
+from jausml.language.wire.value_sets import legal_integers, legal_reals
 
 LARGEST = 4 << 20
 """Most bytes of a text and elements of an array: larger messages are not put together."""

@@ -1,6 +1,8 @@
 """Messages: a catalogue of what models define, and a codec that needs no generated code."""
 
-from jausml.live.messages.catalogue import Catalogue, load_catalogue
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.messages.catalogue import Catalogue
 from jausml.live.messages.entries import (
     DecodedMessage,
     EmbeddedMessage,
@@ -20,6 +22,9 @@ from jausml.live.messages.errors import (
     UnknownServiceError,
 )
 
+if TYPE_CHECKING:
+    from jausml.live.messages.defined import load_catalogue
+
 __all__ = [
     "AmbiguousMessageError",
     "Catalogue",
@@ -38,3 +43,12 @@ __all__ = [
     "load_catalogue",
     "read_code",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Returns what reads models (PEP 562): who was handed a catalogue needs none."""
+    if name != "load_catalogue":
+        raise AttributeError(f"module 'jausml.live.messages' has no attribute {name!r}")
+    from jausml.live.messages.defined import load_catalogue  # noqa: PLC0415 - as said
+
+    return load_catalogue

@@ -1,17 +1,11 @@
-"""Catalogue of every message of the shipped library and of the user's own models."""
+"""Catalogue of messages by name and code, whoever lists them: models, or what was read of them."""
 
 from __future__ import annotations
 
 import re
-from functools import cache, partial
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
-from jausml.language.model.diagnostics import Severity
-from jausml.language.model.library import library_paths
-from jausml.language.model.model import without_collector
-from jausml.language.project import services_alone
 from jausml.live.messages.entries import (
     MAXIMUM_DEPTH,
     DecodedMessage,
@@ -22,7 +16,6 @@ from jausml.live.messages.entries import (
 )
 from jausml.live.messages.errors import (
     AmbiguousMessageError,
-    CatalogueError,
     CodecError,
     DecodeError,
     EncodeError,
@@ -34,118 +27,33 @@ from jausml.live.messages.errors import (
 from jausml.live.messages.values import check_names, shown
 
 if TYPE_CHECKING:
-    import os
-    from collections.abc import Iterable, Mapping, Sequence
-
-    from jausml.language.model import Model, ReadResult
-    from jausml.language.model.notation import Notation
+    from collections.abc import Mapping, Sequence
 
 _KEYS = ("message", "code", "service", "service_version", "fields")
 _CODE = re.compile(r"(?:0[xX])?[0-9A-Fa-f]{4}")
 
 
-def load_catalogue(
-    models: Sequence[str | os.PathLike[str]] = (),
-    *,
-    project_root: str | os.PathLike[str] | None = None,
-    allow_outside: bool = False,
-    notations: Sequence[Notation] = (),
-) -> Catalogue:
-    """Returns the catalogue of the shipped library and of further models.
-
-    That of the library alone is read once in a process. A service of these models takes the place
-    of the library's service of the same URN and version.
-
-    Raises:
-        CatalogueError: A model cannot be read; the text has all errors with their places.
-    """
-    if not models:
-        return _library_catalogue()
-    result = read_models(
-        [*models, *library_paths("jaus")],
-        project_root=project_root,
-        allow_outside=allow_outside,
-        notations=notations,
-    )
-    return _catalogue_of(result)
-
-
-@cache
-def _library_catalogue() -> Catalogue:
-    with without_collector():
-        return Catalogue(services_alone())
-
-
-def _catalogue_of(result: ReadResult) -> Catalogue:
-    errors = [error for error in result.diagnostics if error.severity is Severity.ERROR]
-    if errors:
-        raise CatalogueError("\n".join(f"{e.location}: {e.rule} {e.message}" for e in errors))
-    return Catalogue(result.model)
-
-
 class Catalogue:
-    """Services and messages by name and code."""
+    """Services and messages by name and code.
 
-    def __init__(self, model: Model) -> None:
-        """Lists what a model defines; codecs are made when they are used."""
-        self.model = model
+    Attributes:
+        services: By URN and version.
+    """
+
+    def __init__(self) -> None:
+        """Knows nothing; who makes it lists what there is."""
         self.services: dict[tuple[str, str], ServiceEntry] = {}
-        self._by_code: dict[int, list[tuple[jaus.MessageDef, ServiceEntry]]] = {}
         self._codes: dict[str, list[int]] = {}
-        self._entries: dict[int, tuple[MessageEntry, ...]] = {}
-        self._entry_of: dict[jaus.MessageDef, MessageEntry] = {}
-        services: dict[jaus.Service, ServiceEntry] = {}
-        for definition in model.instances(jaus.Service):
-            entry = ServiceEntry(definition, self._entries_of)
-            key = (entry.urn, entry.version)
-            if key not in self.services:
-                self.services[key] = entry
-                self._list_messages(definition, entry)
-            services[definition] = self.services[key]
-        for definition, entry in services.items():
-            if definition.inherits is not None:
-                entry.inherits = services.get(definition.inherits)
-
-    def _list_messages(self, definition: jaus.Service, service: ServiceEntry) -> None:
-        for message in (*definition.inputs, *definition.outputs):
-            code = int(str(message.code), 16)
-            self._by_code.setdefault(code, []).append((message, service))
-            codes = self._codes.setdefault(str(message.name), [])
-            if code not in codes:
-                codes.append(code)
-
-    def entry(self, definition: jaus.MessageDef) -> MessageEntry:
-        """Returns the message of a definition."""
-        self._with_code(int(str(definition.code), 16))
-        return self._entry_of[definition]
-
-    def _entries_of(self, definitions: Iterable[jaus.MessageDef]) -> tuple[MessageEntry, ...]:
-        return tuple(dict.fromkeys(map(self.entry, definitions)))
 
     def _with_code(self, code: int) -> tuple[MessageEntry, ...]:
         """Returns the messages of a code: definitions that are equal become one."""
-        if code not in self._by_code:
-            return ()
-        if code not in self._entries:
-            by_identity: dict[object, MessageEntry] = {}
-            definitions = self._by_code[code]
-            for definition, service in definitions:
-                entry = MessageEntry(definition, self._encode_embedded, self.decode)
-                try:
-                    # Most codes have one definition, which nothing can be equal to.
-                    identity: object = entry.identity if len(definitions) > 1 else definition
-                except MessageError:
-                    identity = definition  # using it will tell what is wrong
-                entry = by_identity.setdefault(identity, entry)
-                entry.services = tuple(dict.fromkeys((*entry.services, service)))
-                self._entry_of[definition] = entry
-            self._entries[code] = tuple(by_identity.values())
-        return self._entries[code]
+        raise NotImplementedError
 
     @property
     def messages(self) -> tuple[MessageEntry, ...]:
         """All messages in the order of their codes."""
-        return tuple(entry for code in sorted(self._by_code) for entry in self._with_code(code))
+        codes = {code for codes in self._codes.values() for code in codes}
+        return tuple(entry for code in sorted(codes) for entry in self._with_code(code))
 
     def find_services(self, service: str) -> tuple[ServiceEntry, ...]:
         """Returns the services of a name, in all versions unless one is given.

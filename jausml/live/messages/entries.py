@@ -18,9 +18,8 @@ from jausml.live.messages.counted import MESSAGE
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError, MessageError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterator, Mapping
 
-    from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.counted import EncodeMessage
     from jausml.live.messages.items import Codec
 
@@ -81,23 +80,35 @@ def read_code(payload: bytes) -> int:
 
 
 class ServiceEntry:
-    """A service of the catalogue."""
+    """A service of the catalogue.
+
+    Attributes:
+        input_names: Names of the messages that it receives, without inherited ones.
+        output_names: Names of the messages that it sends, without inherited ones.
+    """
 
     def __init__(
         self,
-        definition: jaus.Service,
-        messages: Callable[[Iterable[jaus.MessageDef]], tuple[MessageEntry, ...]],
+        names: Mapping[str, str],
+        input_names: tuple[str, ...],
+        output_names: tuple[str, ...],
+        messages: Callable[[], tuple[tuple[MessageEntry, ...], tuple[MessageEntry, ...]]],
     ) -> None:
-        self.urn = str(definition.urn)
-        self.version = str(definition.version)
-        self.name = str(definition.name)
-        self.documentation = str(definition.documentation or "")
-        owner = definition.eContainer()
-        self.set_name = str(owner.name) if owner is not None else ""
-        self.set_version = str(owner.version) if owner is not None else ""
+        """Is what a catalogue lists.
+
+        Args:
+            names: What `NAMES` lists.
+            messages: Returns the entries of its inputs and outputs.
+        """
+        self.urn, self.version, self.name = names["urn"], names["version"], names["name"]
+        self.documentation = names["documentation"]
+        self.set_name, self.set_version = names["set_name"], names["set_version"]
+        self.input_names, self.output_names = input_names, output_names
         self.inherits: ServiceEntry | None = None
-        self.definition = definition
-        self._messages = messages
+        self._find_messages = messages
+
+    NAMES = ("urn", "version", "name", "documentation", "set_name", "set_version")
+    """Its attributes that are texts."""
 
     def __repr__(self) -> str:
         return f"<ServiceEntry {self.label}>"
@@ -108,14 +119,18 @@ class ServiceEntry:
         return f"{self.urn}/{self.version}"
 
     @cached_property
+    def _messages(self) -> tuple[tuple[MessageEntry, ...], tuple[MessageEntry, ...]]:
+        return self._find_messages()
+
+    @property
     def inputs(self) -> tuple[MessageEntry, ...]:
         """The messages that it receives, without inherited ones."""
-        return self._messages(self.definition.inputs)
+        return self._messages[0]
 
-    @cached_property
+    @property
     def outputs(self) -> tuple[MessageEntry, ...]:
         """The messages that it sends, without inherited ones."""
-        return self._messages(self.definition.outputs)
+        return self._messages[1]
 
     @property
     def messages(self) -> tuple[MessageEntry, ...]:
@@ -133,20 +148,40 @@ class ServiceEntry:
             service = service.inherits
 
 
+class MessageFacts(Protocol):
+    """What a catalogue knows of a message beside its name; each is worked out when it is used."""
+
+    def layout(self) -> wire.Message:
+        """Returns how it is laid out (`wire.LayoutError`: it cannot be)."""
+
+    def is_for_controller(self) -> bool:
+        """Tells whether components obey it from their controller alone, by any of its services."""
+
+    def answers(self) -> tuple[MessageEntry, ...]:
+        """Returns the messages that confirm or reject it."""
+
+    def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
+        """Returns the query and the report that tell what it has set; None without any."""
+
+
 class MessageEntry:
     """A message of the catalogue: one name, code and layout, defined by one or more services."""
 
     def __init__(
         self,
-        definition: jaus.MessageDef,
+        name: str,
+        code: int,
+        documentation: str,
+        facts: MessageFacts,
         encode_message: EncodeMessage,
         decode_message: DecodeMessage,
+        *,
+        is_command: bool,
     ) -> None:
-        self.name = str(definition.name)
-        self.code = int(str(definition.code), 16)
-        self.is_command = bool(definition.isCommand)
+        self.name, self.code, self.documentation = name, code, documentation
+        self.is_command = is_command
         self.services: tuple[ServiceEntry, ...] = ()
-        self.definition = definition
+        self._facts = facts
         self._encode_message = encode_message
         self._decode_message = decode_message
 
@@ -163,11 +198,36 @@ class MessageEntry:
         """Name and first service, e.g. `ReportStatus of urn:jaus:jss:core:Management/1.0`."""
         return f"{self.name} of {self.services[0].label}" if self.services else self.name
 
+    @property
+    def is_rejection(self) -> bool:
+        """Whether it says as an answer that what was asked for is not done."""
+        return self.name.startswith("Reject")
+
+    @property
+    def layout(self) -> wire.Message:
+        """How it is laid out (`wire.LayoutError`: it cannot be)."""
+        return self._facts.layout()
+
+    @cached_property
+    def is_for_controller(self) -> bool:
+        """Whether components obey it from their controller alone, by any of its services."""
+        return self._facts.is_for_controller()
+
+    @cached_property
+    def answers(self) -> tuple[MessageEntry, ...]:
+        """The messages that confirm or reject it, by each service that defines it."""
+        return self._facts.answers()
+
+    @cached_property
+    def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
+        """The query and the report that tell what it has set; None without any."""
+        return self._facts.exchange()
+
     @cached_property
     def record(self) -> wire.Record:
         """The body as a record of its one field; without fields for a message of its code alone."""
         try:
-            body = wire.resolve(self.definition).body
+            body = self.layout.body
         except wire.LayoutError as error:
             raise DefinitionError(error.reason, error.path) from None
         return wire.Record(() if body is None else (body,))

@@ -9,17 +9,17 @@ from jausml.language.model.project import shown
 from jausml.language.model.reading.reader import read_models
 from jausml.language.project import Index
 from jausml.language.text.notation import NOTATIONS
-from jausml.live.messages.catalogue import load_catalogue
+from jausml.live.messages.defined import load_catalogue
 from jausml.live.messages.errors import CatalogueError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from pathlib import Path
 
-    from jausml.live.messages.catalogue import Catalogue
+    from jausml.live.messages.defined import DefinedCatalogue
 
 
-def project_catalogue(warn: Callable[[str], None]) -> Catalogue:
+def project_catalogue(warn: Callable[[str], None]) -> DefinedCatalogue:
     """Returns the messages of the library and those of the current project, if there is one."""
     index = Index.here()
     files = index.files_with_messages if index is not None else ()
@@ -27,6 +27,14 @@ def project_catalogue(warn: Callable[[str], None]) -> Catalogue:
         return load_catalogue(files, notations=NOTATIONS)
     except CatalogueError:
         return load_catalogue(sound_files(files, "messages", warn), notations=NOTATIONS)
+
+
+def messages_of(path: Path, root: Path) -> DefinedCatalogue:
+    """Returns the messages that are known: of a model with errors those of the library alone."""
+    try:
+        return load_catalogue([path], project_root=root, notations=NOTATIONS)
+    except CatalogueError:
+        return load_catalogue()
 
 
 def sound_files(files: Iterable[Path], what: str, warn: Callable[[str], None]) -> list[Path]:

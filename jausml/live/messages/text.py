@@ -7,10 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, SupportsInt
 
 from jausml.language import wire
-from jausml.language.interfaces.definitions import FieldType
-from jausml.language.metamodel.classes import ros
-from jausml.language.semantics.paths.markers import in_words
-from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.counted import MESSAGE
 from jausml.live.messages.entries import parts
@@ -18,7 +14,7 @@ from jausml.live.messages.errors import DefinitionError
 from jausml.live.messages.values import in_units, integers_in_words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from jausml.language.metamodel.classes import jaus
     from jausml.live.messages.entries import DecodedMessage, EmbeddedMessage, MessageEntry
@@ -161,7 +157,7 @@ class Row:
 
 def rows(entry: MessageEntry) -> list[Row]:
     """Returns the fields of a message from the outermost inwards."""
-    return rows_of(entry.definition)
+    return _rows_of(lambda: entry.layout)
 
 
 def paths_of(entry: MessageEntry) -> list[str]:
@@ -180,36 +176,15 @@ def paths_of(entry: MessageEntry) -> list[str]:
 
 def rows_of(definition: jaus.MessageDef) -> list[Row]:
     """Returns the fields of a definition from the outermost inwards, as `rows` does."""
+    return _rows_of(lambda: wire.resolve(definition))
+
+
+def _rows_of(layout: Callable[[], wire.Message]) -> list[Row]:
     try:
-        body = wire.resolve(definition).body
+        body = layout().body
     except wire.LayoutError as error:
         raise DefinitionError(error.reason, error.path) from None
     return [] if body is None else list(_rows(body, "", 0))
-
-
-def ros_rows(
-    kind: ros.MessageType, before: str = "", around: tuple[ros.MessageType, ...] = ()
-) -> Iterator[Row]:
-    """Yields the fields of a ROS type from the outermost inwards, a type in itself once."""
-    for field in kind.fields:
-        inner = field.messageType if isinstance(field, ros.MessageField) else None
-        word = "" if inner is None else ros_name(inner)
-        if isinstance(field, ros.PrimitiveField):
-            word = field.type.name
-        array, size = field.arrayKind.name, int(field.arraySize or 0)
-        bound = int(getattr(field, "stringBound", 0) or 0)
-        row = Row(
-            f"{before}{field.name}",
-            len(around),
-            str(FieldType(word, "", bound, array, size)),
-            units=str(field.units or ""),
-            documentation=str(field.documentation or ""),
-            markers=tuple(map(in_words, field.markers)),
-        )
-        yield row
-        if inner is not None and inner not in (kind, *around):
-            step = f"{row.path}{'' if array == 'single' else '[]'}."
-            yield from ros_rows(inner, step, (*around, kind))
 
 
 def _rows(field: wire.Field, before: str, depth: int, presence: str = "") -> Iterator[Row]:

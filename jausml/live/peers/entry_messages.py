@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from jausml.language import wire
-from jausml.language.semantics.jaus.commands import PRESENCE_VECTOR
+from jausml.language.wire.kinds import PRESENCE_VECTOR
 from jausml.live.messages import AmbiguousMessageError, MessageError, UnknownMessageError
 from jausml.live.messages.text import sample
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message

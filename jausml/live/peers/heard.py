@@ -43,7 +43,7 @@ class Heard:
     """The messages that came to a tool: of each component and code the last one."""
 
     def __init__(self, catalogue: Catalogue, network: Network, counters: Counters) -> None:
-        self._catalogue = catalogue
+        self.catalogue = catalogue
         self._network = network
         self._counters = counters
         self._last: dict[JausAddress, dict[int, bytes]] = {}
@@ -123,7 +123,7 @@ class Heard:
         for payload in tuple(self._last[target].values()):
             if self._name(read_code(payload)) == report:
                 try:
-                    self._catalogue.decode(payload)
+                    self.catalogue.decode(payload)
                 except MessageError as error:
                     return str(error)
         return ""
@@ -151,7 +151,7 @@ class Heard:
         labels = {f"{service.urn}/{service.major}.{service.minor}" for service in services}
         return [
             service
-            for service in self._catalogue.services.values()
+            for service in self.catalogue.services.values()
             if service.label in labels and any(ancestor in takers for ancestor in service.lineage)
         ]
 
@@ -160,18 +160,18 @@ class Heard:
 
     def _takers(self, message: str) -> Iterator[ServiceEntry]:
         """Yields the services that define a message as their input."""
-        for service in self._catalogue.services.values():
+        for service in self.catalogue.services.values():
             if any(entry.name == message for entry in service.inputs):
                 yield service
 
     def _may_answer(self, name: str) -> bool:
         """Whether a message may be an answer: what services only take asks or commands itself."""
-        services = self._catalogue.services.values()
+        services = self.catalogue.services.values()
         is_sent = any(output.name == name for service in services for output in service.outputs)
         return is_sent or next(self._takers(name), None) is None
 
     def _name(self, code: int) -> str:
-        entries = self._catalogue.find(code)
+        entries = self.catalogue.find(code)
         return entries[0].name if entries else f"message 0x{code:04X}"
 
 

@@ -9,7 +9,6 @@ from itertools import count
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.semantics.jaus.commands import obeys_controller_alone
 from jausml.live.messages import UnknownMessageError
 from jausml.live.peers.control import Handoffs, Hold
 from jausml.live.peers.discovery import POLL, controller_of
@@ -240,10 +239,7 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             return False  # the common part of a query and its report
 
     def _needs_control(self, target: JausAddress, entry: MessageEntry) -> bool:
-        if not any(
-            obeys_controller_alone(entry.definition, service.definition)
-            for service in entry.services
-        ):
+        if not entry.is_for_controller:
             return False
         provided = [service.urn for service in self.services(target)]
         return not provided or _ACCESS_CONTROL in provided

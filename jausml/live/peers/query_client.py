@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.base.quirks import Learnt
     from jausml.runtime.services.definitions import ServiceIdentity
+    from jausml.runtime.transports.transport import Transport
     from jausml.runtime.wire.message import Message
 
 M = TypeVar("M", bound="Message")
@@ -80,6 +81,15 @@ class QueryClient:
         component = self._component
         peers = component.transport.traffic(component.address)
         return {peer.peer: peer.restarts for peer in peers}
+
+    @property
+    def transport(self) -> Transport:
+        """What brings the messages of our component."""
+        return self._component.transport
+
+    def learn(self, catalogue: Catalogue) -> None:
+        """Takes another catalogue from now on."""
+        self.catalogue = self._heard.catalogue = catalogue
 
     @property
     def own(self) -> JausAddress:

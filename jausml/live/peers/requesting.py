@@ -9,7 +9,6 @@ from queue import Empty
 from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
-from jausml.language.semantics.jaus.commands import is_rejection, responses, told_after
 from jausml.live.messages import MessageError, UnknownMessageError, read_code
 from jausml.live.peers.entry_messages import full_query, message_class
 from jausml.live.peers.query_client import NoAnswer, Refused
@@ -19,7 +18,7 @@ from jausml.runtime.services.definitions import Status
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
 
-    from jausml.live.messages import Catalogue, MessageEntry
+    from jausml.live.messages import MessageEntry
     from jausml.live.peers.control import Hold
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
@@ -133,36 +132,22 @@ def request(
         return operator.query(target, name, fields, timeout)
     if entry.name.startswith(("Query", "Report")):
         return operator.query(target, name, fields, timeout)
-    answers = _answers(operator.catalogue, entry)
+    answers = entry.answers
     sent_fields = entry.completed(fields or {})
     if any(_has_request_id(answer) for answer in answers):
         sent_fields = _numbered(entry.record, sent_fields, operator.next_request_id())
     operator.check_obeyed(target, entry)
     end = time.monotonic() + (operator.timeout if timeout is None else timeout)
-    if all(is_rejection(answer.definition) for answer in answers):
+    if all(answer.is_rejection for answer in answers):
         return _report(operator, target, entry, sent_fields, answers, end)
     return _answer(operator, target, entry, sent_fields, answers, end)
-
-
-def _answers(catalogue: Catalogue, entry: MessageEntry) -> tuple[MessageEntry, ...]:
-    """Returns the messages that answer one, by each service that defines it."""
-    entries = (
-        catalogue.entry(answer)
-        for service in entry.services
-        for answer in responses(entry.definition, service.definition)
-    )
-    return tuple(dict.fromkeys(entries))
 
 
 def _exchange(
     operator: Operator, target: JausAddress, entry: MessageEntry
 ) -> tuple[MessageEntry, MessageEntry]:
     """Returns the query and the report of what a message sets, of the state if there is none."""
-    for service in entry.services:
-        answer = told_after(entry.definition, service.definition)
-        if answer is not None:
-            return operator.catalogue.entry(answer.query), operator.catalogue.entry(answer.report)
-    return operator.exchange(target, "Status")
+    return entry.exchange or operator.exchange(target, "Status")
 
 
 # -- confirmed or rejected -------------------------------------------------------------------------
@@ -195,7 +180,7 @@ def _answer(
             if _request_id(came) in (None, wanted):
                 break
     operator.answered(target, message)
-    if is_rejection(answer.definition):
+    if answer.is_rejection:
         raise _rejected(target, entry, answer, came)
     return answer, came
 

@@ -29,7 +29,7 @@ _ANY: Schema = {"type": "object"}
 
 def schema_of(entry: MessageEntry) -> Schema:
     """Returns the schema of a message of a recording: its header and its fields."""
-    body = wire.resolve(entry.definition).body
+    body = entry.layout.body
     fields: Schema = _ANY
     if body is not None:
         inner = _typed(body.kind)
@@ -37,7 +37,7 @@ def schema_of(entry: MessageEntry) -> Schema:
         fields = inner if inner["type"] == "object" else _object({body.name: inner})
     return {
         "title": entry.name,
-        "description": str(entry.definition.documentation or ""),
+        "description": entry.documentation,
         **_object(
             {
                 "source": _ADDRESS,

@@ -19,7 +19,7 @@ from jausml.live.systems.folding import (
     fold_statuses,
     fold_time,
 )
-from jausml.live.systems.recorded_facts import control_in, machines_in, state_in, timeout_in
+from jausml.live.systems.reports import control_in, machines_in, state_in, timeout_in
 from jausml.live.systems.ros_diagnostics import RosDiagnostics
 from jausml.runtime.messages import (
     QueryControl,

@@ -15,9 +15,10 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from jausml.live.recording.playing import PlayedRecording
+from jausml.live.systems.declarations import components_of, declarations_of
 from jausml.live.systems.folding import fold_model, fold_source, fold_time
 from jausml.live.systems.recorded_facts import Fact, Listener, fold_fact
-from jausml.live.systems.state import SystemState, components_of, declarations_of
+from jausml.live.systems.state import SystemState
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.discovery import controller_of, type_name
-from jausml.live.peers.query_client import status_of
+from jausml.live.peers.discovery import type_name
 from jausml.live.recording.mcap_files import RecordingError
 from jausml.live.recording.playing import JAUS_TOPICS
 from jausml.live.recording.recorder import DIAGNOSTICS
@@ -17,7 +16,7 @@ from jausml.live.systems.folding import (
     fold_answer,
     fold_statuses,
 )
-from jausml.live.systems.machines import MOST_MACHINES, MachineState, StateTime
+from jausml.live.systems.reports import control_in, machines_in, state_in, timeout_in
 from jausml.runtime.messages import (
     ConfirmControl,
     QueryControl,
@@ -61,23 +60,6 @@ def fold_fact(state: SystemState, fact: Fact) -> SystemState:
     return fold_statuses(state, fact.statuses, fact.time)
 
 
-def state_in(report: ReportStatus, _client: str = "") -> dict[str, Any]:
-    """Returns the state that a component reports."""
-    state = status_of(report)
-    return {"state": state.name if state is not None else f"state {report.status}"}
-
-
-def control_in(report: ReportControl, _client: str = "") -> dict[str, Any]:
-    """Returns who controls a component, as it reports; an empty text is nobody."""
-    controller = controller_of(report) if report.subsystem_id else ""
-    return {"controller": controller, "authority": report.authority_code}
-
-
-def timeout_in(report: ReportTimeout, _client: str = "") -> dict[str, Any]:
-    """Returns the seconds after which control of a component lapses, as it reports."""
-    return {"control_timeout": int(report.timeout)}
-
-
 def _identification(report: ReportIdentification, _: str) -> dict[str, Any]:
     return {"name": report.identification or None, "type": type_name(report.type_) or None}
 
@@ -88,24 +70,6 @@ def _confirmed(report: ConfirmControl, client: str) -> dict[str, Any]:
 
 def _rejected(report: RejectControl, _: str) -> dict[str, Any]:
     return {"controller": ""} if report.response_code == _RELEASED else {}
-
-
-def machines_in(report: ReportMachineStates, _client: str = "") -> dict[str, Any]:
-    """Returns the machines that a component reports."""
-    machines = tuple(
-        MachineState(
-            machine.machine_rec.service,
-            machine.machine_rec.machine,
-            machine.machine_rec.state,
-            machine.machine_rec.milliseconds / 1000,
-            tuple(
-                StateTime(time.state, time.entries, time.milliseconds / 1000)
-                for time in machine.time_list
-            ),
-        )
-        for machine in report.machine_list[:MOST_MACHINES]
-    )
-    return {"machines": machines}
 
 
 _TELLING: dict[str, tuple[Any, Callable[[Any, str], dict[str, Any]]]] = {

@@ -1,6 +1,6 @@
 // Asking the server.
 
-import { CallError, type Caller, LOST } from "../connection";
+import { CallError, type Caller, LOST, messageOf } from "../connection";
 import type { Method, Params, Result } from "../protocol";
 import { say } from "../store";
 
@@ -17,9 +17,7 @@ export function ask<M extends Method>(method: M, params: Params<M>): Promise<Res
   return caller.call(method, params);
 }
 
-export function messageOf(error: unknown): string {
-  return error instanceof Error ? error.message : String(error);
-}
+export { messageOf };
 
 /** Awaits, and tells the user what went wrong; undefined then. */
 export async function tried<T>(work: Promise<T>): Promise<T | undefined> {

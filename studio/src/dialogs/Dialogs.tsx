@@ -2,6 +2,7 @@ import { type FormEvent, useEffect, useRef, useState } from "react";
 import { bridgesOf, carry, choose, connect, edit, placeOn, rename, take } from "../actions";
 import { hostsOf } from "../canvas/frames";
 import { HELP } from "../keyboard/keys";
+import { Copyable } from "../panels/base/parts";
 import { type Dialog, update, useStudio } from "../store";
 import { Diff } from "./Diff";
 import { Modal } from "./Modal";
@@ -21,6 +22,8 @@ export function Dialogs() {
   switch (dialog.kind) {
     case "help":
       return <Help />;
+    case "operate":
+      return <Operate />;
     case "delete":
       return <Delete dialog={dialog} />;
     case "ends":
@@ -75,6 +78,23 @@ function Help() {
           </p>
         </section>
       </div>
+    </Modal>
+  );
+}
+
+/** Who commands decides what is safe, on the command line of a process of its own. */
+function Operate() {
+  const file = useStudio((studio) => studio.file);
+  const line = `jausml operate ${file} --stop-all standby --lease 2`;
+  return (
+    <Modal title="Operate" onClose={close}>
+      <p>
+        Components are commanded by a program of its own, which nothing here can hold up. Start it
+        in the folder of this project, and say what is safe: what <b>Stop</b> does (standby or
+        emergency), and for how many seconds its page may be silent. <code>--stop</code> adds the
+        stop of a command; <code>jausml operate --help</code> tells more.
+      </p>
+      <Copyable label="the command" text={line} />
     </Modal>
   );
 }

@@ -1,5 +1,4 @@
 import { beginModel, bridgesOf, openFile, openView, redo, undo } from "../actions";
-import { operate } from "../operate/mode";
 import type { ViewInfo } from "../protocol";
 import { update, useStudio } from "../store";
 
@@ -51,8 +50,8 @@ export function Header() {
         </select>
       </label>
       <span className="spring" />
-      <button type="button" onClick={() => operate(true)}>
-        Operate
+      <button type="button" onClick={() => update({ dialog: { kind: "operate" } })}>
+        Operate…
       </button>
       {hasBridges && (
         <button

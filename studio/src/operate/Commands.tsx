@@ -1,12 +1,12 @@
 import { lazy, Suspense, useEffect, useState } from "react";
-import { messageOf } from "../actions";
+import { messageOf } from "../connection";
 import { Fault, Quiet } from "../panels/base/parts";
 import { driversOf } from "./drawing";
 import { FieldsForm } from "./FieldsForm";
 import { type Draft, type Faults, readGroup } from "./fields";
 import type { Command, Field } from "./protocol";
 import { StickPad } from "./StickPad";
-import { ask, commands, tell, tried, unit, useUnit } from "./unit";
+import { ask, commands, nameOf, tell, tried, unit, useUnit } from "./unit";
 
 const Drawing = lazy(() => import("./Drawing"));
 
@@ -18,6 +18,7 @@ export function Commands() {
   const [fault, setFault] = useState("");
   const [chosen, setChosen] = useState("");
   const [turn, setTurn] = useState(0);
+  const learnt = useUnit((unit) => unit.learnt);
   // biome-ignore lint/correctness/useExhaustiveDependencies: another turn asks again
   useEffect(() => {
     let isWanted = true;
@@ -33,12 +34,12 @@ export function Commands() {
     return () => {
       isWanted = false;
     };
-  }, [component, turn]);
+  }, [component, turn, learnt]);
   const command = offered?.find((each) => each.name === chosen);
   const drivers = driversOf(services);
   return (
-    <section aria-label="Commands">
-      <h2>Commands of {component}</h2>
+    <>
+      <h2>Commands of {nameOf(component)}</h2>
       <Fault>{fault}</Fault>
       {offered?.length === 0 && <Quiet>It says of no service that it provides it.</Quiet>}
       {(fault || offered?.length === 0) && (
@@ -55,10 +56,12 @@ export function Commands() {
             onChange={(event) => setChosen(event.currentTarget.value)}
           >
             <option value="">choose…</option>
-            {offered.map((each) => (
-              <option key={each.name} value={each.name}>
-                {each.name} ({each.service})
-              </option>
+            {groupsOf(offered).map(([service, group]) => (
+              <optgroup key={service} label={service}>
+                {group.map((each) => (
+                  <option key={each.name}>{each.name}</option>
+                ))}
+              </optgroup>
             ))}
           </select>
         </label>
@@ -69,8 +72,19 @@ export function Commands() {
           <Drawing component={component} drivers={drivers} />
         </Suspense>
       )}
-    </section>
+    </>
   );
+}
+
+const CORE = ["AccessControl", "Discovery", "Events", "Liveness", "Management", "Transport"];
+
+/** Commands by their services; those of the core, which operate nothing, come last. */
+function groupsOf(offered: Command[]): [string, Command[]][] {
+  const services = [...new Set(offered.map((each) => each.service))];
+  const isCore = (service: string) => Number(CORE.includes(service));
+  return services
+    .sort((one, other) => isCore(one) - isCore(other) || one.localeCompare(other))
+    .map((service) => [service, offered.filter((each) => each.service === service)]);
 }
 
 function CommandForm({ command, component }: { command: Command; component: string }) {
@@ -125,8 +139,7 @@ function CommandForm({ command, component }: { command: Command; component: stri
       <button type="submit" className="primary" disabled={!isOurs}>
         Send {command.name}
       </button>
-      {!isOurs && <span className="quiet"> Take control of a component first.</span>}
-      {answer && <output className="answer">{answer}</output>}
+      <output className="answer">{isOurs ? answer : "Take control of a component first."}</output>
       <StickPad
         command={command}
         component={component}

@@ -1,16 +1,19 @@
 import { useState } from "react";
-import type { Component, HandoffRequest } from "./protocol";
-import { ask, choose, commands, taking, tried, useUnit } from "./unit";
+import { Age } from "./Age";
+import type { Component } from "./protocol";
+import { ask, choose, commands, nameOf, taking, tried, useUnit } from "./unit";
 
+/** Seconds after which who says nothing counts as gone. */
+const SILENCE_S = 5;
 const SIGNS: Record<string, string> = { ok: "✔", warning: "▲", error: "✖" };
 
 /** Who is there, who controls whom, and who asks for control. */
 export function Components() {
   const state = useUnit((unit) => unit.state);
   const chosen = useUnit((unit) => unit.chosen);
-  const components = state?.components ?? [];
+  const components = useUnit((unit) => unit.components);
   return (
-    <section aria-label="Components">
+    <section className="components" aria-label="Components">
       <table>
         <caption>Components</caption>
         <thead>
@@ -19,6 +22,7 @@ export function Components() {
             <th scope="col">level</th>
             <th scope="col">state</th>
             <th scope="col">controlled by</th>
+            <th scope="col">heard</th>
           </tr>
         </thead>
         <tbody>
@@ -39,11 +43,13 @@ export function Components() {
               </td>
               <td>{each.state ?? "–"}</td>
               <td>{controllerOf(each, state?.own ?? "")}</td>
+              <td>
+                <Age seconds={state?.ages[each.id] ?? null} limit={SILENCE_S} />
+              </td>
             </tr>
           ))}
         </tbody>
       </table>
-      <Requests />
       {chosen && <Control key={chosen} component={chosen} />}
     </section>
   );
@@ -66,30 +72,25 @@ function Control({ component }: { component: string }) {
   if (!mayCommand) return null;
   const number = Number(authority);
   const isGood = authority !== "" && Number.isInteger(number) && number >= 0 && number <= 255;
-  if (held) {
-    const off = !isOurs;
-    return (
-      <fieldset className="control">
-        <legend>{component} is controlled</legend>
-        <button type="button" disabled={off} onClick={() => void tried("resume", { component })}>
-          Resume
-        </button>
-        <button type="button" disabled={off} onClick={() => void tried("standby", { component })}>
-          Standby
-        </button>
-        <button type="button" disabled={off} onClick={() => void tried("release", { component })}>
-          Release control
-        </button>
-        <button type="button" onClick={() => void tried("clear", { component })}>
-          Clear emergency
-        </button>
-      </fieldset>
-    );
-  }
-  const isFree = commander === null || isOurs;
+  const isFree = !held && (commander === null || isOurs);
+  const why = held
+    ? ""
+    : !isFree
+      ? `${commander?.name} commands.`
+      : isGood
+        ? ""
+        : "Say an authority first.";
+  const button = (label: string, off: boolean, work: () => void) => (
+    <button type="button" disabled={off} onClick={work}>
+      {label}
+    </button>
+  );
+  // All of it stays in its place, whether control is had or lost meanwhile.
   return (
     <fieldset className="control">
-      <legend>Control of {component}</legend>
+      <legend>
+        {nameOf(component)} {held ? "is controlled" : "is not controlled here"}
+      </legend>
       <label>
         Authority, 0 .. 255
         <input
@@ -100,64 +101,25 @@ function Control({ component }: { component: string }) {
           onChange={(event) => setAuthority(event.currentTarget.value)}
         />
       </label>
-      <button
-        type="button"
-        className="primary"
-        disabled={!isFree || !isGood}
-        onClick={() => void taking(ask("take", { component, authority: number }))}
-      >
-        Take control
-      </button>
+      {button(
+        "Take control",
+        !isFree || !isGood,
+        () => void taking(ask("take", { component, authority: number })),
+      )}
+      {button("Resume", !held || !isOurs, () => void tried("resume", { component }))}
+      {button("Standby", !held || !isOurs, () => void tried("standby", { component }))}
+      {button("Release control", !held || !isOurs, () => void tried("release", { component }))}
+      {button("Clear emergency", false, () => void tried("clear", { component }))}
       <label>
         or ask who has it, because
         <input value={reason} onChange={(event) => setReason(event.currentTarget.value)} />
       </label>
-      <button
-        type="button"
-        disabled={!isFree || !isGood || reason.trim() === ""}
-        onClick={() => void taking(ask("handoff", { component, authority: number, reason }))}
-      >
-        Ask for control
-      </button>
-      <button type="button" onClick={() => void tried("clear", { component })}>
-        Clear emergency
-      </button>
-      {!isFree && <span className="quiet">{commander?.name} commands.</span>}
+      {button(
+        "Ask for control",
+        !isFree || !isGood || reason.trim() === "",
+        () => void taking(ask("handoff", { component, authority: number, reason })),
+      )}
+      <p className="quiet one-line">{why}</p>
     </fieldset>
-  );
-}
-
-/** Who asks for control of what is controlled here; a person decides. */
-function Requests() {
-  const requests = useUnit((unit) => unit.state?.requests ?? null);
-  if (!requests?.length) return null;
-  return (
-    <ul className="requests" aria-label="Requests for control">
-      {requests.map((each) => (
-        <Request key={`${each.component} ${each.number}`} request={each} />
-      ))}
-    </ul>
-  );
-}
-
-function Request({ request }: { request: HandoffRequest }) {
-  const isOurs = useUnit(commands);
-  const { component, number } = request;
-  const decide = (decision: "grant" | "deny" | "defer") =>
-    void tried("decide", { component, number, decision });
-  return (
-    <li role="alert">
-      {request.client} asks for control of {component} with authority {request.authority}:{" "}
-      {request.explanation || "without a reason"}
-      <button type="button" disabled={!isOurs} onClick={() => decide("grant")}>
-        Grant
-      </button>
-      <button type="button" disabled={!isOurs} onClick={() => decide("deny")}>
-        Deny
-      </button>
-      <button type="button" disabled={!isOurs} onClick={() => decide("defer")}>
-        Defer
-      </button>
-    </li>
   );
 }

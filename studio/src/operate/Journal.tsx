@@ -15,7 +15,7 @@ export function Journal() {
           .reverse()
           .map((each) => (
             <li key={each.number}>
-              <time>{new Date(each.time * 1000).toLocaleTimeString()}</time>{" "}
+              <time>{new Date(each.time * 1000).toISOString().slice(11, 19)}</time>{" "}
               <strong>{each.who}</strong> {each.text}
             </li>
           ))}

@@ -1,5 +1,5 @@
 import { useEffect, useState } from "react";
-import { messageOf } from "../actions";
+import { messageOf } from "../connection";
 import { Copyable, Quiet } from "../panels/base/parts";
 import { endpointOf } from "./endpoints";
 import type { Values } from "./protocol";

@@ -1,58 +1,41 @@
-import { useEffect, useState } from "react";
-import "./operate.css";
-import { Fault, Quiet } from "../panels/base/parts";
-import { Alarms } from "./Alarms";
+import { useState } from "react";
+import { Quiet } from "../panels/base/parts";
+import { Alarms, Requests } from "./Alarms";
 import { Commands } from "./Commands";
 import { Components } from "./Components";
 import { Journal } from "./Journal";
-import { operate, useOperating } from "./mode";
+import { DOCK } from "./places";
 import { StopButton } from "./StopButton";
-import { open, ownName, rename, useUnit } from "./unit";
+import { ownName, rename, useUnit } from "./unit";
 import { ValuesPanel } from "./Values";
 
-/** The operator unit; its stop stays while models are looked at. */
-export default function Operate() {
-  const isOpen = useOperating((mode) => mode.isOpen);
-  useEffect(open, []);
-  return (
-    <>
-      <StopButton />
-      {isOpen && <Room />}
-    </>
-  );
-}
-
-function Room() {
-  const link = useUnit((unit) => unit.link);
-  const refusal = useUnit((unit) => unit.refusal);
-  const fault = useUnit((unit) => unit.state?.fault ?? "");
+/** The operator unit. Each part has a fixed place; what is longer scrolls within its own. */
+export function Operate() {
   const chosen = useUnit((unit) => unit.chosen);
+  const isStale = useUnit((unit) => unit.isStale);
   return (
-    <section className="operate" aria-label="Operate">
+    <div className={isStale ? "operate stale" : "operate"}>
       <header>
-        <button type="button" onClick={() => operate(false)}>
-          ← Models
-        </button>
         <h1>Operate</h1>
         <Who />
-        <Said />
+        <Notice />
       </header>
-      {link !== "open" && (
-        <Fault>{refusal || "There is no connection to the server: nothing here is current."}</Fault>
-      )}
-      <Fault>{fault}</Fault>
       <Alarms />
-      <div className="operate-columns">
-        <div>
-          <Components />
+      <Requests />
+      <main>
+        <Components />
+        <section className="commands" aria-label="Commands">
           {chosen ? <Commands key={chosen} /> : <Quiet>Choose a component.</Quiet>}
-        </div>
-        <div>
-          <ValuesPanel />
-          <Journal />
-        </div>
+        </section>
+        <ValuesPanel />
+        <Journal />
+      </main>
+      <div className="dock">
+        <div id={DOCK} className="dock-pad" />
+        <Said />
+        <StopButton />
       </div>
-    </section>
+    </div>
   );
 }
 
@@ -64,17 +47,18 @@ function Who() {
   const mayCommand = useUnit((unit) => unit.mayCommand);
   const canCommand = useUnit((unit) => unit.canCommand);
   const noRight = useUnit((unit) => unit.noRight);
+  const isStale = useUnit((unit) => unit.isStale);
   const [name, setName] = useState(ownName);
+  const who =
+    commander === null
+      ? "Nobody commands"
+      : commander.page === page
+        ? "You command"
+        : `${commander.name} commands`;
   return (
     <>
       {own && <span className="badge">JAUS id {own}</span>}
-      <strong>
-        {commander === null
-          ? "Nobody commands"
-          : commander.page === page
-            ? "You command"
-            : `${commander.name} commands`}
-      </strong>
+      <strong>{isStale ? "Who commands is not known" : who}</strong>
       {mayCommand ? (
         <label>
           Your name
@@ -91,23 +75,40 @@ function Who() {
           {noRight ||
             (canCommand
               ? "This page may look, and not command."
-              : "This studio only watches: it was started without --operate.")}
+              : "This unit only watches: it was started without --stop-all.")}
         </span>
       )}
     </>
   );
 }
 
+/** How old all of this is, and what is wrong with the unit itself. */
+function Notice() {
+  const link = useUnit((unit) => unit.link);
+  const refusal = useUnit((unit) => unit.refusal);
+  const silence = useUnit((unit) => unit.silence);
+  const isStale = useUnit((unit) => unit.isStale);
+  const fault = useUnit((unit) => unit.state?.fault ?? "");
+  const unread = useUnit((unit) => unit.state?.unread ?? "");
+  const unguarded = useUnit((unit) => unit.state?.unguarded ?? "");
+  const lost = refusal || (link === "open" ? "" : "There is no connection to the unit. ");
+  const old = `✝ No word from the unit for ${silence.toFixed(1)} s: nothing here is current.`;
+  const known = [fault, unread && `Models: ${unread}`, unguarded && `The guardian ${unguarded}`];
+  return (
+    <span className="notice" role="alert">
+      {isStale ? `${lost}${link === "refused" ? "" : old}` : known.filter(Boolean).join(" · ")}
+    </span>
+  );
+}
+
 function Said() {
   const said = useUnit((unit) => unit.said);
   return (
-    <>
-      <output className="operate-said" aria-live="polite">
-        {said.isError ? "" : said.text}
-      </output>
-      <span role="alert" className="operate-fault">
-        {said.isError ? said.text : ""}
+    <div className="said">
+      <output aria-live="polite">{said.isError ? "" : said.text}</output>
+      <span role="alert" className="field-fault">
+        {said.isError ? `✖ ${said.text}` : ""}
       </span>
-    </>
+    </div>
   );
 }

@@ -1,7 +1,7 @@
 import { useCallback, useMemo } from "react";
 import type uPlot from "uplot";
 import { TimePlot } from "./TimePlot";
-import { ask } from "./unit";
+import { ask, nameOf } from "./unit";
 
 export interface Series {
   component: string;
@@ -36,7 +36,7 @@ export function Plot({ series, seconds }: Props) {
   return (
     <TimePlot
       title={`${title} of ${report}`}
-      caption={`${title} of ${report}, ${component}`}
+      caption={`${title} of ${report}, ${nameOf(component)}`}
       lines={lines}
       range={range}
       look={look}

@@ -1,16 +1,20 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef, useState } from "react";
+import { createPortal } from "react-dom";
 import { Quiet } from "../panels/base/parts";
 import {
   type Axis,
   axesOf,
   type Draft,
   type Faults,
-  rangesOf,
+  faultOfFull,
   readGroup,
+  valueAt,
   withNumber,
 } from "./fields";
 import { HeldStick } from "./holding";
+import { DOCK } from "./places";
 import type { Command, Field } from "./protocol";
+import { tell } from "./unit";
 
 interface Props {
   command: Command;
@@ -20,7 +24,7 @@ interface Props {
   isAllowed: boolean;
 }
 
-/** Where the hand is: right and up are positive, 1 is full. */
+/** Where the hand is from where it pressed: right and up are positive, 1 is full. */
 interface Place {
   x: number;
   y: number;
@@ -34,12 +38,16 @@ interface Way {
 
 const CENTRE: Place = { x: 0, y: 0 };
 const NO_WAY: Way = { axis: "", full: "" };
+/** Part of full that a press of an arrow adds, again while it is held. */
+const STEP = 0.1;
 const KEYS: Record<string, Place> = {
-  ArrowUp: { x: 0, y: 1 },
-  ArrowDown: { x: 0, y: -1 },
-  ArrowLeft: { x: -1, y: 0 },
-  ArrowRight: { x: 1, y: 0 },
+  ArrowUp: { x: 0, y: STEP },
+  ArrowDown: { x: 0, y: -STEP },
+  ArrowLeft: { x: -STEP, y: 0 },
+  ArrowRight: { x: STEP, y: 0 },
 };
+
+const within = (part: number): number => Math.max(-1, Math.min(1, part));
 
 /** A stick for a rate: it commands while it is held, and its stop follows, whatever happens. */
 export function StickPad(props: Props) {
@@ -58,29 +66,32 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
   const held = useRef<HeldStick | null>(null);
   const present = useRef<object>({});
   const keys = useRef(new Set<string>());
-  const pointer = useRef<{ pad: Element; id: number } | null>(null);
+  const pointer = useRef<{ pad: Element; id: number; x: number; y: number } | null>(null);
 
   const faults: Faults = new Map();
+  const values: Record<string, number> = {};
   const moved = [
     { way: up, part: place.y, name: "up" },
     { way: right, part: place.x, name: "right" },
   ].reduce((before, { way, part, name }) => {
-    const axis = axes.find((each) => each.steps.join(".") === way.axis);
+    const axis = axisOf(axes, way);
     if (!axis) return before;
-    const full = Number(way.full);
-    if (way.full.trim() === "" || !Number.isFinite(full)) faults.set(name, "Say what full is.");
-    else if (!fits(axis, full) || !fits(axis, -full)) {
-      faults.set(name, `Full is not within ${rangesOf(axis.kind)} both ways.`);
-    }
-    return withNumber(before, axis.steps, part * full);
+    const fault = faultOfFull(axis.kind, way.full);
+    if (fault) faults.set(name, fault);
+    values[name] = valueAt(axis.kind, part, Number(way.full));
+    return withNumber(before, axis.steps, values[name]);
   }, draft);
   const isIdle = up.axis === "" && right.axis === "";
   present.current = readGroup(fields, moved, "", faults);
   const isReady = isAllowed && !isIdle && faults.size === 0;
 
   /** Takes the stick in hand; false where it cannot be. */
-  function begin(): boolean {
+  function begin(pad: Element): boolean {
     if (!isReady || held.current) return false;
+    if (!isWhollySeen(pad)) {
+      tell("The stick is not wholly in the window: make it larger.", true);
+      return false;
+    }
     const stick = new HeldStick(
       () => present.current,
       () => {
@@ -102,60 +113,49 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
   const end = () => held.current?.end();
   useEffect(() => () => held.current?.end(), []);
 
-  function onPointer(event: PointerEvent<HTMLDivElement>) {
-    if (!held.current && event.type !== "pointerdown") return;
-    const box = event.currentTarget.getBoundingClientRect();
-    const part = (at: number, size: number) => Math.max(-1, Math.min(1, (2 * at) / size - 1));
+  // From where the hand pressed, not from where the pad is: nothing that moves the pad moves it.
+  function onMove(event: PointerEvent<HTMLDivElement>) {
+    const pressed = pointer.current;
+    if (!held.current || !pressed) return;
+    const half = event.currentTarget.clientWidth / 2;
     setPlace({
-      x: part(event.clientX - box.left, box.width),
-      y: -part(event.clientY - box.top, box.height),
+      x: within((event.clientX - pressed.x) / half),
+      y: within((pressed.y - event.clientY) / half),
     });
   }
 
   function onKey(event: KeyboardEvent) {
-    if (!(event.key in KEYS)) return;
+    const step = KEYS[event.key];
+    if (!step || pointer.current) return;
     event.preventDefault();
-    if (event.type === "keydown") keys.current.add(event.key);
-    else keys.current.delete(event.key);
-    if (keys.current.size === 0) return end();
-    const directions = [...keys.current].flatMap((each) => KEYS[each] ?? []);
-    setPlace({
-      x: directions.reduce((sum, each) => sum + each.x, 0),
-      y: directions.reduce((sum, each) => sum + each.y, 0),
-    });
-    if (!event.repeat) begin();
+    if (event.type === "keyup") {
+      keys.current.delete(event.key);
+      if (keys.current.size === 0) end();
+      return;
+    }
+    if (!held.current && (event.repeat || !begin(event.currentTarget))) return;
+    keys.current.add(event.key);
+    setPlace(({ x, y }) => ({ x: within(x + step.x), y: within(y + step.y) }));
   }
 
   const { stop, timeout, source } = command.stick as Exclude<Command["stick"], { refusal: string }>;
-  return (
-    <fieldset className="stick">
-      <legend>Stick</legend>
-      <p className="quiet">
-        Released, hidden or silent for {timeout} s, it is followed by its stop: {stop} ({source}).
-      </p>
-      <WayInput label="Up and down" way={up} axes={axes} fault={faults.get("up")} onWay={setUp} />
-      <WayInput
-        label="Right and left"
-        way={right}
-        axes={axes}
-        fault={faults.get("right")}
-        onWay={setRight}
-      />
+  const dock = document.getElementById(DOCK);
+  const pad = (
+    <>
       <div
         className={isHeld ? "pad held" : "pad"}
         role="application"
-        aria-label={`Stick of ${command.name}: hold it, or hold an arrow key`}
+        aria-label={`Stick of ${command.name}: hold it and move, or hold an arrow key`}
         aria-disabled={!isReady}
         // biome-ignore lint/a11y/noNoninteractiveTabindex: it takes arrows while it has the focus
         tabIndex={0}
         onPointerDown={(event) => {
-          if (event.button !== 0) return;
-          onPointer(event);
-          if (!begin()) return;
-          pointer.current = { pad: event.currentTarget, id: event.pointerId };
-          event.currentTarget.setPointerCapture(event.pointerId);
+          if (event.button !== 0 || !begin(event.currentTarget)) return;
+          const { currentTarget, pointerId, clientX, clientY } = event;
+          pointer.current = { pad: currentTarget, id: pointerId, x: clientX, y: clientY };
+          currentTarget.setPointerCapture(pointerId);
         }}
-        onPointerMove={onPointer}
+        onPointerMove={onMove}
         onPointerUp={end}
         onPointerCancel={end}
         onLostPointerCapture={end}
@@ -165,25 +165,67 @@ function Pad({ command, component, fields, draft, isAllowed, axes }: Props & { a
         onBlur={end}
       >
         <svg viewBox="-1.1 -1.1 2.2 2.2" aria-hidden="true">
-          <path d="M-1 0H1M0-1V1" />
-          <circle cx={isHeld ? place.x : 0} cy={isHeld ? -place.y : 0} r="0.1" />
+          <path d="M-1 0H1M0-1V1M-.5-.04V.04M.5-.04V.04M-.04-.5H.04M-.04 .5H.04" />
+          <circle cx={place.x} cy={-place.y} r="0.1" />
         </svg>
+        <Scale axes={axes} way={up} ends={["top", "bottom"]} />
+        <Scale axes={axes} way={right} ends={["right", "left"]} />
       </div>
-      {!isReady && (
-        <Quiet>
-          {!isAllowed
+      <output className="pad-said">
+        {isReady
+          ? shown(axes, up, values.up) + shown(axes, right, values.right)
+          : !isAllowed
             ? "Take control first."
             : isIdle
               ? "Choose what the stick moves."
-              : "Fields of the command are missing, or full is not said."}
-        </Quiet>
-      )}
+              : "Fields are missing, or full is not said."}
+      </output>
+    </>
+  );
+  return (
+    <fieldset className="stick">
+      <legend>Stick</legend>
+      <p className="quiet">
+        Released, hidden or silent for {timeout} s, it is followed by its stop: {stop} ({source}).
+        Its zero is where you press; half the width of the pad is full.
+      </p>
+      <WayInput label="Up and down" way={up} axes={axes} fault={faults.get("up")} onWay={setUp} />
+      <WayInput
+        label="Right and left"
+        way={right}
+        axes={axes}
+        fault={faults.get("right")}
+        onWay={setRight}
+      />
+      {dock && createPortal(pad, dock)}
     </fieldset>
   );
 }
 
-const fits = ({ kind }: Axis, value: number): boolean =>
-  kind.ranges.some(([low, high]) => low <= value && value <= high);
+const axisOf = (axes: Axis[], { axis }: Way): Axis | undefined =>
+  axes.find((each) => each.steps.join(".") === axis);
+
+function isWhollySeen(pad: Element): boolean {
+  const { left, top, right, bottom, width } = pad.getBoundingClientRect();
+  return width > 0 && left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
+}
+
+function shown(axes: Axis[], way: Way, value: number | undefined): string {
+  const axis = axisOf(axes, way);
+  if (!axis || value === undefined) return "";
+  return `${axis.steps.at(-1)} ${Number(value.toPrecision(3))} ${axis.kind.units} `;
+}
+
+/** What the ends of a way mean, in numbers. */
+function Scale({ axes, way, ends }: { axes: Axis[]; way: Way; ends: [string, string] }) {
+  const axis = axisOf(axes, way);
+  if (!axis || faultOfFull(axis.kind, way.full)) return null;
+  return [1, -1].map((part, index) => (
+    <span key={part} className={`scale ${ends[index]}`} aria-hidden="true">
+      {valueAt(axis.kind, part, Number(way.full))} {axis.kind.units}
+    </span>
+  ));
+}
 
 interface WayProps {
   label: string;
@@ -194,7 +236,7 @@ interface WayProps {
 }
 
 function WayInput({ label, way, axes, fault, onWay }: WayProps) {
-  const axis = axes.find((each) => each.steps.join(".") === way.axis);
+  const axis = axisOf(axes, way);
   return (
     <div className="way">
       <label>

@@ -1,7 +1,7 @@
 import { type ReactNode, useEffect, useRef, useState } from "react";
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { messageOf } from "../actions";
+import { messageOf } from "../connection";
 
 const HEIGHT = 140;
 /** Points for each pixel: the least and the greatest of a piece. */

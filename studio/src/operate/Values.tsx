@@ -1,10 +1,11 @@
 import { lazy, Suspense, useEffect, useState } from "react";
-import { messageOf } from "../actions";
+import { messageOf } from "../connection";
 import { Quiet } from "../panels/base/parts";
+import { Age } from "./Age";
 import { Plan } from "./Plan";
 import { Plot, type Series } from "./Plot";
 import type { Values } from "./protocol";
-import { ask, tell, tried, useUnit } from "./unit";
+import { ask, nameOf as named, tell, tried, useUnit } from "./unit";
 
 const Media = lazy(() => import("./Media"));
 
@@ -47,34 +48,40 @@ export function ValuesPanel() {
         : [...before, series],
     );
   return (
-    <section className="values" aria-label="Values">
-      <h2>Values</h2>
-      {component && <Watch key={component} component={component} />}
-      {values.map((each) => (
-        <Report
-          key={`${each.component} ${each.report}`}
-          values={each}
-          plotted={plotted}
-          onPlot={toggle}
-        />
-      ))}
-      {plotted.length > 0 && (
-        <label>
-          Plots of
-          <select value={span} onChange={(event) => setSpan(Number(event.currentTarget.value))}>
+    <>
+      <section className="values" aria-label="Values">
+        <h2>Values</h2>
+        {component && <Watch key={component} component={component} />}
+        {values.map((each) => (
+          <Report
+            key={`${each.component} ${each.report}`}
+            values={each}
+            plotted={plotted}
+            onPlot={toggle}
+          />
+        ))}
+      </section>
+      <section className="plots" aria-label="Plots">
+        <h2>
+          Plots of{" "}
+          <select
+            aria-label="Plots of"
+            value={span}
+            onChange={(event) => setSpan(Number(event.currentTarget.value))}
+          >
             {SPANS.map(([name, seconds]) => (
               <option key={seconds} value={seconds}>
                 {name}
               </option>
             ))}
           </select>
-        </label>
-      )}
-      {plotted.map((each) => (
-        <Plot key={nameOf(each)} series={each} seconds={span} />
-      ))}
-      <Plan values={values} />
-    </section>
+        </h2>
+        {plotted.map((each) => (
+          <Plot key={nameOf(each)} series={each} seconds={span} />
+        ))}
+        <Plan values={values} />
+      </section>
+    </>
   );
 }
 
@@ -169,7 +176,8 @@ interface ReportProps {
 
 function Report({ values, plotted, onPlot }: ReportProps) {
   const { component, report, age } = values;
-  const isOld = age === null || age > OLD_S;
+  const silence = useUnit((unit) => unit.silence);
+  const isOld = age === null || age + silence > OLD_S;
   const button = (path: string, what: string) => {
     const series = { component, report, path };
     return (
@@ -184,15 +192,11 @@ function Report({ values, plotted, onPlot }: ReportProps) {
     );
   };
   return (
-    <>
+    <div className="report">
       <table className={isOld ? "old" : ""}>
         <caption>
-          {report} of {component}{" "}
-          <small>
-            {age === null ? "nothing yet" : isOld ? `✝ ${age} s old` : `${age} s ago`},{" "}
-            {values.count} in all
-          </small>{" "}
-          {button("", "the rate")}{" "}
+          {report} of {named(component)} <Age seconds={age} limit={OLD_S} />
+          <small>, {values.count} in all</small> {button("", "the rate")}{" "}
           <button type="button" onClick={() => void tried("unwatch", { component, report })}>
             Watch no more
           </button>
@@ -219,6 +223,6 @@ function Report({ values, plotted, onPlot }: ReportProps) {
           <Media values={values} />
         </Suspense>
       )}
-    </>
+    </div>
   );
 }

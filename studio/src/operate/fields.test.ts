@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { axesOf, type Faults, readGroup, withNumber } from "./fields";
+import { axesOf, type Faults, faultOfFull, readGroup, valueAt, withNumber } from "./fields";
 import type { Field } from "./protocol";
 
 const number = (name: string, more: object = {}): Field =>
@@ -79,8 +79,29 @@ it("reads lists, variants, types and bytes", () => {
   expect(Object.keys(wrong)).toEqual(["L", "L[2]", "V", "O"]);
 });
 
-it("lets a stick move numbers with a fraction, among what was typed", () => {
-  expect(axesOf(BODY).map((each) => each.steps.join("."))).toEqual(["Rec.X", "Rec.Y"]);
+it("lets a stick move numbers, among what was typed", () => {
+  expect(axesOf(BODY).map((each) => each.steps.join("."))).toEqual(["Rec.X", "Rec.Y", "Rec.N"]);
   const moved = withNumber({ Rec: { N: "3" } }, ["Rec", "X"], 12.5);
   expect(read(moved as object)).toEqual([{ Rec: { X: 12.5, N: 3 } }, {}]);
+});
+
+const ranged = (low: number, high: number, integer = false): Field & { kind: "number" } => ({
+  name: "Speed",
+  documentation: "",
+  optional: false,
+  kind: "number",
+  integer,
+  ranges: [[low, high]],
+  choices: [],
+  units: "",
+});
+
+it("has a stick for a range of one side, whose other side is 0", () => {
+  const speed = ranged(0, 4000, true);
+  expect(axesOf([speed])).toHaveLength(1);
+  expect(valueAt(speed, 0.5, 1501)).toBe(751);
+  expect(valueAt(speed, -1, 1500)).toBe(0);
+  expect(faultOfFull(speed, "1500")).toBe("");
+  expect(faultOfFull(speed, "5000")).toMatch("not within 0 .. 4000");
+  expect(axesOf([ranged(5, 10)])).toEqual([]);
 });

@@ -162,13 +162,32 @@ export interface Axis {
   kind: NumberKind;
 }
 
-/** The numbers that a stick may move: those with a fraction, outside of lists. */
+/** The numbers that a stick may move: those that may be 0 and are no choice, outside of lists. */
 export function axesOf(fields: Field[], before: string[] = []): Axis[] {
   return fields.flatMap((each) => {
     const steps = [...before, each.name];
     if (each.kind === "group") return axesOf(each.members, steps);
-    return each.kind === "number" && !each.integer ? [{ steps, kind: each }] : [];
+    const isAxis = each.kind === "number" && each.choices.length === 0 && aroundZero(each);
+    return isAxis ? [{ steps, kind: each }] : [];
   });
+}
+
+/** The range of a number that 0 is in. */
+const aroundZero = ({ ranges }: NumberKind): [number, number] | undefined =>
+  ranges.find(([low, high]) => low <= 0 && 0 <= high);
+
+/** The value of a stick: a part of full, as far as the range around 0 goes. */
+export function valueAt(kind: NumberKind, part: number, full: number): number {
+  const [low, high] = aroundZero(kind) ?? [0, 0];
+  const value = Math.max(low, Math.min(high, part * full));
+  return kind.integer ? Math.round(value) : value;
+}
+
+/** Why a value cannot be full deflection; empty where it can. */
+export function faultOfFull(kind: NumberKind, text: string): string {
+  const full = Number(text);
+  if (text.trim() === "" || !Number.isFinite(full) || full === 0) return "Say what full is.";
+  return valueAt(kind, 1, full) === full ? "" : `Full is not within ${rangesOf(kind)}.`;
 }
 
 /** What is typed, with a number in its place, and the groups around it there. */

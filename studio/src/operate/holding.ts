@@ -1,6 +1,6 @@
 // A stick that is held: it says what it commands again and again, and its end is told at once.
 
-import { messageOf } from "../actions";
+import { messageOf } from "../connection";
 import { ask, tell } from "./unit";
 
 /** Words in the time that one of them holds. */
@@ -82,5 +82,5 @@ export class HeldStick {
   }
 }
 
-/** What may happen between a hand and its letting go. */
-const ENDS = ["blur", "pagehide"] as const;
+/** What may happen between a hand and its letting go: a window of another size has another layout. */
+const ENDS = ["blur", "pagehide", "resize"] as const;

@@ -48,10 +48,12 @@ export interface Alarm {
   number: number;
   /** Seconds since 1970. */
   time: number;
+  /** What it comes from: alarms of one cause stand together. */
+  cause: string;
   subject: string;
   text: string;
-  /** By whom and why; empty while it sounds. */
-  silenced: string;
+  /** When the subject was well again; 0 while it is not. */
+  back: number;
 }
 
 export interface JournalEntry {
@@ -72,6 +74,10 @@ export interface HandoffRequest {
 export interface UnitState {
   own: string;
   fault: string;
+  /** Why models cannot be read. */
+  unread: string;
+  /** What the guardian cannot do. */
+  unguarded: string;
   /** What Stop does; null where nobody may command. */
   stop: "standby" | "emergency" | null;
   /** Seconds that the page which commands may be silent. */
@@ -80,9 +86,10 @@ export interface UnitState {
   stick: { component: string; message: string } | null;
   holds: { component: string; state: string; held: boolean }[];
   requests: HandoffRequest[];
-  components: Component[];
-  connections: { bridge: string; connection: string; level: string; reason: string }[];
+  /** The newest first. */
   alarms: Alarm[];
+  /** Seconds since each component was heard. */
+  ages: Record<string, number>;
 }
 
 export interface Values {
@@ -130,7 +137,7 @@ export interface OperateMethods {
   send: [Of & { message: string; fields: object }, { answer: string }];
   stop: [{ components: string[] }, { stopped: { component: string; outcome: string }[] }];
   clear: [Of, { state: string }];
-  silence: [{ number: number; reason: string }, unknown];
+  silence: [{ numbers: number[]; reason: string }, unknown];
   handoff: [Of & { authority: number; reason: string }, unknown];
   decide: [Of & { number: number; decision: "grant" | "deny" | "defer" }, { client: string }];
   "list.set": [Drawn, unknown];
@@ -147,10 +154,14 @@ export interface OperateHello {
   page: number;
   name: string;
   can_command: boolean;
-  state: UnitState;
+  /** Seconds from one word to the next. */
+  word: number;
+  state: UnitState & { components: Component[] };
 }
 
 export interface OperateNotifications {
   "operate.state": UnitState;
   "operate.journal": { entry: JournalEntry };
+  "operate.components": { components: Component[] };
+  "operate.learnt": Record<string, never>;
 }

@@ -1,16 +1,17 @@
 // The page's end of the operator unit: its socket, what it knows, and the lease that it renews.
 
 import { create } from "zustand";
-import { messageOf } from "../actions";
 import {
   Connection,
   type Link,
   type Listener,
+  messageOf,
   RIGHT_KEY,
   socketAddress,
   TOKEN_KEY,
 } from "../connection";
 import type {
+  Component,
   JournalEntry,
   OperateHello,
   OperateMethod,
@@ -20,16 +21,23 @@ import type {
   Values,
 } from "./protocol";
 
+/** Whether this tab was opened with the right to command. */
+export const hasRight = (): boolean => sessionStorage.getItem(RIGHT_KEY) !== null;
+
 const MOST_ENTRIES = 500;
 const NAME_KEY = "jausml-operator";
 /** Renewals in one lease: some may come late. */
 const RENEWALS = 4;
 const SHORTEST_MS = 50;
+/** From one look at the clock to the next. */
+const LOOK_MS = 200;
 
 export interface Unit {
   link: Link;
   refusal: string;
   page: number;
+  /** Seconds from one word of the unit to the next. */
+  word: number;
   /** How others see this page. */
   name: string;
   canCommand: boolean;
@@ -37,10 +45,21 @@ export interface Unit {
   /** Why the right was refused. */
   noRight: string;
   state: UnitState | null;
+  components: Component[];
   journal: JournalEntry[];
   values: Values[];
   /** The component that is chosen. */
   chosen: string;
+  /** When the unit said its last word, and now: milliseconds of a clock that never goes back. */
+  heard: number;
+  now: number;
+  /** Seconds since then, and whether a word was missed: nothing that is shown is current then. */
+  silence: number;
+  isStale: boolean;
+  /** Counts how often the unit has learnt what models say. */
+  learnt: number;
+  /** The stop that was pressed last, and what became of it; empty while nobody has said it. */
+  stopping: { since: number; outcome: string } | null;
   /** What went wrong last, and what went well. */
   said: { text: string; isError: boolean };
 }
@@ -49,14 +68,22 @@ export const useUnit = create<Unit>(() => ({
   link: "opening",
   refusal: "",
   page: 0,
+  word: 1,
   name: "",
   canCommand: false,
   mayCommand: false,
   noRight: "",
   state: null,
+  components: [],
   journal: [],
   values: [],
   chosen: "",
+  heard: 0,
+  now: 0,
+  silence: 0,
+  isStale: false,
+  learnt: 0,
+  stopping: null,
   said: { text: "", isError: false },
 }));
 
@@ -103,13 +130,26 @@ export function open(): void {
   if (caller) return;
   const token = sessionStorage.getItem(TOKEN_KEY) ?? "";
   const connection = new Connection(
-    socketAddress(window.location, "/operate"),
+    socketAddress(window.location, "/socket"),
     token,
     LISTENER as Listener,
   );
   // The methods of this socket are others than those of the models.
   setCaller(connection as unknown as UnitCaller);
   connection.open();
+  setInterval(look, LOOK_MS);
+  document.addEventListener("visibilitychange", look);
+}
+
+/** Looks how old the last word is. */
+export function look(): void {
+  const { heard, word, isStale: was } = unit();
+  const now = performance.now();
+  const silence = (now - heard) / 1000;
+  // One word that is missing is enough; it may be late by as much.
+  const isStale = heard > 0 && silence > 2 * word;
+  put({ now, silence, isStale });
+  if (isStale && !was) tell("");
 }
 
 const LISTENER = {
@@ -119,6 +159,8 @@ const LISTENER = {
     if (hello) void begin(hello as OperateHello);
   },
   onNotification<N extends keyof OperateNotifications>(name: N, params: OperateNotifications[N]) {
+    if (name === "operate.learnt") put((before) => ({ learnt: before.learnt + 1 }));
+    if (name === "operate.components") put(params as OperateNotifications["operate.components"]);
     if (name === "operate.state") take(params as UnitState);
     if (name === "operate.journal") {
       const { entry } = params as OperateNotifications["operate.journal"];
@@ -128,12 +170,14 @@ const LISTENER = {
 };
 
 export function take(state: UnitState): void {
-  put({ state });
+  const now = performance.now();
+  put({ state, heard: now, now, silence: 0, isStale: false });
   pace();
 }
 
 async function begin(hello: OperateHello): Promise<void> {
-  put({ page: hello.page, name: hello.name, canCommand: hello.can_command });
+  put({ page: hello.page, word: hello.word, name: hello.name, canCommand: hello.can_command });
+  put({ components: hello.state.components });
   take(hello.state);
   const right = sessionStorage.getItem(RIGHT_KEY);
   if (right !== null && hello.can_command) await claim(right, ownName());
@@ -209,12 +253,24 @@ export async function stop(): Promise<void> {
   const holds = state?.holds.map((each) => each.component) ?? [];
   const isForAll = state?.stop === "emergency" || holds.length === 0;
   const components = chosen && isForAll ? [chosen] : [];
-  if (components.length === 0 && holds.length === 0) {
-    tell("Nothing is controlled, and no component is chosen.", true);
-    return;
+  const pressed = { since: performance.now(), outcome: "" };
+  put({ stopping: pressed });
+  const become = (outcome: string) => {
+    if (unit().stopping === pressed) put({ stopping: { ...pressed, outcome } });
+  };
+  try {
+    const { stopped } = await ask("stop", { components });
+    const told = stopped.map((each) => `${nameOf(each.component)}: ${each.outcome}`);
+    become(told.length ? `Stopped. ${told.join("; ")}` : "Nothing is controlled.");
+  } catch (error) {
+    const lease = state?.commander?.page === unit().page ? ` ${state?.lease} s` : "";
+    const rest = lease && ` What this page commands is stopped after${lease} of silence.`;
+    become(`Not told: ${messageOf(error)}${rest}`);
   }
-  const done = await tried("stop", { components });
-  if (!done) return;
-  const told = done.stopped.map((each) => `${each.component}: ${each.outcome}`).join("; ");
-  tell(`Stopped. ${told}`);
+}
+
+/** The name of a component with its JAUS id. */
+export function nameOf(id: string): string {
+  const name = unit().components.find((each) => each.id === id)?.name;
+  return name ? `${name} (${id})` : id;
 }

@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 import pytest
@@ -15,6 +16,9 @@ from needs import CHROMIUM
 from studio_client import Server
 
 from jausml.language.model.library import LIBRARY_URI
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 MODELS = Path(__file__).parents[3] / "models"
 PATIENCE = 40_000
@@ -45,11 +49,12 @@ def chromium():
 
 
 class Studio:
-    """A running `jausml studio`."""
+    """A running `jausml studio`, or `jausml operate`."""
 
-    def __init__(self, target: Path, log: Path, *options: str) -> None:
+    def __init__(self, target: Path, log: Path, *options: str, line: Sequence[str] = ()) -> None:
+        """Begins (`line`: how the command line begins, that of a studio without)."""
         self.log = log
-        command = [*warm.command(), "studio", str(target), "--no-browser", *options]
+        command = [*(line or (*warm.command(), "studio")), str(target), "--no-browser", *options]
         with log.open("w") as errors:
             self.process = subprocess.Popen(
                 command,
@@ -59,7 +64,7 @@ class Studio:
                 env={**os.environ, "PYTHONUNBUFFERED": "1"},
             )
         self.address = self._address()
-        self.commanding_address = self._address() if "--operate" in options else ""
+        self.commanding_address = self._address() if "--stop-all" in options else ""
 
     def _address(self) -> str:
         said = ""

@@ -6,6 +6,7 @@ import math
 import os
 import signal
 import struct
+import sys
 import zlib
 
 import pytest
@@ -26,6 +27,8 @@ pytestmark = [
 ]
 
 LEASE, TIMEOUT = 5, 1.0
+OPERATE = (sys.executable, "-m", "jausml", "operate")
+"""A process of its own: it is halted by a test."""
 STOP = f"SetWrenchEffort {TIMEOUT} PropulsiveLinearEffortX=0"
 EFFORT = "PropulsiveLinearEffortX (optional)"
 
@@ -44,8 +47,9 @@ def vehicle(port):
 @pytest.fixture(scope="module")
 def studio(tmp_path_factory, port):
     folder = tmp_path_factory.mktemp("operated")
-    options = ("--operate", "standby", "--lease", str(LEASE), "--stop", STOP)
-    studio = Studio(folder, folder / "log", *options, "--jaus-port", str(port))
+    options = ("--stop-all", "standby", "--lease", str(LEASE), "--stop", STOP)
+    port_options = ("--jaus-port", str(port))
+    studio = Studio(folder, folder / "log", *options, *port_options, line=OPERATE)
     yield studio
     studio.close()
 
@@ -59,7 +63,8 @@ def operator(studio, vehicle, open_studio):  # noqa: ARG001 - it is there
 
 
 def control(page, component=VEHICLE):
-    page.get_by_role("button", name=component).click()
+    components = page.get_by_role("region", name="Components")
+    components.get_by_role("button", name=component).click()
     page.get_by_label("Authority, 0 .. 255").fill("205")
     page.get_by_role("button", name="Take control").click()
     page.get_by_role("button", name="Resume").click()
@@ -71,16 +76,18 @@ def choose_effort(page):
 
 
 def hold(page):
-    """Holds the stick up, at half of 40 %."""
+    """Holds the stick up, at half of 40 %: from where it was pressed, half of what full is."""
     choose_effort(page)
     page.get_by_label("Up and down", exact=True).select_option(label="PropulsiveLinearEffortX")
     page.get_by_label("Up and down: value at full").fill("40")
     pad = page.get_by_role("application", name="Stick of")
     expect(pad).to_have_attribute("aria-disabled", "false")
-    pad.scroll_into_view_if_needed()
     box = pad.bounding_box()
-    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 4)
+    x, y = box["x"] + box["width"] / 4, box["y"] + box["height"] - 10
+    page.mouse.move(x, y)
     page.mouse.down()
+    page.mouse.move(x, y - pad.evaluate("pad => pad.clientWidth") / 4)
+    return x, y - box["width"] / 4
 
 
 def driving(vehicle):
@@ -110,15 +117,7 @@ def test_the_key_stops_from_within_a_field(operator, vehicle):
     operator.get_by_label(EFFORT, exact=True).fill("20")
     operator.keyboard.press("F8")
     until(lambda: vehicle.status == "STANDBY")
-    expect(operator.get_by_text(f"Stopped. {VEHICLE}: STANDBY")).to_be_visible()
-
-
-@pytest.mark.slow
-def test_the_stop_is_there_while_models_are_looked_at(operator, vehicle):
-    operator.get_by_role("button", name="Models").click()
-    expect(operator.get_by_role("region", name="Operate")).to_have_count(0)
-    operator.get_by_role("button", name="STOP").click()
-    until(lambda: vehicle.status == "STANDBY")
+    expect(operator.get_by_text(f"Stopped. vehicle ({VEHICLE}): STANDBY")).to_be_visible()
 
 
 @pytest.mark.slow
@@ -126,13 +125,12 @@ def test_a_page_that_may_look_has_no_stop_and_sees_who_commands(
     operator, studio, open_studio, vehicle
 ):
     looking = open_studio.page_of(studio.address)
-    looking.get_by_role("button", name="Operate").click()
     expect(looking.get_by_text("This page may look, and not command.")).to_be_visible()
     expect(looking.get_by_text("(page")).to_have_count(0)
     expect(looking.get_by_text("commands", exact=False).first).to_be_visible()
     expect(looking.get_by_role("button", name="STOP")).to_have_count(0)
     looking.keyboard.press("F8")
-    looking.get_by_role("button", name=VEHICLE).click()
+    looking.get_by_role("row", name=VEHICLE).get_by_role("button").click()
     expect(looking.get_by_role("button", name="Take control")).to_have_count(0)
     assert vehicle.status == "READY"
     expect(operator.get_by_text("You command")).to_be_visible()
@@ -151,8 +149,9 @@ def test_a_stick_is_held_by_a_key(operator, vehicle):
     operator.mouse.up()
     until(lambda: stopped(vehicle))
     operator.get_by_role("application", name="Stick of").focus()
-    operator.keyboard.down("ArrowUp")
-    until(lambda: vehicle.last == 40.0)
+    for effort in (4.0, 8.0, 12.0):  # a press is no full deflection
+        operator.keyboard.down("ArrowUp")
+        until(lambda effort=effort: vehicle.last == effort)
     operator.keyboard.up("ArrowUp")
     until(lambda: stopped(vehicle))
 
@@ -196,6 +195,73 @@ def kill_tabs(browser):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("size", [(1440, 1200), (1440, 900), (1024, 700), (390, 844)])
+def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
+    """An alarm comes while the stick is held: no part has another place, no other value is sent."""
+    window = {"width": size[0], "height": size[1]}
+    with Component("100.1.40", name="gps", provides=("PrimitiveDriver",), port=port):
+        page = open_studio.page_of(studio.commanding_address, viewport=window)
+        control(page)
+        expect(page.get_by_role("row", name="100.1.40")).to_contain_text("ago")
+        x, y = hold(page)
+        until(lambda: driving(vehicle))
+        effort, before = vehicle.last, places(page)
+    alarms = page.get_by_role("region", name="Alarms")
+    expect(alarms).to_contain_text("gps (100.1.40)")
+    count = len(vehicle.efforts)
+    page.mouse.move(x + 1, y)
+    until(lambda: len(vehicle.efforts) > count + 3)
+    assert all(abs(sent - effort) < 1 for _, sent in vehicle.efforts[count:])  # a pixel is 0.4
+    assert places(page) == before
+    pad = page.get_by_role("application", name="Stick of").bounding_box()
+    assert pad["y"] + pad["height"] <= size[1]
+    page.mouse.up()
+    with Component("100.1.40", name="gps", provides=("PrimitiveDriver",), port=port):
+        expect(alarms).to_contain_text("back again")
+    page.get_by_label("Why may they be silent?").fill("it was started again")
+    page.get_by_role("button", name="Silence all").click()
+    expect(alarms).not_to_contain_text("gps")
+
+
+def places(page):
+    """Returns where the parts of the page are."""
+    return page.evaluate(
+        """() => Object.fromEntries(
+            [...document.querySelectorAll(".operate section, .dock > *")].map((part) => {
+                const { x, y, width, height } = part.getBoundingClientRect();
+                return [part.ariaLabel || part.className, [x, y, width, height]];
+            })
+        )"""
+    )
+
+
+@pytest.mark.slow
+def test_a_window_that_changes_lets_the_stick_go(operator, vehicle):
+    hold(operator)
+    until(lambda: driving(vehicle))
+    operator.set_viewport_size({"width": 1000, "height": 800})
+    until(lambda: stopped(vehicle))
+
+
+@pytest.mark.slow
+def test_a_unit_that_stands_still_shows_nothing_as_current(operator, studio, vehicle):
+    hold(operator)
+    until(lambda: driving(vehicle))
+    os.kill(studio.process.pid, signal.SIGSTOP)
+    try:
+        expect(operator.get_by_text("nothing here is current")).to_be_visible()
+        expect(operator.get_by_text("You command")).to_have_count(0)
+        operator.keyboard.press("F8")
+        expect(operator.get_by_text("no answer yet")).to_be_visible()
+        until(lambda: stopped(vehicle))  # its guardian said it
+    finally:
+        os.kill(studio.process.pid, signal.SIGCONT)
+    expect(operator.get_by_text("Stopped. ")).to_be_visible()
+    expect(operator.get_by_text("nothing here is current")).to_have_count(0)
+    until(lambda: vehicle.status == "STANDBY")
+
+
+@pytest.mark.slow
 def test_values_are_watched_and_plotted(operator, vehicle):
     vehicle.speed = 1.5
     operator.get_by_label(f"Report of {VEHICLE}").select_option("VelocityState")
@@ -226,10 +292,10 @@ def test_an_alarm_stands_until_a_reason_is_said(operator, vehicle):
     until(lambda: stopped(vehicle))
     text = "stopped: the page said nothing for 1 s"
     alarm = (
-        operator.get_by_role("alert", name="Alarms").get_by_role("listitem").filter(has_text=text)
+        operator.get_by_role("region", name="Alarms").get_by_role("listitem").filter(has_text=text)
     )
     expect(alarm.get_by_role("button", name="Silence")).to_be_disabled()
-    alarm.get_by_placeholder("reason").fill("a test")
+    operator.get_by_placeholder("reason").fill("a test")
     alarm.get_by_role("button", name="Silence").click()
     expect(alarm).to_have_count(0)
     expect(operator.get_by_role("region", name="Journal")).to_contain_text("because 'a test'")
@@ -265,7 +331,7 @@ PHONE = {"width": 390, "height": 844}
 
 def plan_of(page):
     plan = page.get_by_role("application", name="Plan of waypoints")
-    plan.scroll_into_view_if_needed()
+    plan.evaluate("plan => plan.scrollIntoView({ block: 'center' })")
     return plan
 
 
@@ -331,7 +397,7 @@ def test_waypoints_are_drawn_sent_and_driven(operator, vehicle, tmp_path):
     operator.reload()
     until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
     assert vehicle.active == 0
-    operator.get_by_role("button", name=VEHICLE).click()
+    operator.get_by_role("row", name=VEHICLE).get_by_role("button").click()
     expect(rows).to_have_count(3)
     expect(operator.get_by_role("button", name="Execute")).to_be_disabled()
     assert (broken(operator), misplaced(operator)) == ({}, [])
@@ -491,8 +557,7 @@ def camera(port):
 @pytest.mark.usefixtures("camera")
 def test_a_picture_is_shown_and_addresses_are_told(studio, open_studio, tmp_path):
     page = open_studio.page_of(studio.address)
-    page.get_by_role("button", name="Operate").click()
-    page.get_by_role("button", name=CAMERA).click()
+    page.get_by_role("row", name=CAMERA).get_by_role("button").click()
     reports = page.get_by_label(f"Report of {CAMERA}")
     reports.select_option("StillImageData")
     page.get_by_label("Hz").select_option("5")

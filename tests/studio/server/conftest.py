@@ -4,8 +4,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from ports import free_port
-from simulated_vehicle import LEASE, STOP, VEHICLE, Vehicle, take, until
 from studio_client import serving
 
 from jausml.language.model.library import LIBRARY_URI
@@ -65,48 +63,3 @@ def server(folder: Path, built: Path) -> Iterator[Server]:
 def page(server: Server) -> Iterator[Page]:
     with server.page() as page:
         yield page
-
-
-# ---- operating: a studio whose pages may command, and a vehicle ----------------------------------
-
-
-@pytest.fixture(scope="module")
-def port() -> int:
-    return free_port()
-
-
-@pytest.fixture
-def vehicle(port: int) -> Iterator[Vehicle]:
-    with Vehicle(port) as vehicle:
-        yield vehicle
-
-
-@pytest.fixture(scope="module")
-def operated(tmp_path_factory: pytest.TempPathFactory, built: Path, port: int) -> Iterator[Server]:
-    folder = tmp_path_factory.mktemp("project")
-    options = ("--operate", "standby", "--lease", str(LEASE), "--stop", STOP)
-    with serving(folder, built, *options, "--jaus-port", str(port)) as server:
-        yield server
-
-
-@pytest.fixture
-def commanding(operated: Server) -> Iterator[Page]:
-    with operated.page("/operate") as page:
-        page.ask("claim", right=operated.right, name="anna")
-        yield page
-    until(lambda: is_idle(operated))
-
-
-def is_idle(server: Server) -> bool:
-    """Whether what pages commanded is stopped: a stop that is late would reach the next vehicle."""
-    with server.page("/operate") as page:
-        state = page.project["state"]
-    return state["commander"] is None and not state["holds"]
-
-
-@pytest.fixture
-def holding(vehicle: Vehicle, commanding: Page) -> Page:  # noqa: ARG001 - it is there
-    """A page that controls the vehicle, which is Ready."""
-    take(commanding)
-    assert commanding.ask("resume", component=VEHICLE)["state"] == "READY"
-    return commanding

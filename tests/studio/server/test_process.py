@@ -47,7 +47,7 @@ def test_a_signal_ends_it_as_soon_as_the_address_is_told(
 def test_without_the_page_it_says_how_to_build_it(folder: Path, tmp_path: Path) -> None:
     code, errors = ended(folder, tmp_path / "nothing")
     assert code == 2
-    assert errors.startswith("Error: the page of the studio is missing: run `make studio` in")
+    assert errors.startswith("Error: the page is missing: run `make studio` in")
     assert "`make wheel`" in errors
 
 

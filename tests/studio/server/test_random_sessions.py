@@ -23,10 +23,10 @@ from jausml.authoring.editing.reading import can_be_parsed
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers import editing, showing
-from jausml.authoring.studio.rpc import typed
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
+from jausml.live.serving.rpc import typed
 
 pytestmark = pytest.mark.slow
 

@@ -13,9 +13,9 @@ import pytest
 from studio_client import RefusedError, serving
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from jausml.authoring.studio.security import HEADERS, Served
-from jausml.authoring.studio.serving import MOST_SOCKETS
-from jausml.authoring.studio.sockets import LARGEST_MESSAGE
+from jausml.live.serving.security import HEADERS, Served
+from jausml.live.serving.server import MOST_SOCKETS
+from jausml.live.serving.sockets import LARGEST_MESSAGE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -16,18 +16,13 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
 from jausml.authoring.studio.handlers import showing
-from jausml.authoring.studio.rpc import (
-    Method,
-    as_json,
-    command,
-    entry_as_json,
-    freshness_as_json,
-)
+from jausml.authoring.studio.rpc import command, entry_as_json, freshness_as_json
 from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
 from jausml.authoring.studio.views.wording import for_people
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.names import system_name
 from jausml.language.text.notation import SUFFIX
+from jausml.live.serving.rpc import Method, as_json
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

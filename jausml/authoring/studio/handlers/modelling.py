@@ -12,7 +12,6 @@ from jausml.authoring.proposals.mapping.assigning import assign, partners
 from jausml.authoring.proposals.mapping.assignments import clock, constant, ignore
 from jausml.authoring.proposals.mapping.filling import fill_map
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
-from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.connecting import connect, ends, hosted
 from jausml.authoring.studio.views.forms import choices, form
 from jausml.authoring.studio.views.palette import MOST, palette
@@ -31,6 +30,7 @@ from jausml.authoring.studio.views.spots import (
 from jausml.authoring.studio.views.trying import inputs
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model import refs
+from jausml.live.serving.rpc import Method
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.views.context import Context
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
 from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import Places, places_of
-from jausml.authoring.studio.rpc import Method
+from jausml.live.serving.rpc import Method
 from jausml.live.systems.explaining import explained
 
 if TYPE_CHECKING:

@@ -15,20 +15,14 @@ from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
 from jausml.authoring.studio.drawing import difference
 from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
-from jausml.authoring.studio.rpc import (
-    REFUSED,
-    Method,
-    RpcError,
-    files_as_json,
-    freshness_as_json,
-    log_as_json,
-)
+from jausml.authoring.studio.rpc import files_as_json, freshness_as_json, log_as_json
 from jausml.authoring.studio.views.outline import outline, search
 from jausml.authoring.studio.views.spots import element_at, map_shown, source
 from jausml.language.model import refs
 from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
+from jausml.live.serving.rpc import REFUSED, Method, RpcError
 from jausml.views.diagrams.folding import MOST_SHOWN
 from jausml.views.diagrams.layout.graphviz import Graphviz, program
 from jausml.views.diagrams.layout.sheet import LayoutError

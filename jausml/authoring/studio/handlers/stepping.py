@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
-from jausml.authoring.studio.rpc import Method
 from jausml.authoring.studio.views.spots import element_shown
 from jausml.language.attributes.guards import GuardError
 from jausml.language.metamodel.classes import jaus
+from jausml.live.serving.rpc import Method
 from jausml.model_checking.stepping import (
     Chosen,
     SteppingError,

@@ -11,6 +11,7 @@ from jausml.language import wire
 from jausml.language.semantics.jaus.services import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
+from jausml.live.messages.defined import message_entry
 from jausml.live.messages.entries import as_it_is, parts
 from jausml.live.messages.text import sample
 
@@ -66,7 +67,7 @@ def moment(text: str) -> datetime:
 
 
 def _entry(message: jaus.MessageDef) -> MessageEntry:
-    return MessageEntry(message, _no_message, as_it_is)
+    return message_entry(message, _no_message, as_it_is)
 
 
 def _no_message(_: Any, /) -> bytes:

@@ -27,6 +27,7 @@ from jausml.language.semantics.jaus.services import (
     signature,
 )
 from jausml.language.semantics.subject import remembered
+from jausml.language.wire.kinds import PRESENCE_VECTOR
 
 Guard = Literal["ANY", "CONTROLLED", "READY"]
 
@@ -179,10 +180,6 @@ def _provided_by(
 
 def _has(urn: str, services: Iterable[jaus.Service]) -> bool:
     return any(service.urn == urn for service in services)
-
-
-PRESENCE_VECTOR = "PresenceVector"
-"""Field of a query that names the optional fields which its report shall hold (AS6009)."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import inspect
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from jausml.language.semantics.jaus.commands import PRESENCE_VECTOR
+from jausml.language.wire.kinds import PRESENCE_VECTOR
 from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.codec import PRESENCE
 from jausml.live.peers.conformance.check import Check, skips

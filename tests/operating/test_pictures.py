@@ -12,8 +12,8 @@ from simulated_vehicle import until
 from studio_client import RefusedError
 
 from jausml import Component
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.operating.values import MOST_BYTES, picture_url
+from jausml.live.operating.values import MOST_BYTES, picture_url
+from jausml.live.peers.query_client import Refused
 
 if TYPE_CHECKING:
     from studio_client import Page
@@ -69,7 +69,7 @@ def test_a_picture_is_a_url_of_its_own_kind(data: bytes, kind: str) -> None:
     ],
 )  # fmt: skip
 def test_what_a_browser_should_not_unpack_is_no_picture(data: bytes, why: str) -> None:
-    with pytest.raises(AnswerError, match=why):
+    with pytest.raises(Refused, match=why):
         picture_url(data)
 
 

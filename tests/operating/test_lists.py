@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from lossy_network import LossyTransport
 from simulated_vehicle import VEHICLE, Vehicle, take, until
-from studio_client import RefusedError, serving
+from studio_client import RefusedError, operating
 
 from jausml import Component
 from jausml.runtime.component import process
@@ -146,7 +146,7 @@ def test_a_page_that_is_lost_while_it_drives_stops_it(
     until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
     assert vehicle.active == 0
     # What was drawn is sent again by a person alone.
-    with server.page("/operate") as page:
+    with server.page() as page:
         page.ask("claim", right=server.right, name="berta")
         take(page)
         page.ask("resume", component=VEHICLE)
@@ -166,8 +166,8 @@ def test_a_silent_page_stops_what_it_executes(holding: Page, vehicle: Vehicle) -
 def test_an_emergency_ends_it_where_the_person_chose_that(
     folder: Path, built: Path, port: int, vehicle: Vehicle
 ) -> None:
-    options = ("--operate", "emergency", "--lease", "1", "--jaus-port", str(port))
-    with serving(folder, built, *options) as server, server.page("/operate") as page:
+    options = ("--stop-all", "emergency", "--lease", "1", "--jaus-port", str(port))
+    with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="")
         take(page)
         page.ask("resume", component=VEHICLE)
@@ -196,11 +196,11 @@ def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
     folder: Path, built: Path, port: int, lossy: list[LossyTransport]
 ) -> None:
     long = [{"X": float(at), "Y": -float(at)} for at in range(150)]
-    options = ("--operate", "standby", "--lease", "60", "--jaus-port", str(port))
+    options = ("--stop-all", "standby", "--lease", "60", "--jaus-port", str(port))
     with (
         Vehicle(port) as vehicle,
-        serving(folder, built, *options) as server,
-        server.page("/operate") as page,
+        operating(folder, built, *options) as server,
+        server.page() as page,
     ):
         page.ask("claim", right=server.right, name="")
         take(page)

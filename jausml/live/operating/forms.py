@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
 from jausml.live.messages import MessageError
 from jausml.live.messages.values import symbol
+from jausml.live.peers.query_client import Refused
 from jausml.live.peers.rendering import shown_fields
 
 if TYPE_CHECKING:
-    from jausml.authoring.studio.operating.sticks import Sticks
     from jausml.live.messages import MessageEntry
+    from jausml.live.operating.sticks import Sticks
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
 
@@ -32,7 +32,7 @@ def offers_of(operator: Operator, sticks: Sticks, target: JausAddress) -> dict[s
                     commands[entry.name] = {
                         "name": entry.name,
                         "service": owner.name,
-                        "documentation": str(entry.definition.documentation or ""),
+                        "documentation": entry.documentation,
                         "stick": _stick(sticks, target, entry),
                     }
     return {
@@ -49,7 +49,7 @@ def _stick(sticks: Sticks, target: JausAddress, entry: MessageEntry) -> dict[str
     """Returns what stops a command that is sent again and again, or why nothing does."""
     try:
         stop = sticks.stop_of(target, entry)
-    except (AnswerError, MessageError) as error:
+    except (Refused, MessageError) as error:
         return {"refusal": str(error)}
     shown = shown_fields(entry, entry.decode(entry.encode(stop.fields)))
     return {"stop": shown, "timeout": stop.timeout, "source": stop.source}

@@ -9,16 +9,18 @@ from dataclasses import dataclass
 from threading import Condition, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.proposals.elements import AnswerError
+from jausml.live.peers.query_client import Refused
 from jausml.runtime.base.standstill import steady
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.authoring.studio.operating.journal import Journal
-    from jausml.authoring.studio.operating.stops import DeclaredStop, Stops
-    from jausml.authoring.studio.operating.watching import WatchedSystem
     from jausml.live.messages import MessageEntry
+    from jausml.live.operating.guarding import Guarding
+    from jausml.live.operating.journal import Journal
+    from jausml.live.operating.knowledge import DeclaredStop
+    from jausml.live.operating.stops import Stops
+    from jausml.live.operating.watching import WatchedSystem
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.wire.message import Message
 
@@ -89,7 +91,7 @@ class Stick:
         """Sends a message, and holds the stick for another while."""
         with self._lock:
             if not self._lease.renew():
-                raise AnswerError("the stick was released, or its page was silent too long")
+                raise Refused("the stick was released, or its page was silent too long")
             self._send(message)
 
     def end(self, why: str) -> None:
@@ -124,29 +126,34 @@ class HeldStick:
 
 
 class Sticks:
-    """The stick that is held, if any; any thread may ask."""
+    """The stick that is held, if any; any thread may ask.
+
+    Attributes:
+        guarding: What says its stop where this process cannot; None before there is one.
+    """
 
     def __init__(self, system: WatchedSystem, journal: Journal, stops: Stops) -> None:
         """Holds none."""
         self.held: HeldStick | None = None
+        self.guarding: Guarding | None = None
         self._system, self._journal, self._stops = system, journal, stops
         self._count = 0
         self._latest: dict[JausAddress, int] = {}
         self._lock = Lock()
 
     def stop_of(self, target: JausAddress, entry: MessageEntry) -> DeclaredStop:
-        """Returns the declared stop of a command (`AnswerError`: there is none)."""
+        """Returns the declared stop of a command (`Refused`: there is none)."""
         return self._stops.of(str(target), entry)
 
     def begin(self, name: str, target: JausAddress, entry: MessageEntry) -> tuple[int, float]:
         """Begins to send a command; returns its number, and how long a word of it holds."""
         operator, stop = self._system.operator, self.stop_of(target, entry)
         if not operator.controls(target):
-            raise AnswerError(f"{target} is not controlled by us")
+            raise Refused(f"{target} is not controlled by us")
         stopping = operator.message(entry, stop.fields)
         with self._lock:
             if self.held is not None:
-                raise AnswerError(f"the stick of {self.held.target} is held")
+                raise Refused(f"the stick of {self.held.target} is held")
             self._count += 1
             number = self._latest[target] = self._count
             stick = Stick(
@@ -156,6 +163,8 @@ class Sticks:
                 lambda why: self._ended(number, target, entry.name, why),
             )
             self.held = HeldStick(number, target, entry, stick)
+            if self.guarding is not None:
+                self.guarding.hold(target, stopping, stop.timeout)
         self._journal.note(name, f"holds the stick: {entry.name} to {target}")
         return number, stop.timeout
 
@@ -177,16 +186,22 @@ class Sticks:
     def _held(self, number: int) -> HeldStick:
         held = self.held
         if held is None or held.number != number:
-            raise AnswerError("the stick is released, and its stop was sent")
+            raise Refused("the stick is released, and its stop was sent")
         return held
 
     def _ended(self, number: int, target: JausAddress, name: str, why: str) -> None:
         with self._lock:
             if self.held is not None and self.held.number == number:
                 self.held = None
+                if self.guarding is not None:
+                    self.guarding.let_go()
         self._journal.note("unit", f"sent the stop of {name} to {target}: {why}")
         if why not in (RELEASED, STOPPED, GIVEN_UP):
-            self._journal.alarm(f"stick of {target}", f"stopped: {why}")
+            self._alarm(target, f"stopped: {why}")
+
+    def _alarm(self, target: JausAddress, text: str) -> None:
+        named = self._system.name_of(target)
+        self._journal.alarm(named, text, f"stick of {named}")
 
     def _deliver(self, number: int, target: JausAddress, message: Message, tries: int = 1) -> None:
         """Sends a stop until it is acknowledged, or a newer stick of the component is held."""
@@ -200,6 +215,6 @@ class Sticks:
             if tries < _TRIES:
                 self._deliver(number, target, message, tries + 1)
             else:
-                self._journal.alarm(f"stick of {target}", "the stop was never acknowledged")
+                self._alarm(target, "the stop was never acknowledged")
 
         operator.deliver(target, message, arrived)

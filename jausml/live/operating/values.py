@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.proposals.elements import AnswerError
 from jausml.language import wire
 from jausml.live.messages.entries import parts
+from jausml.live.peers.query_client import Refused
 from jausml.live.peers.rendering import field_texts
 
 if TYPE_CHECKING:
@@ -86,7 +86,7 @@ class Values:
         key = str(target), report.name
         with self._lock:
             if key not in self._watched and len(self._watched) >= MOST_WATCHED:
-                raise AnswerError(f"{MOST_WATCHED} reports are watched; watch one of them no more")
+                raise Refused(f"{MOST_WATCHED} reports are watched; watch one of them no more")
             known = self._watched.setdefault(key, Watched(*key))
             is_first = not known.pages
             known.pages.add(page)
@@ -147,7 +147,7 @@ class Values:
             ]
 
     def picture(self, component: str, report: str, path: str) -> str:
-        """Returns the URL of the last picture of a report (`AnswerError`: there is none)."""
+        """Returns the URL of the last picture of a report (`Refused`: there is none)."""
         with self._lock:
             known = self._watched.get((component, report))
             picture_hex = known.pictures.get(path, "") if known is not None else ""
@@ -257,22 +257,22 @@ def picture_url(data: bytes) -> str:
     """Returns a URL that holds a picture, JPEG or PNG.
 
     Raises:
-        AnswerError: It is no such picture, or too large.
+        Refused: It is no such picture, or too large.
     """
     kind = "png" if data.startswith(_PNG) else "jpeg" if data.startswith(_JPEG) else ""
     if not kind:
-        raise AnswerError(f"it begins with {data[:4].hex(' ')}: neither JPEG nor PNG")
+        raise Refused(f"it begins with {data[:4].hex(' ')}: neither JPEG nor PNG")
     if len(data) > MOST_BYTES:
-        raise AnswerError(f"it has {len(data)} bytes, more than {MOST_BYTES}")
+        raise Refused(f"it has {len(data)} bytes, more than {MOST_BYTES}")
     width, height = _size_of_png(data) if kind == "png" else _size_of_jpeg(data)
     if not 0 < width * height <= MOST_PIXELS:
-        raise AnswerError(f"it has {width} x {height} pixels, not 1 to {MOST_PIXELS}")
+        raise Refused(f"it has {width} x {height} pixels, not 1 to {MOST_PIXELS}")
     return f"data:image/{kind};base64,{base64.b64encode(data).decode('ascii')}"
 
 
 def _size_of_png(data: bytes) -> tuple[int, int]:
     if data[12:16] != b"IHDR" or len(data) < 24:
-        raise AnswerError("it is a PNG without a header")
+        raise Refused("it is a PNG without a header")
     return int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
 
 
@@ -287,4 +287,4 @@ def _size_of_jpeg(data: bytes) -> tuple[int, int]:
             )
         filling = marker == 0xFF
         at += 1 if filling else 2 + max(2, int.from_bytes(data[at + 2 : at + 4], "big"))
-    raise AnswerError("it is a JPEG without a header")
+    raise Refused("it is a JPEG without a header")

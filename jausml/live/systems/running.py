@@ -7,24 +7,20 @@ from contextlib import ExitStack
 from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING
 
-from jausml.language.text.notation import NOTATIONS
-from jausml.live.messages import CatalogueError, load_catalogue
 from jausml.live.peers.network import fault, identified, silence_log
 from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer
 from jausml.live.systems.folding import expected
 from jausml.live.systems.monitoring import Monitor, listening, polling
-from jausml.live.systems.state import components_of, declarations_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
+    from collections.abc import Callable, Iterable, Mapping
 
-    from jausml.language.model import Model
     from jausml.live.messages import Catalogue
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Identity, Operator
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
+    from jausml.live.systems.state import DeclaredConnection
 
 PERIOD = 0.25
 """Seconds from one look at the state to the next."""
@@ -41,19 +37,20 @@ class RunningSystem:
     def __init__(
         self,
         network: Network,
-        model: Model | None,
+        declarations: Iterable[DeclaredConnection],
+        components: Mapping[str, str],
         catalogue: Callable[[], Catalogue],
         timeout: float,
         identity: Identity | None = None,
     ) -> None:
-        """Sends nothing before `start` (`timeout`: seconds that a question waits)."""
-        self.monitor = Monitor(
-            expected(
-                declarations_of(model) if model is not None else (),
-                components_of(model) if model is not None else {},
-                time.monotonic(),
-            )
-        )
+        """Sends nothing before `start`.
+
+        Args:
+            declarations: The connections of the model, which are looked for.
+            components: The names of its components by JAUS id.
+            timeout: Seconds that a question waits.
+        """
+        self.monitor = Monitor(expected(declarations, components, time.monotonic()))
         self._network, self._catalogue = network, catalogue
         self._timeout, self._identity = timeout, identity
         self._beginning = Lock()
@@ -107,11 +104,3 @@ class RunningSystem:
 
     def _look(self) -> None:
         """Is called once in `PERIOD`."""
-
-
-def messages_of(path: Path, root: Path) -> Catalogue:
-    """Returns the messages that are known: of a model with errors those of the library alone."""
-    try:
-        return load_catalogue([path], project_root=root, notations=NOTATIONS)
-    except CatalogueError:
-        return load_catalogue()

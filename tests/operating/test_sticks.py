@@ -11,12 +11,12 @@ from queue import Queue
 import pytest
 from suspended_clocks import SuspendedClocks
 
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.operating.journal import Journal
-from jausml.authoring.studio.operating.sticks import Lease, Stick, Sticks
-from jausml.authoring.studio.operating.stops import Stops, told_stop
 from jausml.generation.native import compiler
 from jausml.live.messages import load_catalogue
+from jausml.live.operating.journal import Journal
+from jausml.live.operating.sticks import Lease, Stick, Sticks
+from jausml.live.operating.stops import Stops, told_stop
+from jausml.live.peers.query_client import Refused
 from jausml.runtime import JausAddress
 from jausml.runtime.base.standstill import steady
 
@@ -35,7 +35,7 @@ def test_a_lease_whose_time_is_up_is_not_renewed_before_its_thread_has_seen_it()
 @pytest.mark.needs("compiler")
 def test_a_lease_does_not_outlast_a_suspension_of_the_computer(tmp_path):
     clocks = SuspendedClocks(tmp_path, compiler())
-    code = "from jausml.authoring.studio.operating.sticks import Lease; lease = Lease(100, print);"
+    code = "from jausml.live.operating.sticks import Lease; lease = Lease(100, print);"
     code += "print(lease.renew(), flush=True); input(); print(lease.renew(), flush=True)"
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     line = [sys.executable, "-c", code]
@@ -78,7 +78,7 @@ def test_nothing_follows_the_stop_of_a_stick(held):
     stick.move("left")
     stick.end("released")
     stick.end("released twice")
-    with pytest.raises(AnswerError):
+    with pytest.raises(Refused):
         stick.move("right")
     assert told(said, 3) == ["left", "stop", "released"]
     assert said.empty()
@@ -87,7 +87,7 @@ def test_nothing_follows_the_stop_of_a_stick(held):
 def test_a_stick_whose_page_is_silent_is_stopped(held):
     stick, said = held(0.05)
     assert told(said, 2) == ["stop", "the page said nothing for 0.05 s"]
-    with pytest.raises(AnswerError):
+    with pytest.raises(Refused):
         stick.move("left")
     stick.end("released")
     assert said.empty()
@@ -105,7 +105,10 @@ class Unit:
         self.sent, self.stops = [], []
         stop = told_stop("SetWrenchEffort 60 PropulsiveLinearEffortX=0", load_catalogue())
         self.journal = Journal(lambda *_: None)
-        self.sticks = Sticks(self, self.journal, Stops(None, [stop]))
+        self.sticks = Sticks(self, self.journal, Stops({}, [stop]))
+
+    def name_of(self, target):
+        return str(target)
 
     def controls(self, _target):
         return self.is_in_control
@@ -157,7 +160,7 @@ def test_an_old_stop_does_not_come_into_a_new_stick(unit):
 
 def test_only_the_stick_that_is_held_is_moved_and_ended(unit):
     old = unit.begin()
-    with pytest.raises(AnswerError):
+    with pytest.raises(Refused):
         unit.begin()
     unit.sticks.end("control is lost", OTHER)
     assert unit.stops == []
@@ -166,7 +169,7 @@ def test_only_the_stick_that_is_held_is_moved_and_ended(unit):
     assert [alarm["text"] for alarm in unit.journal.alarms] == ["stopped: control is lost"]
     number = unit.begin()
     for late in (lambda: unit.sticks.move(old, {}), lambda: unit.sticks.release(old)):
-        with pytest.raises(AnswerError):
+        with pytest.raises(Refused):
             late()
     assert (len(unit.stops), unit.sent) == (1, [])
     unit.sticks.end("stop")
@@ -176,6 +179,6 @@ def test_only_the_stick_that_is_held_is_moved_and_ended(unit):
 
 def test_nobody_holds_a_stick_of_what_is_not_controlled(unit):
     unit.is_in_control = False
-    with pytest.raises(AnswerError, match="not controlled"):
+    with pytest.raises(Refused, match="not controlled"):
         unit.begin()
     assert unit.sticks.held is None

@@ -5,21 +5,18 @@ from __future__ import annotations
 import threading
 import time
 from contextlib import contextmanager
-from itertools import count
 from typing import TYPE_CHECKING, Any, Literal
 
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.context import Subscribers
-from jausml.authoring.studio.operating.forms import form_of, offers_of
-from jausml.authoring.studio.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
-from jausml.authoring.studio.operating.unit import OperatorUnit
-from jausml.authoring.studio.rpc import REFUSED, UNAUTHORIZED, Answering, Method, RpcError
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import CodecError
+from jausml.live.operating.forms import form_of, offers_of
+from jausml.live.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
+from jausml.live.operating.unit import WORD
 from jausml.live.peers.network import component_address
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import printable, shown_fields
 from jausml.live.peers.requesting import request
+from jausml.live.serving.rpc import REFUSED, UNAUTHORIZED, Answering, Method, RpcError
 from jausml.runtime import HandoffDecision
 from jausml.runtime.base.api import JausError
 from jausml.runtime.messages import Resume, Standby
@@ -28,10 +25,9 @@ from jausml.runtime.services.definitions import Status
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
 
-    from jausml.authoring.editing.project import Project
-    from jausml.authoring.studio import rpc
-    from jausml.authoring.studio.operating.unit import Powers
-    from jausml.live.peers.network import Network
+    from jausml.live.operating.unit import OperatorUnit
+    from jausml.live.serving import rpc
+    from jausml.live.serving.subscribers import Subscribers
 
 LONGEST_NAME = 40
 MOST_POINTS = 2000
@@ -48,41 +44,6 @@ _DECISIONS = {
     "deny": HandoffDecision.DENIED,
     "defer": HandoffDecision.WAIT,
 }
-
-
-class Operating:
-    """The operator unit and its pages."""
-
-    def __init__(self, project: Project, network: Network, powers: Powers | None) -> None:
-        """Begins with nobody (`ValueError`: a declared stop is none)."""
-        self.powers = powers
-        self.subscribers = Subscribers()
-        self._project, self._network = project, network
-        self._unit = self._new_unit() if powers is not None else None
-        self._numbers = count(1)
-        self._lock = threading.Lock()
-
-    def start(self) -> None:
-        """Begins at once where commanding is allowed, else with the first page."""
-        if self._unit is not None:
-            self._unit.start()
-
-    def stop(self) -> None:
-        """Ends it."""
-        if self._unit is not None:
-            self._unit.stop()
-
-    def seat(self) -> Seat:
-        """Returns a place for a page."""
-        with self._lock:
-            if self._unit is None:
-                self._unit = self._new_unit()
-            self._unit.start()
-            return Seat(self._unit, self.subscribers, next(self._numbers))
-
-    def _new_unit(self) -> OperatorUnit:
-        notify = self.subscribers.notify
-        return OperatorUnit(self._project, self._network, self.powers, notify)
 
 
 class Seat:
@@ -134,10 +95,11 @@ class Seat:
         }
         self._looking = frozenset(looking)
         methods = {**looking, **commanding}
-        self._slow = Answering({name: Method(method) for name, method in methods.items()})
+        slow = {name: Method(method) for name, method in methods.items()}
+        self._slow = Answering(slow, _refusal_of)
         # Neither the lease nor the stop waits for a component that does not answer.
         quick = {name: Method(methods[name], in_turn=True) for name in _QUICK}
-        self._quick = Answering({**quick, "stop": Method(self._stop)})
+        self._quick = Answering({**quick, "stop": Method(self._stop)}, _refusal_of)
 
     @property
     def pace(self) -> float:
@@ -164,12 +126,7 @@ class Seat:
         if request.method not in self._looking and not self.may_command:
             raise RpcError(UNAUTHORIZED, "this page may look, and not command")
         is_quick = request.method in _QUICK or request.method == "stop"
-        try:
-            return await (self._quick if is_quick else self._slow).answer(request)
-        except CodecError as error:
-            raise RpcError(REFUSED, str(error), {"path": error.path}) from error
-        except (JausError, MessageError, NoAnswer, Refused, ValueError) as error:
-            raise RpcError(REFUSED, str(error)) from error
+        return await (self._quick if is_quick else self._slow).answer(request)
 
     # ---- looking ----------------------------------------------------------------------------
 
@@ -178,17 +135,18 @@ class Seat:
             "page": self._number,
             "name": self._name,
             "can_command": self._unit.powers is not None,
-            "state": self._unit.content(),
+            "state": self._unit.begin(),
+            "word": WORD,
         }
 
     def _claim(self, right: str, name: str) -> dict[str, Any]:
         """Takes the right to command, and how others are to call this page."""
         powers = self._unit.powers
         if powers is None:
-            raise RpcError(UNAUTHORIZED, "this studio was started without --operate")
+            raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
         if not powers.token.fits(right):
             self._unit.journal.note(self._name, "claimed the right to command with a wrong token")
-            raise RpcError(UNAUTHORIZED, "this is not the right to command of this studio")
+            raise RpcError(UNAUTHORIZED, "this is not the right to command of this unit")
         shown = printable(name.strip())[:LONGEST_NAME]
         self._name = f"{shown} (page {self._number})" if shown else self._name
         self.may_command = True
@@ -217,7 +175,7 @@ class Seat:
         target = component_address(component)
         unit = self._unit
         if rate is not None and not 0 < rate <= 50:
-            raise AnswerError(f"{rate:g} Hz is not above 0 and at most 50")
+            raise Refused(f"{rate:g} Hz is not above 0 and at most 50")
         name = unit.values.watch(unit.operator, target, report, rate, self._number, fields)
         return {"report": name}
 
@@ -264,7 +222,9 @@ class Seat:
         target = component_address(component)
         self._unit.require_commander(self._number)
         if not self._unit.operator.controls(target):
-            raise AnswerError(f"{target} is not controlled by us")
+            raise Refused(f"{target} is not controlled by us")
+        if wanted is Status.STANDBY:
+            self._unit.act(target)
         self._unit.journal.note(self._name, f"{message.NAME} to {target}")
         state = self._unit.operator.change(target, message, wanted)
         return {"state": state.name if state is not None else ""}
@@ -281,7 +241,7 @@ class Seat:
         try:
             answer, answer_fields = request(unit.operator, target, entry.name, completed_fields)
         except (NoAnswer, Refused) as error:
-            unit.journal.alarm(f"command {entry.name}", str(error))
+            unit.journal.note(str(target), f"{entry.name}: {error}")
             raise
         text = f"{answer.name} {printable(shown_fields(answer, answer_fields))}"
         unit.journal.note(str(target), text)
@@ -293,15 +253,16 @@ class Seat:
 
     def _clear(self, component: str) -> dict[str, Any]:
         target = component_address(component)
+        self._unit.act(target)
         self._unit.journal.note(self._name, f"clears our emergency of {target}")
         state = self._unit.operator.clear(target)
         return {"state": state.name if state is not None else ""}
 
-    def _silence(self, number: int, reason: str) -> dict[str, Any]:
+    def _silence(self, numbers: tuple[int, ...], reason: str) -> dict[str, Any]:
         if not reason.strip():
-            raise AnswerError("say why the alarm may be silent")
-        if not self._unit.journal.silence(number, self._name, printable(reason.strip())[:200]):
-            raise AnswerError("this alarm sounds no more")
+            raise Refused("say why the alarms may be silent")
+        if not self._unit.journal.silence(numbers, self._name, printable(reason.strip())[:200]):
+            raise Refused("these alarms sound no more")
         return {}
 
     def _handoff(self, component: str, authority: int, reason: str) -> dict[str, Any]:
@@ -363,4 +324,14 @@ class Seat:
 
 def _check_authority(authority: int) -> None:
     if not 0 <= authority <= 255:
-        raise AnswerError(f"{authority} is not within 0 .. 255")
+        raise Refused(f"{authority} is not within 0 .. 255")
+
+
+def _refusal_of(error: Exception) -> RpcError | None:
+    """Returns what a page is told of an error; None for a fault of ours."""
+    if isinstance(error, RpcError):
+        return error
+    if isinstance(error, CodecError):
+        return RpcError(REFUSED, str(error), {"path": error.path})
+    outcomes = (JausError, MessageError, NoAnswer, Refused, ValueError)
+    return RpcError(REFUSED, str(error)) if isinstance(error, outcomes) else None

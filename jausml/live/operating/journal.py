@@ -10,7 +10,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
 _LOG = logging.getLogger("jausml.operating")
 _MOST = 2000
@@ -29,15 +29,21 @@ class JournalEntry:
 
 @dataclass
 class Alarm:
-    """Something that nobody should overlook (`silenced`: by whom and why; empty while it is not).
+    """Something that nobody should overlook.
 
-    `subject` tells what it is about: an alarm about the same that sounds is not raised again.
+    Attributes:
+        cause: What it comes from, by name: alarms of one cause stand together.
+        subject: What it is about: the same of the same subject that sounds is not raised again.
+        back: When the subject was well again; 0 while it is not.
+        silenced: By whom and why; empty while it sounds.
     """
 
     number: int
     time: float
+    cause: str
     subject: str
     text: str
+    back: float = 0.0
     silenced: str = ""
 
 
@@ -60,9 +66,10 @@ class Journal:
 
     @property
     def alarms(self) -> list[dict[str, Any]]:
-        """The alarms, the latest last."""
+        """The alarms that sound, the latest first."""
         with self._lock:
-            return [asdict(alarm) for alarm in self._alarms.values()]
+            alarms = reversed(self._alarms.values())
+            return [asdict(alarm) for alarm in alarms if not alarm.silenced]
 
     def note(self, who: str, text: str) -> None:
         """Adds an entry; the log of the process has it too."""
@@ -71,28 +78,41 @@ class Journal:
         _LOG.info("%s: %s", who, text)
         self._notify("operate.journal", {"entry": asdict(entry)})
 
-    def alarm(self, subject: str, text: str) -> None:
-        """Raises an alarm."""
+    def alarm(self, cause: str, text: str, subject: str = "") -> None:
+        """Raises an alarm (`subject`: the cause itself if it is left out)."""
+        about = subject or cause
         with self._lock:
-            sounding = (alarm for alarm in self._alarms.values() if not alarm.silenced)
-            if any((alarm.subject, alarm.text) == (subject, text) for alarm in sounding):
-                return
+            for alarm in self._alarms.values():
+                is_same = (alarm.subject, alarm.text) == (about, text)
+                if is_same and not alarm.silenced and not alarm.back:
+                    return
             self._count += 1
-            self._alarms[self._count] = Alarm(self._count, time.time(), subject, text)
+            self._alarms[self._count] = Alarm(self._count, time.time(), cause, about, text)
             while len(self._alarms) > _MOST_ALARMS:
                 del self._alarms[min(self._alarms)]
-        self.note("alarm", f"{subject}: {text}")
+        self.note("alarm", f"{about}: {text}")
 
-    def silence(self, number: int, who: str, reason: str) -> bool:
-        """Silences an alarm; False when there is none that sounds."""
+    def returned(self, subject: str) -> None:
+        """Takes that a subject is well again: its alarms say so, and sound on."""
         with self._lock:
-            alarm = self._alarms.get(number)
-            if alarm is None or alarm.silenced:
-                return False
-            alarm.silenced = f"{who}: {reason}"
+            alarms = self._alarms.values()
+            lost = [alarm for alarm in alarms if alarm.subject == subject and not alarm.back]
+            for alarm in lost:
+                alarm.back = time.time()
+        if lost:
+            self.note("unit", f"{subject} is back")
+
+    def silence(self, numbers: Sequence[int], who: str, reason: str) -> bool:
+        """Silences alarms for one reason; False when none of them sounds."""
+        with self._lock:
+            known = (self._alarms.get(number) for number in numbers)
+            alarms = [alarm for alarm in known if alarm is not None and not alarm.silenced]
+            for alarm in alarms:
+                alarm.silenced = f"{who}: {reason}"
+        for alarm in alarms:
             text = f"silenced the alarm {alarm.subject}: {alarm.text!a}, because {reason!a}"
-        self.note(who, text)
-        return True
+            self.note(who, text)
+        return bool(alarms)
 
     def _entry(self, who: str, text: str) -> JournalEntry:
         number = self._entries[-1].number + 1 if self._entries else 1

@@ -5,23 +5,22 @@ It is the client of `jausml ocu`; here stands who may use it, and what ends it.
 
 from __future__ import annotations
 
+import gc
 import time
 from dataclasses import dataclass, field
 from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.operating.journal import Journal
-from jausml.authoring.studio.operating.lists import Lists
-from jausml.authoring.studio.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
-from jausml.authoring.studio.operating.stops import Stops, told_stop
-from jausml.authoring.studio.operating.values import Values
-from jausml.authoring.studio.operating.watching import WatchedSystem
-from jausml.authoring.studio.rpc import UNAUTHORIZED, RpcError
-from jausml.authoring.studio.running import LONGEST
-from jausml.authoring.studio.security import Token
+from jausml.live.operating.guarding import Guarding
+from jausml.live.operating.journal import Journal
+from jausml.live.operating.lists import Lists
+from jausml.live.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
+from jausml.live.operating.stops import Stops, told_stop
+from jausml.live.operating.values import Values
+from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.query_client import NoAnswer, Refused
-from jausml.live.systems.state import state_as_json
+from jausml.live.serving.rpc import UNAUTHORIZED, RpcError
+from jausml.live.serving.security import Token
 from jausml.runtime import HandoffDecision
 from jausml.runtime.messages import Standby
 from jausml.runtime.services.definitions import Status
@@ -29,20 +28,26 @@ from jausml.runtime.services.definitions import Status
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from jausml.authoring.editing.project import Project
+    from jausml.live.operating.knowledge import Knowledge
     from jausml.live.peers.control import Hold
     from jausml.live.peers.network import Network
     from jausml.live.peers.operator import Operator
     from jausml.live.systems.state import SystemState
     from jausml.runtime.base.address import JausAddress
 
+WORD = 0.5
+"""Seconds from one word to pages to the next: who misses one shows nothing as current."""
+
 _LONGEST_STOP = 30.0
 """Seconds that the end of the unit waits for what stops a lost page's components."""
+
+_COLLECTION = 60.0
+"""Seconds between two collections of garbage while nobody commands."""
 
 
 @dataclass(frozen=True)
 class Powers:
-    """What whoever started the studio allows.
+    """What whoever started the unit allows.
 
     Attributes:
         stop: What the stop of everything is, one of `stops.WORDS`.
@@ -71,7 +76,7 @@ class OperatorUnit:
 
     def __init__(
         self,
-        project: Project,
+        knowledge: Knowledge,
         network: Network,
         powers: Powers | None,
         notify: Callable[[str, object], None],
@@ -89,13 +94,16 @@ class OperatorUnit:
         self.values = Values()
         self.journal = Journal(notify)
         self._notify = notify
-        self._system = WatchedSystem(project, network, self.journal, self._tell, self._leave_all)
+        self._system = WatchedSystem(knowledge, network, self.journal, self._tell, self._leave_all)
         stops = powers.stops if powers is not None else ()
         told_stops = [told_stop(stop, self._system.catalogue) for stop in stops]
-        declared = Stops(self._system.model, told_stops)
+        declared = Stops(knowledge.stops, told_stops)
         self.sticks = Sticks(self._system, self.journal, declared)
         self.lists = Lists(self._system, self.journal)
         self._told_last: tuple[float, dict[str, Any]] | None = None
+        self._told_components: list[dict[str, Any]] = []
+        self._collected = time.monotonic()
+        self._guarding: Guarding | None = None
         self._commander: Commander | None = None
         self._is_settled = Event()  # nothing of a lost page is being stopped
         self._is_settled.set()
@@ -108,6 +116,11 @@ class OperatorUnit:
         """Begins, once; what cannot be heard is told as part of the state."""
         self._system.start()
 
+    def learn(self, knowledge: Knowledge) -> None:
+        """Takes what models say now that they have changed; their stops are those of the start."""
+        self._system.learn(knowledge)
+        self._notify("operate.learnt", {})
+
     def stop(self) -> None:
         """Ends it: a stick is stopped, control released."""
         self._system.stop()
@@ -116,26 +129,50 @@ class OperatorUnit:
         self.operator.drop_list_changes()
         commander = self._commander
         if commander is not None:
-            self._lose(commander, "the studio ends")
+            self._lose(commander, "the unit ends")
         # Who still waits for a component would wait for ever once ours has ended.
         self._is_settled.wait(_LONGEST_STOP)
+        if self._guarding is not None:
+            self._guarding.close()
 
     @property
     def operator(self) -> Operator:
-        """Who asks and commands (`AnswerError`: there is no network, or not yet)."""
+        """Who asks and commands (`Refused`: there is no network, or not yet)."""
         return self._system.operator
+
+    def _guard(self) -> None:
+        """Tells the guardian, which begins with the first component, what is controlled now."""
+        operator, powers = self._system.running, self.powers
+        if operator is None or powers is None:
+            return
+        if self._guarding is None:
+            spoke = self._guardian_spoke
+            self._guarding = Guarding(operator, powers.lease, powers.stop, spoke)
+            self.sticks.guarding = self._guarding
+        self._guarding.control([hold.target for hold in operator.holds])
+
+    def _guardian_spoke(self) -> None:
+        """Takes that this process stood still for so long that its guardian has stopped all."""
+        self.journal.alarm("this unit", "it stood still, and its guardian said the stops")
+        Thread(target=self.sticks.end, args=("this unit stood still",)).start()
 
     # ---- what all see -----------------------------------------------------------------------
 
-    def content(self, state: SystemState | None = None) -> dict[str, Any]:
-        """Returns what all pages are told."""
-        state_entries = state_as_json(self._system.monitor.state() if state is None else state)
+    def begin(self) -> dict[str, Any]:
+        """Returns what a page is told first."""
+        state = self._system.monitor.state()
+        return {**self.content(), "ages": _ages(state), "components": _components(state)}
+
+    def content(self) -> dict[str, Any]:
+        """Returns what all pages are told of the unit itself."""
         operator, commander, stick = self._system.running, self._commander, self.sticks.held
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
         return {
             "own": str(operator.own) if operator is not None else "",
             "fault": self._system.fault,
+            "unread": self._system.unread,
+            "unguarded": self._guarding.failure if self._guarding is not None else "",
             "stop": self.powers.stop if self.powers is not None else None,
             "lease": self.powers.lease if self.powers is not None else None,
             "commander": commander and {"page": commander.page, "name": commander.name},
@@ -148,21 +185,26 @@ class OperatorUnit:
                 for request in waiting
                 if operator is not None and operator.controls(request.target)
             ],
-            "components": [_without_age(component) for component in state_entries["components"]],
-            "connections": [
-                {name: connection[name] for name in ("bridge", "connection", "level", "reason")}
-                for connection in state_entries["connections"]
-            ],
             "alarms": self.journal.alarms,
         }  # fmt: skip
 
     def _tell(self, state: SystemState) -> None:
-        """Tells the state if it has changed, or was not told for a while."""
-        content, now = self.content(state), time.monotonic()
+        """Tells the state when it has changed, and once in `WORD`, with the ages of what is in it.
+
+        It is how pages know that this process goes on.
+        """
+        content, components, now = self.content(), _components(state), time.monotonic()
+        if components != self._told_components:
+            self._told_components = components
+            self._notify("operate.components", {"components": components})
         last = self._told_last
-        if last is None or content != last[1] or now - last[0] >= LONGEST:
+        if last is None or content != last[1] or now - last[0] >= WORD:
             self._told_last = now, content
-            self._notify("operate.state", content)
+            self._notify("operate.state", {**content, "ages": _ages(state)})
+        # The collector is off: in full it would stop the process, which nobody may who commands.
+        if self._commander is None and now - self._collected > _COLLECTION:
+            self._collected = now
+            gc.collect()
 
     # ---- commanding -------------------------------------------------------------------------
 
@@ -197,11 +239,11 @@ class OperatorUnit:
     def _begin(self, page: int, name: str) -> None:
         powers = self.powers
         if powers is None:
-            raise RpcError(UNAUTHORIZED, "this studio was started without --operate")
+            raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
         self.operator  # noqa: B018 - it must be there
         with self._state:
             if not self._is_settled.is_set():
-                raise AnswerError("what the page before commanded is being stopped; try again")
+                raise Refused("what the page before commanded is being stopped; try again")
             if self._commander is None:
                 lease = Lease(powers.lease, lambda: self._silent(page))
                 self._commander = Commander(page, name, lease)
@@ -217,29 +259,32 @@ class OperatorUnit:
         commander = self._commander
         if commander is None or commander.page != page:
             self.operator.release(target)
-            raise AnswerError("the page was lost meanwhile")
+            raise Refused("the page was lost meanwhile")
+        self._guard()
 
     def require_commander(self, page: int) -> None:
         """Sees to it that a page commands."""
         commander = self._commander
         if commander is None:
-            raise AnswerError("nobody commands; take control first")
+            raise Refused("nobody commands; take control first")
         if commander.page != page:
-            raise AnswerError(f"{commander.name} commands (page {commander.page})")
+            raise Refused(f"{commander.name} commands")
 
     def renew(self, page: int) -> None:
         """Renews the lease of the page that commands."""
         self.require_commander(page)
         commander = self._commander
         if commander is None or not commander.lease.renew():
-            raise AnswerError("the page was silent too long, and commands no more")
+            raise Refused("the page was silent too long, and commands no more")
 
     def release(self, page: int, name: str, target: JausAddress) -> bool:
         """Releases control of a component; tells whether the component confirms it."""
         self.require_commander(page)
+        self._system.act(target)
         with self._turn:
             self.sticks.end(GIVEN_UP, target)
             is_confirmed = self.operator.release(target)
+            self._guard()
             self._end_commander_without_holds()
         remark = "" if is_confirmed else ", which does not confirm it"
         self.journal.note(name, f"released {target}{remark}")
@@ -258,29 +303,38 @@ class OperatorUnit:
             if decision is HandoffDecision.GRANTED:
                 self.sticks.end(GIVEN_UP, target)
             client = self.operator.decide_handoff(target, number, decision)
+            self._guard()
             self._end_commander_without_holds()
         return client
 
     def _changed(self, target: JausAddress, news: str) -> None:
         """Takes what became of control; on the loop's thread, which must not wait for a stick."""
-        self.journal.alarm(f"component {target}", news)
-        operator = self._system.running
+        operator, name = self._system.running, self._system.name_of(target)
+        if operator is not None and operator.controls(target) and "no more" not in news:
+            self.journal.note(name, news)
+            self.journal.returned(f"control of {name}")
+        elif self._system.has_acted(target):
+            self.journal.note(name, f"{news}, after what this unit did")
+        else:
+            self.journal.alarm(name, news, f"control of {name}")
         if operator is not None and not operator.controls(target):
             Thread(target=self.sticks.end, args=(f"{target} {news}", target)).start()
 
     # ---- stops ------------------------------------------------------------------------------
 
     def stop_all(self, name: str, targets: Iterable[JausAddress]) -> list[dict[str, str]]:
-        """Stops components, and all that are controlled, by the word of who started the studio.
+        """Stops components, and all that are controlled, by the word of who started the unit.
 
         Each is told at once; then it is waited for what they say.
         """
         if self.powers is None:
-            raise RpcError(UNAUTHORIZED, "this studio was started without --operate")
+            raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
         operator = self.operator
         self.sticks.end(STOPPED)
         operator.drop_list_changes()
         stopped = list(dict.fromkeys((*(hold.target for hold in operator.holds), *targets)))
+        for address in stopped:
+            self._system.act(address)
         shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
         self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
         outcomes = {str(address): "" for address in stopped}
@@ -292,7 +346,7 @@ class OperatorUnit:
         for thread in threads:
             thread.join()
         for target, outcome in outcomes.items():
-            self.journal.note("unit", f"after STOP, {target}: {outcome}")
+            self.journal.note("unit", f"after STOP, {self._system.name_of(target)}: {outcome}")
         return [
             {"component": target, "outcome": outcome_text}
             for target, outcome_text in outcomes.items()
@@ -315,11 +369,15 @@ class OperatorUnit:
                 )
         except (NoAnswer, Refused) as error:
             outcomes[str(target)] = str(error)
-            self.journal.alarm(f"component {target}", f"the stop is not confirmed: {error}")
+            self.journal.alarm(self._system.name_of(target), f"the stop is not confirmed: {error}")
             return
         outcomes[str(target)] = state.name if state is not None else "its state is not told"
         if state is None:
-            self.journal.alarm(f"component {target}", "the stop is not confirmed")
+            self.journal.alarm(self._system.name_of(target), "the stop is not confirmed")
+
+    def act(self, target: JausAddress) -> None:
+        """Takes that a person has something done to a component: what follows is no alarm."""
+        self._system.act(target)
 
     def _silent(self, page: int) -> None:
         commander = self._commander
@@ -351,12 +409,13 @@ class OperatorUnit:
         if operator is None:
             return
         self.sticks.end(f"its page {why}")
-        self.journal.alarm(f"page {commander.name}", f"it commanded, and {why}")
+        self.journal.alarm(commander.name, f"it commanded, and {why}")
         self.stop_all("unit", ())
         with self._turn:
             for hold in operator.holds:
                 operator.release(hold.target)
                 self.journal.note("unit", f"released {hold.target}")
+            self._guard()
 
 
 def _hold(hold: Hold) -> dict[str, Any]:
@@ -365,7 +424,27 @@ def _hold(hold: Hold) -> dict[str, Any]:
     return {"component": str(hold.target), "state": state, "held": hold.is_held}
 
 
-def _without_age(component: dict[str, Any]) -> dict[str, Any]:
-    """Returns a component without what changes all the time."""
-    left_out = ("told", "round_trip_ms")
-    return {name: value for name, value in component.items() if name not in left_out}
+def _components(state: SystemState) -> list[dict[str, Any]]:
+    """Returns who is there, without what changes all the time."""
+    return [
+        {
+            "id": component.address,
+            "name": component.name,
+            "level": component.level.value,
+            "reason": component.reason,
+            "state": component.state or None,
+            "controller": component.controller or None,
+            "authority": component.authority,
+        }
+        for component in state.components.values()
+    ]
+
+
+def _ages(state: SystemState) -> dict[str, float]:
+    """Returns the seconds since each component was heard, for those that were."""
+    times = {address: component.told for address, component in state.components.items()}
+    return {
+        address: round(state.now - time_told, 1)
+        for address, time_told in times.items()
+        if time_told is not None
+    }

@@ -6,13 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.operating.stops import WORDS, Stops, told_stop
 from jausml.cli.shared import options
 from jausml.language.project import read_project
 from jausml.live.messages import MessageError, load_catalogue
+from jausml.live.operating.reading import stops_of
+from jausml.live.operating.stops import WORDS, Stops, told_stop
+from jausml.live.peers.query_client import Refused
 
-MODELS = Path(__file__).parents[3] / "models"
+MODELS = Path(__file__).parents[2] / "models"
 CATVEHICLE = MODELS / "catvehicle" / "catvehicle.xmi"
 
 
@@ -27,7 +28,7 @@ def set_velocity():
 
 
 def of_model(path):
-    return Stops(read_project([path]).model, ())
+    return Stops(stops_of(read_project([path]).model), ())
 
 
 def test_what_the_command_line_offers_is_what_there_is():
@@ -43,7 +44,7 @@ def test_the_stop_of_a_connection_is_that_of_its_receiver(set_wrench):
     assert set_wrench.shortened(stop.fields) == efforts
     assert stop.source == "connection bridge.speed_command"
     for other in ("100.1.2", "100.1.3"):
-        with pytest.raises(AnswerError, match="no stop of SetWrenchEffort"):
+        with pytest.raises(Refused, match="no stop of SetWrenchEffort"):
             stops.of(other, set_wrench)
 
 
@@ -66,7 +67,7 @@ def test_without_a_time_out_there_is_no_stop(tmp_path, set_velocity, timeout):
     assert text.count("silenceTimeout: 0.5") == 1
     edited = tmp_path / path.name
     edited.write_text(text.replace("silenceTimeout: 0.5", timeout), encoding="utf-8")
-    with pytest.raises(AnswerError, match="declares no silenceTimeout"):
+    with pytest.raises(Refused, match="declares no silenceTimeout"):
         of_model(edited).of("100.1.30", set_velocity)
 
 
@@ -76,14 +77,14 @@ def test_a_command_that_holds_has_none(tmp_path, set_velocity):
     edited = tmp_path / path.name
     text = path.read_text(encoding="utf-8").replace("silenceTimeout: 0.5", held)
     edited.write_text(text, encoding="utf-8")
-    with pytest.raises(AnswerError, match="holds the last command"):
+    with pytest.raises(Refused, match="holds the last command"):
         of_model(edited).of("100.1.30", set_velocity)
 
 
 def test_a_stop_of_the_command_line_comes_first(set_wrench):
-    told = told_stop("SetWrenchEffort 0.25 PropulsiveLinearEffortX=0", load_catalogue())
-    stops = Stops(read_project([CATVEHICLE]).model, [told])
-    assert stops.of("100.1.1", set_wrench).timeout == 0.25
+    told = told_stop("SetWrenchEffort 0.3 PropulsiveLinearEffortX=0", load_catalogue())
+    stops = Stops(stops_of(read_project([CATVEHICLE]).model), [told])
+    assert stops.of("100.1.1", set_wrench).timeout == 0.3
     assert stops.of("7.7.7", set_wrench).source == "the command line"
 
 

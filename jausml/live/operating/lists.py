@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.proposals.elements import AnswerError
 from jausml.live.messages.errors import CodecError
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import printable, shown_fields
@@ -13,9 +12,9 @@ from jausml.runtime.services.definitions import ELEMENTS_OF_DRIVERS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from jausml.authoring.studio.operating.journal import Journal
-    from jausml.authoring.studio.operating.watching import WatchedSystem
     from jausml.live.messages import MessageEntry
+    from jausml.live.operating.journal import Journal
+    from jausml.live.operating.watching import WatchedSystem
     from jausml.runtime.base.address import JausAddress
 
 MOST_ELEMENTS = 1000
@@ -36,7 +35,7 @@ class Lists:
 
         Raises:
             CodecError: A value is not one of its field; nothing is sent.
-            AnswerError: The component takes no such list.
+            Refused: The component takes no such list.
         """
         operator = self._system.operator
         entry, payloads = self._encoded(target, message, drawn)
@@ -53,9 +52,7 @@ class Lists:
         """Refuses what is drawn unless the component has just that."""
         _, payloads = self._encoded(target, message, drawn)
         if not self._system.operator.has_list(target, payloads):
-            raise AnswerError(
-                f"{target} has another list than the one that is drawn; send it first"
-            )
+            raise Refused(f"{target} has another list than the one that is drawn; send it first")
 
     def end(self, name: str, target: JausAddress) -> None:
         """Has a component stand and forget its list: together they leave nothing that could go on.
@@ -74,20 +71,21 @@ class Lists:
         try:
             self._system.operator.set_list(target, payloads)
         except (NoAnswer, Refused) as error:
-            self._journal.alarm(f"list of {target}", str(error))
+            named = self._system.name_of(target)
+            self._journal.alarm(named, str(error), f"list of {named}")
             raise
 
     def _encoded(
         self, target: JausAddress, message: str, drawn: Drawn
     ) -> tuple[MessageEntry, list[bytes]]:
         if not 0 < len(drawn) <= MOST_ELEMENTS:
-            raise AnswerError(f"{len(drawn)} elements are drawn, not 1 to {MOST_ELEMENTS}")
+            raise Refused(f"{len(drawn)} elements are drawn, not 1 to {MOST_ELEMENTS}")
         operator = self._system.operator
         entry = operator.find(target, message)
         provided = {service.urn for service in operator.services(target)}
         taken = {code for urn, code in ELEMENTS_OF_DRIVERS.items() if urn in provided}
         if entry.code not in taken:
-            raise AnswerError(f"{target} provides no driver for lists of {entry.name}")
+            raise Refused(f"{target} provides no driver for lists of {entry.name}")
         return entry, [_encoded(entry, at, element) for at, element in enumerate(drawn)]
 
 

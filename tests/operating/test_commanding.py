@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import warm
 from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, take, until
-from studio_client import LONGEST, RefusedError, begun, serving
+from studio_client import LONGEST, RefusedError, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from jausml.authoring.editing.project import Project
-from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.operating.unit import OperatorUnit, Powers
-from jausml.authoring.studio.serving import KEPT_SOCKETS, MOST_SOCKETS
+from jausml.live.operating.reading import read
+from jausml.live.operating.serving import KEPT_SOCKETS
+from jausml.live.operating.unit import OperatorUnit, Powers
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
-from jausml.live.peers.query_client import NoAnswer
+from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.serving.server import MOST_SOCKETS
 from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
@@ -49,7 +49,7 @@ COMMANDS: dict[str, dict[str, Any]] = {
     "send": {"component": VEHICLE, "message": "SetWrenchEffort", "fields": {}},
     "stop": {},
     "clear": {"component": VEHICLE},
-    "silence": {"number": 1, "reason": "seen"},
+    "silence": {"numbers": [1], "reason": "seen"},
     "handoff": {"component": VEHICLE, "authority": 205, "reason": ""},
     "decide": {"component": VEHICLE, "number": 0, "decision": "grant"},
     "list.set": {"component": VEHICLE, "message": "SetLocalWaypoint", "elements": []},
@@ -73,7 +73,7 @@ def server(operated: Server) -> Server:
 
 
 def nobody_commands(server: Server) -> bool:
-    with server.page("/operate") as page:
+    with server.page() as page:
         return page.project["state"]["commander"] is None
 
 
@@ -81,7 +81,7 @@ def nobody_commands(server: Server) -> bool:
 
 
 def test_each_command_is_refused_without_the_right(server: Server) -> None:
-    with server.page("/operate") as page:
+    with server.page() as page:
         for method, params in COMMANDS.items():
             with pytest.raises(RefusedError) as refused:
                 page.ask(method, **params)
@@ -89,22 +89,15 @@ def test_each_command_is_refused_without_the_right(server: Server) -> None:
         assert page.project["can_command"]
 
 
-def test_what_commands_is_not_known_to_the_socket_of_the_models(server: Server) -> None:
-    with server.page() as page:
-        for method in ("take", "stop", "stick.begin", "claim"):
-            with pytest.raises(RefusedError, match="no method"):
-                page.ask(method, **COMMANDS.get(method, {}))
-
-
 @pytest.mark.usefixtures("vehicle")
 def test_pages_that_look_leave_places_to_those_that_may_command(server: Server) -> None:
     with ExitStack() as held:
-        looking = [held.enter_context(server.page("/operate")) for _ in range(MOST_SOCKETS)]
-        late = [held.enter_context(server.page("/operate")) for _ in range(2 * KEPT_SOCKETS)]
-        page = held.enter_context(server.page("/operate"))
+        looking = [held.enter_context(server.page()) for _ in range(MOST_SOCKETS)]
+        late = [held.enter_context(server.page()) for _ in range(2 * KEPT_SOCKETS)]
+        page = held.enter_context(server.page())
         page.ask("claim", right=server.right, name="person")
         for _ in range(2 * KEPT_SOCKETS):
-            late.append(held.enter_context(server.page("/operate")))
+            late.append(held.enter_context(server.page()))
         assert page.ask("stop", components=[VEHICLE])["stopped"]
         with pytest.raises(ConnectionClosed) as closed:
             looking[0].ask("journal")
@@ -114,7 +107,7 @@ def test_pages_that_look_leave_places_to_those_that_may_command(server: Server) 
 
 
 def test_a_page_that_asks_without_end_is_read_slowly(server: Server) -> None:
-    with server.page("/operate") as flooding, server.page("/operate") as other:
+    with server.page() as flooding, server.page() as other:
         other.ask("claim", right=server.right, name="person")
         for _ in range(60):
             flooding.send("claim", right="wrong" * 50_000, name="")
@@ -130,7 +123,7 @@ def test_a_page_that_asks_without_end_is_read_slowly(server: Server) -> None:
 
 @pytest.mark.parametrize("right", ["", "wrong"])
 def test_another_right_is_none(server: Server, right: str) -> None:
-    with server.page("/operate") as page:
+    with server.page() as page:
         for claimed in (right, server.token):
             with pytest.raises(RefusedError) as refused:
                 page.ask("claim", right=claimed, name="")
@@ -142,7 +135,7 @@ def test_another_right_is_none(server: Server, right: str) -> None:
 
 def test_the_right_does_not_open_a_socket(server: Server) -> None:
     assert server.right not in ("", server.token)
-    with server.connect("/operate") as socket:
+    with server.connect("/socket") as socket:
         socket.send(
             f'{{"jsonrpc":"2.0","id":1,"method":"hello","params":{{"token":"{server.right}"}}}}'
         )
@@ -151,7 +144,7 @@ def test_the_right_does_not_open_a_socket(server: Server) -> None:
 
 @pytest.mark.parametrize("origin", [None, "null", "http://attacker.example", "http://localhost:1"])
 def test_a_page_of_another_site_commands_nothing(server: Server, origin: str | None) -> None:
-    with pytest.raises(InvalidStatus) as refused, server.connect("/operate", origin=origin):
+    with pytest.raises(InvalidStatus) as refused, server.connect("/socket", origin=origin):
         pass
     assert refused.value.response.status_code == 403
 
@@ -160,7 +153,7 @@ def test_a_studio_without_the_word_commands_nothing(
     folder: Path, built: Path, port: int, vehicle: Vehicle
 ) -> None:
     options = ("--jaus-port", str(port))
-    with serving(folder, built, *options) as server, server.page("/operate") as page:
+    with operating(folder, built, *options) as server, server.page() as page:
         assert not page.project["can_command"]
         for right in ("", server.token):
             with pytest.raises(RefusedError) as refused:
@@ -209,7 +202,7 @@ def test_a_value_out_of_range_is_refused_at_its_field(holding: Page, vehicle: Ve
 
 
 def test_a_second_page_does_not_command_and_sees_who_does(server: Server, holding: Page) -> None:
-    with server.page("/operate") as second:
+    with server.page() as second:
         second.ask("claim", right=server.right, name="berta")
         state = second.await_told("operate.state", lambda told: told["commander"])
         assert state["commander"]["name"].startswith("anna")
@@ -298,7 +291,7 @@ def test_a_page_that_does_not_renew_commands_no_more(
     until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
     with pytest.raises(RefusedError, match="nobody commands"):
         holding.ask("renew")
-    with server.page("/operate") as page:
+    with server.page() as page:
         texts = [alarm["text"] for alarm in page.project["state"]["alarms"]]
     assert "it commanded, and said nothing for 2 s" in texts
 
@@ -326,10 +319,10 @@ def test_a_stick_without_a_declared_stop_is_refused_with_the_reason(holding: Pag
 def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
     move(holding, held(holding), 30.0)
     told = holding.await_told("operate.state", lambda told: told["alarms"])
-    number = next(alarm["number"] for alarm in told["alarms"] if not alarm["silenced"])
+    number = next(alarm["number"] for alarm in told["alarms"])
     with pytest.raises(RefusedError, match="say why"):
-        holding.ask("silence", number=number, reason=" ")
-    holding.ask("silence", number=number, reason="a test")
+        holding.ask("silence", numbers=[number], reason=" ")
+    holding.ask("silence", numbers=[number], reason="a test")
     texts = [entry["text"] for entry in holding.ask("journal")["entries"]]
     assert any("because 'a test'" in text for text in texts)
 
@@ -337,8 +330,8 @@ def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
 def test_a_studio_that_ends_stops_and_releases(
     folder: Path, built: Path, port: int, vehicle: Vehicle
 ) -> None:
-    options = ("--operate", "standby", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
-    with serving(folder, built, *options) as server, server.page("/operate") as page:
+    options = ("--stop-all", "standby", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
+    with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="")
         take(page)
         page.ask("resume", component=VEHICLE)
@@ -354,8 +347,8 @@ def test_a_studio_that_ends_stops_and_releases(
 def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
     folder: Path, built: Path, port: int, vehicle: Vehicle
 ) -> None:
-    options = ("--operate", "emergency", "--lease", "5", "--jaus-port", str(port))
-    with serving(folder, built, *options) as server, server.page("/operate") as page:
+    options = ("--stop-all", "emergency", "--lease", "5", "--jaus-port", str(port))
+    with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="")
         stopped = page.ask("stop", components=[VEHICLE])["stopped"]
         assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY"}]
@@ -366,16 +359,16 @@ def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("--operate", "standby"), "belong together"),
+        (("--stop-all", "standby"), "belong together"),
         (("--lease", "2"), "belong together"),
-        (("--stop", STOP), "--stop is for --operate"),
-        (("--operate", "standby", "--lease", "2", "--stop", "SetWrenchEffort 1 X=0"), "--stop:"),
+        (("--stop", STOP), "--stop is for --stop-all"),
+        (("--stop-all", "standby", "--lease", "2", "--stop", "SetWrenchEffort 1 X=0"), "--stop:"),
     ],
 )
 def test_half_of_a_decision_is_none(
     folder: Path, built: Path, options: tuple[str, ...], said: str
 ) -> None:
-    process = begun(folder, built, *options)
+    process = begun(folder, built, *options, verb="operate")
     _, told = process.communicate(timeout=LONGEST)
     assert process.returncode == 2
     assert said in told
@@ -438,7 +431,7 @@ def test_a_request_for_control_waits_for_a_person(
     told = commanding.await_told("operate.state", lambda told: told["requests"])
     [request] = told["requests"]
     assert (request["client"], request["explanation"]) == ("60.1.1", "my shift begins")
-    with server.page("/operate") as looking:
+    with server.page() as looking:
         asked = {"component": SHARED, "number": request["number"], "decision": decision}
         with pytest.raises(RefusedError) as refused:
             looking.ask("decide", **asked)
@@ -479,19 +472,19 @@ def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
     tmp_path: Path, port: int, vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
-    unit = OperatorUnit(Project(tmp_path), network, Powers("standby", 60.0), lambda *_: None)
+    unit = OperatorUnit(read(tmp_path), network, Powers("standby", 60.0), lambda *_: None)
     address, refused = JausAddress.parse(VEHICLE), []
     assert vehicle.efforts == []
 
     def take(page: int) -> bool:
         try:
             unit.take(page, f"page {page}", address, 205)
-        except (AnswerError, NoAnswer):
+        except (Refused, NoAnswer):
             return False
         return True
 
     def stop_all(name: str, _targets: object) -> list[dict[str, str]]:
-        with pytest.raises(AnswerError, match="is being stopped; try again") as caught:
+        with pytest.raises(Refused, match="is being stopped; try again") as caught:
             unit.take(2, "ben", address, 205)
         refused.append(caught.value)
         return stopped(name, ())

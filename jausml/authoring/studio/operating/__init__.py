@@ -1,1 +1,0 @@
-"""The operator unit of the studio: who may command, what stops, and what comes back."""

@@ -1,0 +1,144 @@
+"""`jausml operate`: command components from a page, in a process of its own."""
+
+from __future__ import annotations
+
+import logging
+import webbrowser
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from jausml import installing
+from jausml.cli.live.network import network_from
+from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.options import (
+    STOP_WORDS,
+    FiniteRange,
+    interface_option,
+    multicast_group_option,
+    page_options,
+    peer_option,
+    port_option,
+)
+from jausml.cli.shared.terminal import remark
+
+if TYPE_CHECKING:
+    from jausml.live.operating.knowledge import Knowledge
+    from jausml.live.operating.serving import Operating, Unit
+    from jausml.live.operating.unit import Powers
+    from jausml.live.peers.network import Network
+
+_NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles")
+
+
+@click.command("operate")
+@click.argument(
+    "path",
+    metavar="[MODEL|FOLDER]",
+    default=".",
+    type=click.Path(exists=True, resolve_path=True, path_type=Path),
+)
+@page_options
+@click.option(
+    "--stop-all",
+    type=click.Choice(STOP_WORDS),
+    help="Let pages with a second address command components. The word is what Stop does, to those "
+    "that are controlled: standby (Management), or emergency, which lasts until it is cleared.",
+)
+@click.option(
+    "--lease",
+    type=FiniteRange(0.5, 60.0),
+    metavar="SECONDS",
+    help="With --stop-all: how long the page that commands may be silent before all that it "
+    "controls is stopped and released. You decide it, there is no default.",
+)
+@click.option(
+    "--stop",
+    "stops",
+    multiple=True,
+    metavar="'MESSAGE SECONDS FIELDS'",
+    help="With --stop-all: the message that stops a command of the stick, and after which silence "
+    "of the page. May be repeated; without it, what the model declares.",
+)
+@interface_option("--jaus-interface")
+@port_option("--jaus-port")
+@multicast_group_option("--jaus-multicast-group")
+@peer_option("--jaus-peer")
+def command(
+    path: Path,
+    host: str,
+    page_port: int,
+    no_browser: bool,
+    stop_all: str | None,
+    lease: float | None,
+    stops: tuple[str, ...],
+    **network: Any,
+) -> None:
+    """Watch and command components in the browser: those of a model, or of a folder of them.
+
+    Serves a page to this computer only, and opens the browser. Nothing is commanded without
+    --stop-all. A guardian process says the stops when this one is killed or stands still. Needs
+    the extra `studio`.
+
+    Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (the port is in use, the extra
+    or the page is missing), 3 internal error.
+    """
+    missing = next((module for module in _NEEDED if find_spec(module) is None), None)
+    if missing is not None:
+        raise EnvironmentFault(f"operating needs {missing}: {installing.command('studio')}")
+    from jausml.live.operating import serving
+    from jausml.live.operating.knowledge import Learning, ReadingError
+    from jausml.live.serving.server import PageMissingError, require_page
+
+    powers = _powers(stop_all, lease, stops)
+    # Who has no page any more sees faults, and the journal, here.
+    logging.getLogger("jausml").addHandler(logging.StreamHandler())
+    if powers is not None:
+        logging.getLogger("jausml.operating").setLevel(logging.INFO)
+    watched = network_from(None, **network)
+    learning = Learning(path)
+    try:
+        require_page(serving.PAGE)
+        operating = _operating(learning.first(), watched, powers)
+        serving.serve(operating, learning, host, page_port, lambda unit: _opened(unit, no_browser))
+    except (PageMissingError, ReadingError) as error:
+        raise EnvironmentFault(str(error)) from error
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise EnvironmentFault(f"cannot serve at {host} port {page_port}: {reason}") from error
+    finally:
+        learning.close()
+
+
+def _operating(knowledge: Knowledge, network: Network, powers: Powers | None) -> Operating:
+    from jausml.live.messages import MessageError
+    from jausml.live.operating.serving import Operating
+
+    try:
+        return Operating(knowledge, network, powers)
+    except (MessageError, ValueError) as error:
+        raise click.UsageError(f"--stop: {error}") from error
+
+
+def _opened(unit: Unit, no_browser: bool) -> None:
+    click.echo(f"jausml operate: {unit.address}")
+    if unit.commanding_address:
+        click.echo(f"to command: {unit.commanding_address}")
+    remark("Ctrl-C ends it.")
+    if not no_browser:
+        webbrowser.open(unit.commanding_address or unit.address)
+
+
+def _powers(stop_all: str | None, lease: float | None, stops: tuple[str, ...]) -> Powers | None:
+    """Returns what pages may command, None for nothing."""
+    if (stop_all is None) != (lease is None):
+        raise click.UsageError("--stop-all and --lease belong together: both say what is safe")
+    if stop_all is None or lease is None:
+        if stops:
+            raise click.UsageError("--stop is for --stop-all")
+        return None
+    from jausml.live.operating.unit import Powers
+
+    return Powers(stop_all, lease, stops)

@@ -1,0 +1,163 @@
+"""A catalogue as plain values, which another process makes a catalogue of without any model.
+
+Layouts stay as they were pickled until they are used: what makes a catalogue of the values has no
+long pause. They are values of our own process, from a pipe of ours.
+"""
+
+from __future__ import annotations
+
+import pickle
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from jausml.language import wire
+from jausml.live.messages.catalogue import Catalogue
+from jausml.live.messages.entries import MessageEntry, ServiceEntry
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Numbers = tuple[int, ...]
+"""Places of messages, or of services, in their list."""
+
+
+@dataclass(frozen=True)
+class FrozenService:
+    """A service (`inherits`: the place of the one that it extends)."""
+
+    names: Mapping[str, str]
+    inputs: Numbers
+    outputs: Numbers
+    inherits: int | None
+
+
+@dataclass(frozen=True)
+class FrozenMessage:
+    """A message (`layout`: a pickled `wire.Message`, or the `wire.LayoutError` of one)."""
+
+    name: str
+    code: int
+    documentation: str
+    is_command: bool
+    is_for_controller: bool
+    services: Numbers
+    answers: Numbers
+    exchange: tuple[int, int] | None
+    layout: bytes
+
+
+@dataclass(frozen=True)
+class FrozenMessages:
+    """All that a catalogue lists."""
+
+    services: tuple[FrozenService, ...]
+    messages: tuple[FrozenMessage, ...]
+
+
+def frozen(catalogue: Catalogue) -> FrozenMessages:
+    """Returns what a catalogue lists, as values that can be pickled."""
+    messages = catalogue.messages
+    place = {entry: number for number, entry in enumerate(messages)}
+    services = {service: number for number, service in enumerate(catalogue.services.values())}
+    return FrozenMessages(
+        tuple(
+            FrozenService(
+                {name: getattr(service, name) for name in ServiceEntry.NAMES},
+                tuple(place[entry] for entry in service.inputs),
+                tuple(place[entry] for entry in service.outputs),
+                None if service.inherits is None else services[service.inherits],
+            )
+            for service in services
+        ),
+        tuple(
+            FrozenMessage(
+                entry.name,
+                entry.code,
+                entry.documentation,
+                entry.is_command,
+                entry.is_for_controller,
+                tuple(services[service] for service in entry.services),
+                tuple(place[answer] for answer in entry.answers),
+                entry.exchange and (place[entry.exchange[0]], place[entry.exchange[1]]),
+                pickle.dumps(_layout_of(entry)),
+            )
+            for entry in messages
+        ),
+    )
+
+
+def _layout_of(entry: MessageEntry) -> wire.Message | wire.LayoutError:
+    try:
+        return entry.layout
+    except wire.LayoutError as error:
+        return wire.LayoutError(error.reason, error.path)
+
+
+class ThawedCatalogue(Catalogue):
+    """The catalogue of such values."""
+
+    def __init__(self, values: FrozenMessages) -> None:
+        """Lists them."""
+        super().__init__()
+        self._entries: dict[int, tuple[MessageEntry, ...]] = {}
+        self.listed = tuple(self._message(message) for message in values.messages)
+        services = [self._service(service) for service in values.services]
+        for service, value in zip(services, values.services, strict=True):
+            self.services[service.urn, service.version] = service
+            service.inherits = None if value.inherits is None else services[value.inherits]
+        for entry, message in zip(self.listed, values.messages, strict=True):
+            entry.services = tuple(services[number] for number in message.services)
+            self._entries[entry.code] = (*self._entries.get(entry.code, ()), entry)
+            codes = self._codes.setdefault(entry.name, [])
+            if entry.code not in codes:
+                codes.append(entry.code)
+
+    def _with_code(self, code: int) -> tuple[MessageEntry, ...]:
+        return self._entries.get(code, ())
+
+    def _message(self, message: FrozenMessage) -> MessageEntry:
+        return MessageEntry(
+            message.name,
+            message.code,
+            message.documentation,
+            _Facts(self, message),
+            self._encode_embedded,
+            self.decode,
+            is_command=message.is_command,
+        )
+
+    def _service(self, service: FrozenService) -> ServiceEntry:
+        def messages() -> tuple[tuple[MessageEntry, ...], tuple[MessageEntry, ...]]:
+            inputs = tuple(self.listed[number] for number in service.inputs)
+            return inputs, tuple(self.listed[number] for number in service.outputs)
+
+        inputs, outputs = (tuple(entry.name for entry in entries) for entries in messages())
+        return ServiceEntry(service.names, inputs, outputs, messages)
+
+
+class _Facts:
+    """What was read of a message."""
+
+    def __init__(self, catalogue: ThawedCatalogue, message: FrozenMessage) -> None:
+        self._catalogue, self._message = catalogue, message
+
+    @cached_property
+    def _layout(self) -> wire.Message | wire.LayoutError:
+        layout: wire.Message | wire.LayoutError = pickle.loads(self._message.layout)  # noqa: S301 - our own
+        return layout
+
+    def layout(self) -> wire.Message:
+        if isinstance(self._layout, wire.LayoutError):
+            raise self._layout
+        return self._layout
+
+    def is_for_controller(self) -> bool:
+        return self._message.is_for_controller
+
+    def answers(self) -> tuple[MessageEntry, ...]:
+        return tuple(self._catalogue.listed[number] for number in self._message.answers)
+
+    def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
+        places = self._message.exchange
+        return places and (self._catalogue.listed[places[0]], self._catalogue.listed[places[1]])

@@ -1,0 +1,1 @@
+"""The operator unit: who may command, what stops, and what comes back."""

@@ -1,0 +1,111 @@
+"""What the guardian of the unit says when this process is dead or stands still."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from jausml.runtime.guardian.ward import PERIOD, Ward
+from jausml.runtime.messages import SetEmergency, Standby
+from jausml.runtime.transports.packets.packet import Priority
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.wire.message import Message
+
+_EMERGENCY_STOP = 1
+"""Code of the only emergency (AS5710, SetEmergency)."""
+
+
+class Guarding:
+    """The guardian, from the first control of a component to `close`.
+
+    It is the process that stands beside bridges too: it was handed what it says before that is
+    needed, as octets. Behind a node manager or TCP there is nothing that it could send.
+    """
+
+    def __init__(
+        self, operator: Operator, lease: float, word: str, spoke: Callable[[], None]
+    ) -> None:
+        """Starts it; nothing moves yet.
+
+        Args:
+            lease: Seconds without this process after which all that is controlled is stopped.
+            word: What the stop of everything is, one of `stops.WORDS`.
+            spoke: Is told, on the loop, that it has spoken.
+        """
+        self._operator = operator
+        transport = operator.transport
+        self._lock = transport.loop.lock
+        self._lease = lease
+        emergency = word == "emergency"
+        self._stop: Message = (
+            SetEmergency(emergency_code=_EMERGENCY_STOP) if emergency else Standby()
+        )
+        self._stick: tuple[JausAddress, Message, float] | None = None
+        self._controlled: Sequence[JausAddress] = ()
+        with self._lock:
+            self._ward = Ward(transport.loop, dict, lambda: 0, spoke)
+            self._of_stick = self._ward.guard(self._stick_stops)
+            self._of_controlled = self._ward.guard(self._controlled_stops)
+
+    def hold(self, target: JausAddress, stopping: Message, seconds: float) -> None:
+        """Takes that a stick begins to move a component, whose word holds for some seconds."""
+        with self._lock:
+            self._stick = target, stopping, seconds
+            if self._of_stick is not None:
+                self._of_stick.arm(True)  # noqa: FBT003
+
+    def let_go(self) -> None:
+        """Takes that the stop of the stick was sent."""
+        with self._lock:
+            if self._of_stick is not None:
+                self._of_stick.arm(False)  # noqa: FBT003
+            self._stick = None
+
+    def control(self, targets: Sequence[JausAddress]) -> None:
+        """Takes which components are controlled now."""
+        with self._lock:
+            self._controlled = targets
+            if self._of_controlled is not None:
+                self._of_controlled.arm(bool(targets))
+
+    @property
+    def failure(self) -> str:
+        """What the guardian cannot do, to be said of it; empty while all is well."""
+        with self._lock:
+            return self._ward.failure
+
+    def close(self) -> None:
+        """Ends it: all stops were said."""
+        self._ward.release()
+        self._ward.close()
+
+    def _stick_stops(self) -> dict[str, Any]:
+        if self._stick is None:
+            return _stops(self._lease, ())
+        target, message, seconds = self._stick
+        return _stops(seconds, self._datagrams([target], message))
+
+    def _controlled_stops(self) -> dict[str, Any]:
+        return _stops(self._lease, self._datagrams(self._controlled, self._stop))
+
+    def _datagrams(
+        self, targets: Sequence[JausAddress], message: Message
+    ) -> Iterator[dict[str, Any]]:
+        transport, own = self._operator.transport, self._operator.own
+        for target in targets:
+            datagram = transport.datagram(own, target, message.encode(), Priority.SAFETY_CRITICAL)
+            number = partial(transport.next_number, own, target)
+            slot = self._ward.slots.take(self, (own, target), number)
+            if datagram is not None and slot is not None:
+                data, endpoint = datagram
+                yield {"data": data.hex(), "endpoint": endpoint, "slot": slot}
+
+
+def _stops(seconds: float, datagrams: Iterator[dict[str, Any]] | tuple[()]) -> dict[str, Any]:
+    # Its looks at the beat, and the beats, are that far apart: it speaks so much sooner.
+    return {"patience": seconds - PERIOD, "topics": [], "datagrams": list(datagrams)}

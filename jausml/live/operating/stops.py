@@ -1,0 +1,102 @@
+"""Stops that a person has declared: in a connection of the model, or on the command line.
+
+Nothing is made up: a stop without a time-out, or of which two connections say different things, is
+none, and the reason is told.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.messages.entries import by_name, parse_fields
+from jausml.live.messages.text import sample
+from jausml.live.operating.knowledge import DeclaredStop
+from jausml.live.peers.query_client import Refused
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    from jausml.live.messages import Catalogue, MessageEntry
+    from jausml.live.operating.knowledge import Declarations
+
+WORDS = ("standby", "emergency")
+"""What the stop of everything may be (AS5710, Management)."""
+
+SHORTEST, LONGEST = 0.3, 60.0
+"""Seconds that a time-out may have; within shorter ones a busy moment would look like a halt."""
+
+
+def told_stop(text: str, catalogue: Catalogue) -> DeclaredStop:
+    """Returns the stop of a text `MESSAGE SECONDS FIELDS`.
+
+    Raises:
+        ValueError: It is none, or its fields are no such message.
+    """
+    name, _, rest = text.strip().partition(" ")
+    seconds, _, fields = rest.strip().partition(" ")
+    try:
+        timeout = float(seconds)
+    except ValueError:
+        raise ValueError(f"{text!r} is no stop: MESSAGE SECONDS FIELDS") from None
+    if not SHORTEST <= timeout <= LONGEST:
+        raise ValueError(f"{seconds} s is not within {SHORTEST} s .. {LONGEST:g} s")
+    entry = catalogue.message(name)
+    completed_fields = entry.completed(parse_fields(fields.strip() or "{}"))
+    entry.encode(completed_fields)
+    return DeclaredStop(entry.name, completed_fields, timeout, "the command line")
+
+
+class Stops:
+    """The stops of one start: what is edited later changes no stop."""
+
+    def __init__(
+        self,
+        of_model: Mapping[tuple[str, str], Declarations],
+        stated_stops: Iterable[DeclaredStop],
+    ) -> None:
+        """Takes what is declared."""
+        self._by_message = {stop.message: stop for stop in stated_stops}
+        self._of_model = of_model
+
+    def of(self, target: str, entry: MessageEntry) -> DeclaredStop:
+        """Returns the stop of a command to a component.
+
+        Raises:
+            Refused: Nobody has declared one, or the declarations contradict each other.
+        """
+        if entry.name in self._by_message:
+            return self._by_message[entry.name]
+        declarations = self._of_model.get((target, entry.name), ())
+        declared = [stop for stop in declarations if isinstance(stop, DeclaredStop)]
+        meanings = {(json.dumps(stop.fields, sort_keys=True), stop.timeout) for stop in declared}
+        if len(meanings) == 1:
+            return _completed(declared[0], entry)
+        if meanings:
+            names = ", ".join(stop.source for stop in declared)
+            raise Refused(f"the stops of {names} are different; say one with --stop")
+        why = next((reason for reason in declarations if isinstance(reason, str)), "")
+        raise Refused(
+            f"no stop of {entry.name} to {target} was declared at the start"
+            + (f" ({why})" if why else "")
+            + "; a connection of the model does it, or --stop"
+        )
+
+
+def _completed(stop: DeclaredStop, entry: MessageEntry) -> DeclaredStop:
+    """Returns a stop of a model with all fields: those it leaves out are 0, as in a bridge."""
+    if stop.timeout < SHORTEST:
+        raise Refused(f"{stop.timeout:g} s of {stop.source} is shorter than {SHORTEST} s")
+    fields = sample(entry.record)
+    _put(fields, entry.completed(by_name(stop.fields)))
+    entry.encode(fields)
+    return replace(stop, message=entry.name, fields=fields)
+
+
+def _put(fields: dict[str, Any], values: dict[str, Any]) -> None:
+    for name, value in values.items():
+        if isinstance(value, dict) and isinstance(fields.get(name), dict):
+            _put(fields[name], value)
+        else:
+            fields[name] = value

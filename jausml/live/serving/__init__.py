@@ -1,0 +1,1 @@
+"""Pages served to browsers: who may ask, requests and answers on a socket, and the server."""

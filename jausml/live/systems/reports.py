@@ -1,0 +1,48 @@
+"""What reports of components tell of them, in the values that a state is folded of."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jausml.live.peers.discovery import controller_of
+from jausml.live.peers.query_client import status_of
+from jausml.live.systems.machines import MOST_MACHINES, MachineState, StateTime
+
+if TYPE_CHECKING:
+    from jausml.runtime.messages import ReportControl, ReportStatus, ReportTimeout
+    from jausml.runtime.messages.machine_states import ReportMachineStates
+
+
+def state_in(report: ReportStatus, _client: str = "") -> dict[str, Any]:
+    """Returns the state that a component reports."""
+    state = status_of(report)
+    return {"state": state.name if state is not None else f"state {report.status}"}
+
+
+def control_in(report: ReportControl, _client: str = "") -> dict[str, Any]:
+    """Returns who controls a component, as it reports; an empty text is nobody."""
+    controller = controller_of(report) if report.subsystem_id else ""
+    return {"controller": controller, "authority": report.authority_code}
+
+
+def timeout_in(report: ReportTimeout, _client: str = "") -> dict[str, Any]:
+    """Returns the seconds after which control of a component lapses, as it reports."""
+    return {"control_timeout": int(report.timeout)}
+
+
+def machines_in(report: ReportMachineStates, _client: str = "") -> dict[str, Any]:
+    """Returns the machines that a component reports."""
+    machines = tuple(
+        MachineState(
+            machine.machine_rec.service,
+            machine.machine_rec.machine,
+            machine.machine_rec.state,
+            machine.machine_rec.milliseconds / 1000,
+            tuple(
+                StateTime(time.state, time.entries, time.milliseconds / 1000)
+                for time in machine.time_list
+            ),
+        )
+        for machine in report.machine_list[:MOST_MACHINES]
+    )
+    return {"machines": machines}
