@@ -40,6 +40,15 @@ def test_again_it_would_write_the_same(rover, jausml, notation):
         assert '<components name="a" address="100.1.1">' in model.read_text("utf-8")
 
 
+@NOTATION
+def test_a_file_of_another_layout_is_formatted_and_that_is_told(rover, jausml, notation):
+    model = rover(notation)
+    assert f"{model.name} written\n" in jausml("new", "node", "a").output
+    data = model.read_bytes().replace(b"<nodes ", b"<nodes   ").replace(b"node a", b"node   a")
+    model.write_bytes(data)
+    assert f"{model.name} written and formatted\n" in jausml("new", "node", "b").output
+
+
 @pytest.mark.parametrize(
     ("notation", "told"), [("xmi", "rover.xmi:3:1: not well-formed XML"), ("text", "ros2jaus:1:")]
 )

@@ -202,9 +202,8 @@ class Project:
         self._write({change.file: draft.files.get(change.file) for change in changes})
         # Only now: a working copy of what was not written would be one of nothing.
         self._working_copy = outcome.working_copy
-        if outcome.formatted:
-            label = f"{label}, and format {' and '.join(dict.fromkeys(outcome.formatted))}"
-        entry = self._log.add(label, changes, outcome.created)
+        formatted = tuple(dict.fromkeys(outcome.formatted))
+        entry = self._log.add(label, changes, outcome.created, formatted=formatted)
         self._rebasing.note(self._revision, entry, outcome.shifts)
         return entry
 

@@ -68,7 +68,7 @@ class Entry:
     """An entry of the log: what was done at once, and is undone at once.
 
     `number`: its number, counted from 1 and never given twice. `created`: the elements that it
-    made, valid in the revision that it led to.
+    made, valid in the revision that it led to. `formatted`: files whose layout was another one.
     """
 
     number: int
@@ -76,6 +76,7 @@ class Entry:
     changes: tuple[FileChange, ...]
     created: tuple[Ref, ...] = ()
     is_outside: bool = False
+    formatted: tuple[str, ...] = ()
 
     @property
     def files(self) -> tuple[str, ...]:
@@ -210,10 +211,13 @@ class Log:
         created: tuple[Ref, ...] = (),
         *,
         is_outside: bool = False,
+        formatted: tuple[str, ...] = (),
     ) -> Entry:
         """Adds what was done; what was undone before can no longer be done again."""
         self._count += 1
-        entry = Entry(self._count, label, changes, created, is_outside)
+        if formatted:
+            label = f"{label}, and format {' and '.join(formatted)}"
+        entry = Entry(self._count, label, changes, created, is_outside, formatted)
         self._entries[self._at :] = [entry]
         self._at += 1
         return entry

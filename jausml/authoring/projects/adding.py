@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 from jausml.authoring.editing.commands import Add, Command, EditError
 from jausml.authoring.projects.creating import Wish, create
@@ -24,13 +25,23 @@ from jausml.language.project import Index, library
 from jausml.language.semantics.names import is_identifier, snake_case, taken
 
 
+class Written(NamedTuple):
+    """The files that an addition has written, relative to the folder of the project.
+
+    `formatted`: those of them whose layout was another one.
+    """
+
+    files: tuple[str, ...]
+    formatted: tuple[str, ...]
+
+
 def add(
     place: Place,
     label: str,
     commands: Callable[[Opened], Sequence[Command]],
     *,
     is_of_services: bool = False,
-) -> tuple[str, ...]:
+) -> Written:
     """Adds elements to a model, all or none; returns the files that were written.
 
     `ProjectError`: it cannot be added; nothing was written. `OSError`: a file cannot be read or
@@ -45,8 +56,9 @@ def add(
     except BaseException:
         at.forget()
         raise
-    new_files = (path.relative_to(place.root).as_posix() for path in at.created)
-    return tuple(dict.fromkeys((*new_files, *entry.files)))
+    new_files = [path.relative_to(place.root).as_posix() for path in at.created]
+    formatted = tuple(file for file in entry.formatted if file not in new_files)
+    return Written(tuple(dict.fromkeys((*new_files, *entry.files))), formatted)
 
 
 def add_bridge(
@@ -56,7 +68,7 @@ def add_bridge(
     topics: Sequence[TopicEnd],
     address: str = "",
     namespace: str = "",
-) -> tuple[str, ...]:
+) -> Written:
     """Adds a bridge with a connection for each way that was chosen.
 
     `address`: its JAUS id; empty for one that is free. `namespace`: that of its topics. Returns the
@@ -81,7 +93,7 @@ def add_bridge(
 
 def add_connections(
     place: Place, name: str, chosen: Sequence[Crossing], topics: Sequence[TopicEnd]
-) -> tuple[str, ...]:
+) -> Written:
     """Adds a connection for each way that was chosen to a bridge, with the services of them.
 
     `name`: name of the bridge; empty for the only one. Returns the files that were written,
@@ -115,7 +127,7 @@ def _carry(
     label: str,
     chosen: Sequence[Crossing],
     command_factory: Callable[[Opened, Scope, Sequence[Crossing]], Sequence[Command]],
-) -> tuple[str, ...]:
+) -> Written:
     """Adds what carries topics by ready maps; returns the files that were written.
 
     Text imports the ready maps. Eclipse reads no text, so XMI gets copies of them beside it.
@@ -133,12 +145,13 @@ def _carry(
         )
 
     try:
-        files = add(place, label, commands)
+        written = add(place, label, commands)
     except BaseException:
         for path in new:
             path.unlink(missing_ok=True)
         raise
-    return (*files, *(new_file.relative_to(place.root).as_posix() for new_file in new))
+    copied = (path.relative_to(place.root).as_posix() for path in new)
+    return written._replace(files=(*written.files, *copied))
 
 
 def check_name(name: str, whole: system.System) -> None:
@@ -252,8 +265,8 @@ def start_from_topics(
     """
     written = _begin(folder, wish)
     place = place_of(folder / wish.model)
-    files = add_bridge(place, f"{wish.name}_bridge", chosen, topics)
-    return list(dict.fromkeys((*written, *files)))
+    bridge_written = add_bridge(place, f"{wish.name}_bridge", chosen, topics)
+    return list(dict.fromkeys((*written, *bridge_written.files)))
 
 
 def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> list[str]:
@@ -282,7 +295,7 @@ def start_from_services(folder: Path, wish: Wish, imported: ImportResult) -> lis
         }
         return [Add(scope.ref(at.system), "components", "jaus.Component", values)]
 
-    files = add(place, "Add a component", commands)
+    files = add(place, "Add a component", commands).files
     services_path = services.relative_to(folder).as_posix()
     return list(dict.fromkeys((*written, services_path, *files)))
 

@@ -15,6 +15,7 @@ from jausml.cli.shared.terminal import remark
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Command
+    from jausml.authoring.projects.adding import Written
     from jausml.authoring.projects.places import Opened, Place
     from jausml.authoring.proposals.new_elements import OpenPoint
 
@@ -136,15 +137,16 @@ def add_to(
 
     with stopping():
         place = place_for(model)
-        files = add(place, label, commands, is_of_services=is_of_services)
+        written = add(place, label, commands, is_of_services=is_of_services)
     show()
-    report(place, files)
+    report(place, written)
 
 
-def report(place: Place, files: Sequence[str]) -> None:
+def report(place: Place, written: Written) -> None:
     """Says what was written, and what comes next."""
-    for file in files:
-        remark(f"{_shown(place.root / file)} written")
+    for file in written.files:
+        done = "written and formatted" if file in written.formatted else "written"
+        remark(f"{_shown(place.root / file)} {done}")
     remark(f"next: jausml validate {_shown(place.path)}")
 
 

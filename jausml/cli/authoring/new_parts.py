@@ -237,10 +237,10 @@ def bridge(
         else:
             topics = topics_of(words)
         chosen = chosen_crossings(topics, ready_maps(scope), choosing, left)
-        files = add_bridge(place, name, chosen, topics, address or "", namespace or "")
+        written = add_bridge(place, name, chosen, topics, address or "", namespace or "")
     show_chosen(chosen, topics)
     show_unanswered(chosen)
-    report(place, files)
+    report(place, written)
     show_undecided(chosen)
 
 
@@ -278,7 +278,7 @@ def connection(
             topics = topics_of(words)
         maps = ready_maps(scope_of(place))
         chosen = chosen_crossings(topics, maps, choosing)
-        files = add_connections(place, bridge or "", chosen, topics)
+        written = add_connections(place, bridge or "", chosen, topics)
     show_chosen(chosen, topics)
-    report(place, files)
+    report(place, written)
     show_undecided(chosen)
