@@ -12,8 +12,8 @@ from jausml.authoring.proposals.bridging import system_of
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.partition import commands_of, taken_over
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
-from jausml.authoring.studio.rpc import Method
 from jausml.language.model.names import name_of
+from jausml.live.serving.rpc import Method
 from jausml.views.analysis.formats.plan import named, plain
 from jausml.views.analysis.formats.text import number
 from jausml.views.analysis.partition.plans import Planner
