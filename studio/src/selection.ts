@@ -109,8 +109,18 @@ export function nameOf(graph: Graph, key: PartKey): string {
  * Finds parts again in a newer graph, by keys that go by names: ids shift when an earlier sibling
  * goes.
  */
-export function carriedOver(keys: PartKey[], before: Graph, after: Graph): PartKey[] {
-  return keys.flatMap((key) => carried(partOf(key), before, after) ?? []);
+export function carriedOver(
+  keys: PartKey[],
+  before: Graph,
+  after: Graph,
+  isRenamed = false,
+): PartKey[] {
+  return keys.flatMap((key) => {
+    const found = carried(partOf(key), before, after);
+    // Names change the keys by which parts are found again, places do not.
+    const isLost = !found || partOf(found).of !== partOf(key).of;
+    return isRenamed && isLost && has(after, key) ? key : (found ?? []);
+  });
 }
 
 function carried(part: Part, before: Graph, after: Graph): PartKey | null {

@@ -225,9 +225,10 @@ export function active(studio: Studio): PartKey | null {
   return studio.selection.at(-1) ?? null;
 }
 
+/** The walk that the diagram shows: where the machine runs elsewhere is another thing. */
 function shownWalk(studio: Studio): Walk | null {
-  const { walk, file, view } = studio;
-  return walk?.file === file && walk.view === view ? walk : null;
+  const { walk, file, view, bottom } = studio;
+  return bottom === "step" && walk?.file === file && walk.view === view ? walk : null;
 }
 
 /** Tells whether a box or frame shows the state in which a stepped machine is, or one around it. */

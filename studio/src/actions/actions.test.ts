@@ -304,6 +304,21 @@ describe("what is renamed stays chosen, whoever asked for its new name", () => {
     expect(state()).toMatchObject({ chosen: "robot.xmi#ocu", selection: [nodeKey(id)] });
   });
 
+  test("as a row, whose box keeps its name", async () => {
+    const graph = smallGraph();
+    const server = serveGraph(graph);
+    actions.select([portKey("base", "/odom")]);
+    const nodes = graph.nodes.map((each) => ({
+      ...each,
+      ports: each.ports.map((row) => (row.id === "/odom" ? { ...row, key: "key:pose" } : row)),
+    }));
+    server.answer("edit", () => DONE);
+    server.answer("view", () => ({ revision: 2, graph: { ...graph, nodes } }));
+    await actions.change([{ ...rename, element: "robot.xmi#/odom" }], "Rename");
+    const selection = [portKey("base", "/odom")];
+    expect(state()).toMatchObject({ chosen: "robot.xmi#/odom", selection });
+  });
+
   test("from the first picture with the new name on, which comes before the answer", async () => {
     const server = serveRenamed("driver");
     let answer: (result: EditResult) => void = () => {};

@@ -3,7 +3,7 @@
 import { matching } from "../canvas/following";
 import { CallError, INTERNAL_ERROR, LOST } from "../connection";
 import type { Freshness, Graph, LayoutKey, Problems, ViewResult } from "../protocol";
-import { carriedOver, elementOf, has, indexOf } from "../selection";
+import { carriedOver, elementOf, indexOf } from "../selection";
 import { state, update } from "../store";
 import { ask, messageOf, tried } from "./asking";
 import { changed } from "./differences";
@@ -120,11 +120,10 @@ export function openFrames(opened: LayoutKey[]): void {
 /** Shows a graph; what was selected in the one before is found again. */
 export function show(graph: Graph, revision: number, freshness: Freshness | null = null): void {
   const before = state();
-  let selection = before.graph ? carriedOver(before.selection, before.graph, graph) : [];
-  // Names change the keys by which parts are found again, places do not.
-  if (!selection.length && before.renames) {
-    selection = before.selection.filter((key) => has(graph, key));
-  }
+  const { renames } = before;
+  let selection = before.graph
+    ? carriedOver(before.selection, before.graph, graph, renames > 0)
+    : [];
   // What was chosen is selected when the frame around it is opened, and stays when that is closed.
   const chosen = indexOf(graph).byElement.get(before.chosen);
   if (!selection.length && (graph.folded || before.renames) && chosen) selection = [chosen];

@@ -49,7 +49,7 @@ export const Box = memo(function Box({ data }: NodeProps<BoxNode>) {
       id={domId(key)}
       className={`box ${node.kind} ${node.initial ? "initial" : ""} ${severity} ${liveClass(live)} ${isNow ? "now" : ""} ${own}`}
       role="group"
-      aria-label={`${labelOf(node)}${node.initial ? ", the initial state" : ""}${isNow ? ", the present state" : ""}`}
+      aria-label={`${labelOf(node)}${node.initial ? ", the initial state" : ""}${isNow ? ", stepped to" : ""}`}
       data-part={key}
       style={isClosed ? closedStyle(node) : { width: node.width, height: node.height }}
       onPointerEnter={() => setWasNear(true)}

@@ -1,5 +1,6 @@
 import { type ReactNode, useEffect, useId, useRef, useState } from "react";
 import { useListKeys } from "../keyboard/useListKeys";
+import { useOnceReady } from "../panels/base/useOnceReady";
 
 export interface Pick {
   id: string;
@@ -20,7 +21,6 @@ interface Props {
 /** A list to choose one of, searched as one types; arrows go, Enter takes. */
 export function Picker({ label, picks, onPick, isSearched = true, isLooking = false }: Props) {
   const [typed, setTyped] = useState("");
-  const [isTaken, setTaken] = useState(false);
   const id = useId();
   const list = useRef<HTMLDivElement>(null);
   const words = typed.toLowerCase().split(/\s+/).filter(Boolean);
@@ -37,10 +37,7 @@ export function Picker({ label, picks, onPick, isSearched = true, isLooking = fa
     list.current?.querySelector(`[data-at="${here}"]`)?.scrollIntoView({ block: "nearest" });
   }, [here]);
 
-  const first = shown[0];
-  useEffect(() => {
-    if (isTaken && !isLooking && first) onPick(first.index);
-  }, [isTaken, isLooking, first, onPick]);
+  const takeFirst = useOnceReady(!isLooking, () => shown[0] && onPick(shown[0].index));
 
   const active = shown[here] ? `${id}-${here}` : undefined;
   return (
@@ -58,10 +55,10 @@ export function Picker({ label, picks, onPick, isSearched = true, isLooking = fa
           onChange={(event) => {
             setTyped(event.currentTarget.value);
             keys.setActive(0);
-            setTaken(false);
+            takeFirst(false);
           }}
           onKeyDown={(event) => {
-            if (event.key === "Enter" && isLooking) setTaken(true);
+            if (event.key === "Enter" && isLooking) takeFirst(true);
             else keys.onKey(event);
           }}
         />

@@ -1,8 +1,9 @@
-import { type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
+import { type KeyboardEvent, useId, useRef, useState } from "react";
 import { useListKeys } from "../../keyboard/useListKeys";
 import type { Choice, Ref } from "../../protocol";
 import { revisionOf, useStudio } from "../../store";
 import { useAnswer } from "./useAnswer";
+import { useOnceReady } from "./useOnceReady";
 
 const NONE: Choice[] = [];
 
@@ -32,20 +33,14 @@ export function Combobox(props: Props) {
   const asked = isOpen ? { element, feature, query } : null;
   const { value: found, error } = useAnswer("choices", asked, revision);
   const offered = found?.choices ?? NONE;
-  // Enter waits for what was searched with it.
-  const [isTaken, setTaken] = useState(false);
   const keys = useListKeys(offered.length, (at) => choose(offered[at]));
   const { active } = keys;
 
-  useEffect(() => {
-    if (!isTaken || !(found || error)) return;
-    setTaken(false);
-    choose(found?.choices[0]);
-  });
+  const takeFirst = useOnceReady(Boolean(found || error), () => choose(found?.choices[0]));
 
   function close() {
     setQuery(null);
-    setTaken(false);
+    takeFirst(false);
     keys.setActive(0);
   }
 
@@ -58,7 +53,7 @@ export function Combobox(props: Props) {
   function onKeyDown(event: KeyboardEvent) {
     if (isOpen && !found && event.key === "Enter") {
       event.preventDefault();
-      setTaken(true);
+      takeFirst(true);
       return;
     }
     if (isOpen && keys.onKey(event)) return;
@@ -94,7 +89,7 @@ export function Combobox(props: Props) {
         onClick={() => query === null && setQuery("")}
         onChange={(event) => {
           setQuery(event.currentTarget.value);
-          setTaken(false);
+          takeFirst(false);
           keys.setActive(0);
         }}
         onBlur={close}

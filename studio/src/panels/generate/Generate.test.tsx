@@ -39,11 +39,17 @@ function show(plan: Plan) {
 
 it("shows what would happen to which file", async () => {
   show(REFUSING);
-  expect(await screen.findByText("1 created")).toBeVisible();
+  expect(await screen.findByText("1 to create")).toBeVisible();
   expect(screen.getByText("1 refused")).toBeVisible();
-  expect(screen.getByText("1 kept")).toBeVisible();
+  expect(screen.getByText("1 to keep")).toBeVisible();
   expect(screen.getByText(/vehicle.py:7: it lacks on_stop/)).toBeVisible();
   expect(screen.getByText("jausml run robot_ws/src")).toBeVisible();
+});
+
+it("offers to run what exists alone", async () => {
+  show({ ...PLAN, files: PLAN.files.slice(0, 1) });
+  expect(await screen.findByText("1 to create")).toBeVisible();
+  expect(screen.queryByText(/jausml run/)).toBeNull();
 });
 
 it("shows the diff of a file as text", async () => {
@@ -57,7 +63,7 @@ it("shows the diff of a file as text", async () => {
 
 it("generates what was shown", async () => {
   const server = show(PLAN);
-  await screen.findByText("1 created");
+  await screen.findByText("1 to create");
   await userEvent.click(screen.getByRole("button", { name: "Generate" }));
   expect(server.params("generate")).toEqual([
     { file: "robot.xmi", out: "robot_ws/src", digest: "d1", force: false },
@@ -67,7 +73,7 @@ it("generates what was shown", async () => {
 
 it("generates nothing while files are refused, unless they may be overwritten", async () => {
   const server = show(REFUSING);
-  await screen.findByText("1 created");
+  await screen.findByText("1 to create");
   expect(screen.getByRole("button", { name: "Generate" })).toBeDisabled();
   server.answer("plan", () => PLAN);
   await userEvent.click(screen.getByRole("checkbox", { name: /Overwrite/ }));
@@ -78,7 +84,7 @@ it("generates nothing while files are refused, unless they may be overwritten", 
 
 it("plans for another folder", async () => {
   const server = show(PLAN);
-  await screen.findByText("1 created");
+  await screen.findByText("1 to create");
   await userEvent.type(screen.getByLabelText("Folder"), "my out{Enter}");
   expect(server.params("plan").at(-1)).toEqual({ file: "robot.xmi", out: "my out", force: false });
 });

@@ -9,10 +9,10 @@ import { Diff } from "./Diff";
 
 const ACTIONS: [PlanAction, string, string][] = [
   ["refuse", "refused", "edited by hand; it stays as it is"],
-  ["create", "created", ""],
-  ["change", "changed", ""],
-  ["remove", "removed", ""],
-  ["keep", "kept", "yours; written once and never again"],
+  ["create", "to create", ""],
+  ["change", "to change", ""],
+  ["remove", "to remove", ""],
+  ["keep", "to keep", "yours; written once and never again"],
   ["same", "unchanged", ""],
 ];
 const WRITTEN: PlanAction[] = ["create", "change", "remove"];
@@ -60,6 +60,7 @@ export function Generate() {
 
   const refused = plan?.files.filter((each) => each.action === "refuse").length ?? 0;
   const hasWork = plan?.files.some((each) => WRITTEN.includes(each.action)) ?? false;
+  const isThere = plan?.files.some((each) => each.action !== "create" && each.action !== "refuse");
   const isUpToDate = plan?.problems === "" && !hasWork && refused === 0;
   return (
     <section className="generate" aria-label="Generate">
@@ -103,8 +104,12 @@ export function Generate() {
         <>
           {plan.drift.length > 0 && <Drift plan={plan} />}
           <Files plan={plan} file={file} force={force} shown={shown} onShow={setShown} />
-          <p className="quiet">Run what was generated in a terminal:</p>
-          <Copyable label="the command" text={`jausml run ${quoted(plan.out)}`} />
+          {isThere && (
+            <>
+              <p className="quiet">Run what was generated in a terminal:</p>
+              <Copyable label="the command" text={`jausml run ${quoted(plan.out)}`} />
+            </>
+          )}
         </>
       )}
     </section>

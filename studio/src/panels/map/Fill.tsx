@@ -3,6 +3,7 @@ import { change, messageOf } from "../../actions";
 import type { ConnectOption, ConnectResult, GraphEnd } from "../../protocol";
 import { Fault } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
+import { useOnceReady } from "../base/useOnceReady";
 import { useSettled } from "../base/useSettled";
 
 const PAUSE_MS = 150;
@@ -34,13 +35,15 @@ export function Fill({ file, view, target, revision, onDone }: Props) {
     }
   }
 
+  const takeConstant = useOnceReady(isJudged, () => constant && void take(constant));
+
   return (
     <form
       className="fill"
       aria-label={`Fill ${target.port}`}
       onSubmit={(event) => {
         event.preventDefault();
-        if (isJudged && constant) take(constant);
+        takeConstant(true);
       }}
       onKeyDown={(event) => {
         if (event.key !== "Escape") return;
@@ -58,10 +61,13 @@ export function Fill({ file, view, target, revision, onDone }: Props) {
           aria-label="Constant"
           autoComplete="off"
           value={typed}
-          onChange={(event) => setTyped(event.currentTarget.value)}
+          onChange={(event) => {
+            setTyped(event.currentTarget.value);
+            takeConstant(false);
+          }}
         />
       </label>
-      <button type="submit" disabled={!isJudged || !constant}>
+      <button type="submit" disabled={isJudged && !constant}>
         Set constant
       </button>
       <Way way={ways?.clock} onTake={take} />

@@ -6,6 +6,7 @@ import { useStudio } from "../../store";
 import { Fault, Quiet } from "../base/parts";
 import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
+import { useOnceReady } from "../base/useOnceReady";
 import { useSettled } from "../base/useSettled";
 import { type Recent, recent, remember } from "./recent";
 
@@ -48,10 +49,12 @@ export function Palette() {
   ];
   const keys = useListKeys(offers.length, (at) => {
     const offer = offers[at];
-    // What is still shown of an older question is not added.
-    if (offer && value) void add(offer.item);
+    if (offer) void add(offer.item);
   });
   const { active } = keys;
+  // What is still shown of an older question is not added.
+  const isFound = value !== null && query === typed.trim();
+  const addFirst = useOnceReady(isFound, () => offers[0] && void add(offers[0].item));
 
   async function add(item: Offer["item"]) {
     try {
@@ -66,6 +69,7 @@ export function Palette() {
   }
 
   function onKeyDown(event: KeyboardEvent) {
+    if (event.key === "Enter" && !isFound) return addFirst(true);
     if (keys.onKey(event) || event.key !== "Escape" || typed === "") return;
     event.stopPropagation();
     setTyped("");
@@ -88,6 +92,7 @@ export function Palette() {
         onChange={(event) => {
           setTyped(event.currentTarget.value);
           keys.setActive(0);
+          addFirst(false);
         }}
         onKeyDown={onKeyDown}
       />

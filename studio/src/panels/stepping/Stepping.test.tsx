@@ -45,7 +45,7 @@ function show(standing: Partial<Standing> = {}) {
     }),
     "step.test": () => ({ test: "def test_a_path():" }),
   });
-  update({ view: VIEW, walk: null });
+  update({ view: VIEW, walk: null, bottom: "step" });
   render(<Stepping />);
   return server;
 }
@@ -61,6 +61,10 @@ it("takes a step with what conditions say, and goes back", async () => {
   expect(isPresent(state(), "m!Ready", true)).toBe(true);
   expect(isPresent(state(), "m!Ready")).toBe(false);
   expect(isTakenLast(state(), "t1")).toBe(true);
+  // Beside another panel, such as what runs, nothing is marked as if it ran.
+  update({ bottom: "live" });
+  expect(isPresent(state(), "m!Ready.Open")).toBe(false);
+  update({ bottom: "step" });
   await userEvent.click(screen.getByRole("button", { name: "Back" }));
   expect(await screen.findByText("Ready.Shut", { selector: "strong" })).toBeTruthy();
   update({ view: "system" });
