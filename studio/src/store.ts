@@ -73,6 +73,9 @@ export interface Draft {
   why: string;
 }
 
+/** How far the corner of the diagram is moved, and how large all is. */
+export type Sight = [x: number, y: number, zoom: number];
+
 export interface Said {
   text: string;
   isError: boolean;
@@ -115,6 +118,10 @@ export interface Studio {
   isChecked: boolean;
   /** Keys of the frames that are shown with what is in them. */
   opened: LayoutKey[];
+  /** Where one looks, null for the whole. */
+  sight: Sight | null;
+  /** Counts how often the whole was to be shown. */
+  fits: number;
   /** The middle of what shall be seen next. */
   centre: Point | null;
   /** What the graph is worth, null where nothing was said of it. */
@@ -174,6 +181,8 @@ export const BEGINNING: Studio = {
   picture: 0,
   isChecked: true,
   opened: [],
+  sight: null,
+  fits: 0,
   centre: null,
   freshness: null,
   graphFault: "",

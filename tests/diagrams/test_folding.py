@@ -109,8 +109,8 @@ def test_each_box_stands_in_the_frame_of_its_bridge_on_its_host(graph):
     assert all(len(frame_pair) == 2 for frame_pair in around.values())
 
 
-def test_opening_moves_nothing_and_tells_only_what_is_new(graph):
-    drawings = Drawings()
+def test_opening_moves_nothing_and_tells_only_what_is_new(graph, tmp_path):
+    drawings = Drawings(tmp_path)
     first = drawings.draw("m", graph, {}, (), of=1)
     hosts = [box["key"] for box in first["nodes"]]
     assert {box["kind"] for box in first["nodes"]} == {CLOSED}
@@ -128,7 +128,7 @@ def test_opening_moves_nothing_and_tells_only_what_is_new(graph):
     assert drawings.again("m", "system", hosts, of=2) is None
 
 
-def test_what_is_wrong_is_seen_at_the_closed_frames_around_it(model):
+def test_what_is_wrong_is_seen_at_the_closed_frames_around_it(model, tmp_path):
     component = next(candidate for candidate in model.documents[0].roots[0].components)
     document = model.documents[0]
     found = Diagnostic(
@@ -138,14 +138,14 @@ def test_what_is_wrong_is_seen_at_the_closed_frames_around_it(model):
         "wrong",
         fragment=model.fragment(component),
     )
-    drawn = Drawings().draw("m", graph_of(model, "system", [found]), {})
+    drawn = Drawings(tmp_path).draw("m", graph_of(model, "system", [found]), {})
     wrong = [box for box in drawn["nodes"] if box["findings"]]
     assert [box["title"] for box in wrong] == ["host h0 (judp)"]
     assert wrong[0]["findings"][0]["severity"] == "error"
 
 
-def test_a_picture_and_its_difference_are_the_next_picture(graph):
-    drawings = Drawings()
+def test_a_picture_and_its_difference_are_the_next_picture(graph, tmp_path):
+    drawings = Drawings(tmp_path)
     pictures = [drawings.draw("m", graph, {}, opened) for opened in ((), ("host:h0",), ())]
     for before, after in pairwise(pictures):
         assert applied(before, difference(before, after)) == after

@@ -15,6 +15,7 @@ from jausml.language.model import Document, Model, refs
 from jausml.language.model.names import name_of
 from jausml.language.model.values import suggest
 from jausml.language.project import library, own_instances
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import lineage, outputs
 from jausml.language.semantics.paths.markers import in_words
 from jausml.language.semantics.paths.ros_paths import ros_name
@@ -325,17 +326,23 @@ def library_choices(target: ClassTable) -> tuple[Choice, ...]:
 def _choices(scope: Scope, elements: Iterable[EObject]) -> tuple[Choice, ...]:
     labelled_elements = [(label_of(element), element) for element in elements]
     counts = Counter(label for label, _ in labelled_elements)
-    choices = [
+    # Of services of one name the newest comes first, with its messages.
+    labelled_elements.sort(
+        key=lambda entry: (entry[0].lower(), entry[0], [-part for part in _version(entry[1])])
+    )
+    return tuple(
         Choice(
             scope.ref(element),
             f"{label} ({_file(scope, element)})" if counts[label] > 1 else label,
             _first_sentence(str(getattr(element, "documentation", None) or "")),
         )
         for label, element in labelled_elements
-    ]
-    return tuple(
-        sorted(choices, key=lambda choice: (choice.label.lower(), choice.label, choice.value))
     )
+
+
+def _version(element: EObject) -> tuple[int, ...]:
+    service = around(element, jaus.Service)
+    return () if service is None else version_of(service)
 
 
 def _first_sentence(text: str) -> str:
@@ -371,11 +378,17 @@ def _reports(element: EObject) -> list[EObject] | None:
 
 
 def _taken(element: EObject) -> list[EObject] | None:
-    """What the service of a state machine takes, inherited messages included."""
+    """What the service of a state machine takes, inherited messages included.
+
+    What the runtime takes is no trigger (rule JML350).
+    """
     service = around(element, jaus.Service)
     if service is None:
         return None
-    return [message for one in lineage(service) for message in one.inputs if name_of(message)]
+    takers = [
+        one for one in lineage(service) if one is service or one.urn not in SERVED_BY_RUNTIME
+    ]
+    return [message for one in takers for message in one.inputs if name_of(message)]
 
 
 _NARROW: Mapping[str, Callable[[EObject], list[EObject] | None]] = {

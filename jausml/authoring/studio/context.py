@@ -197,13 +197,13 @@ class StudioContext:
     network: Network = field(default_factory=usual_network)
     subscribers: Subscribers = field(default_factory=Subscribers)
     viewed_files: ViewedFiles = field(default_factory=ViewedFiles)
-    drawings: Drawings = field(default_factory=Drawings)
     trials: Trials = field(default_factory=Trials)
     kept: KeptEdits = field(default_factory=KeptEdits)
     faults: Faults = field(default_factory=Faults)
     given_recordings: tuple[Path, ...] = ()
 
     def __post_init__(self) -> None:
+        self.drawings = Drawings(self.project.root)
         self.recordings = Recordings(self.project.root, self.given_recordings)
         self.verdicts = Verdicts(self.project)
         self.sent_verdicts: dict[str, tuple[Verdict, dict[str, Any]]] = {}

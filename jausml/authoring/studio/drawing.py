@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections import OrderedDict, defaultdict
+from collections import OrderedDict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.studio.memory import Memory
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.folding import is_large
 from jausml.views.diagrams.layout.graphviz import Graphviz
@@ -16,6 +17,7 @@ from jausml.views.diagrams.writers import values
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
+    from pathlib import Path
 
     from jausml.views.diagrams.graph import Graph, Node
     from jausml.views.diagrams.layout.sheet import Point
@@ -35,14 +37,12 @@ _LISTS = ("nodes", "groups", "edges")
 class _View:
     """What is known of a view; the lock is held while it is drawn.
 
-    Whether it is crowded, and whether its frames may be closed, is decided when its boxes get
-    their places: no edit moves them.
+    `expected`: where the boxes of new elements were dropped, by element.
     """
 
+    standing: values.Standing
     lock: threading.Lock = field(default_factory=threading.Lock)
-    standing: values.Standing = field(default_factory=values.Standing)
-    is_crowded: bool = False
-    is_large: bool = False
+    expected: dict[str, Point] = field(default_factory=dict)
     settled: values.Settled | None = None
     of: object = None
     pictures: OrderedDict[int, dict[str, Any]] = field(default_factory=OrderedDict)
@@ -50,15 +50,17 @@ class _View:
 
     def seen(self, opened: Collection[str]) -> Collection[str] | None:
         """Returns which frames are opened, None where all are."""
-        return opened if self.is_large else None
+        return opened if self.standing.is_large else None
 
 
 class Drawings:
     """Views as pages draw them: what stands stays until someone asks to arrange it."""
 
-    def __init__(self) -> None:
+    def __init__(self, root: Path) -> None:
+        """Knows nothing but what is remembered of the views of files below a folder."""
         self._lock = threading.Lock()
-        self._views: dict[tuple[str, str], _View] = defaultdict(_View)
+        self._memory = Memory(root)
+        self._views: dict[tuple[str, str], _View] = {}
         self._names: dict[str, list[str]] = {}
         self._engine = Graphviz()
 
@@ -98,6 +100,7 @@ class Drawings:
                 view.standing = values.Standing()
                 settled = self._settled(view, graph, moved)
             view.settled, view.of = settled, of
+            self._memory.keep(file, {graph.view: view.standing})
             return settled.values(view.seen(opened))
 
     def again(
@@ -116,12 +119,22 @@ class Drawings:
     def _settled(
         self, view: _View, graph: Graph, moved: Mapping[str, tuple[int, int]]
     ) -> values.Settled:
-        if not view.standing.shown:
-            view.is_crowded = is_crowded(graph)
-        shown = framed(graph) if view.is_crowded else graph
-        if not view.standing.shown:
-            view.is_large = is_large(shown)
-        return values.settled(shown, self._engine, moved, view.standing)
+        standing = view.standing
+        if not standing.shown:
+            standing.is_crowded = is_crowded(graph)
+        shown = framed(graph) if standing.is_crowded else graph
+        if not standing.shown:
+            standing.is_large = is_large(shown)
+        for node in shown.nodes:
+            if node.element in view.expected:
+                standing.boxes[node.key or node.id] = view.expected.pop(node.element)
+        return values.settled(shown, self._engine, moved, standing)
+
+    def expect(self, file: str, name: str, element: str, corner: Point) -> None:
+        """Has the box of a new element stand where it was dropped."""
+        view = self._view(file, name)
+        with view.lock:
+            view.expected = {element: corner}
 
     def number(self, file: str, picture: dict[str, Any]) -> int:
         """Remembers a picture that a page is sent, and returns its number."""
@@ -160,6 +173,8 @@ class Drawings:
 
     def _view(self, file: str, name: str) -> _View:
         with self._lock:
+            if (file, name) not in self._views:
+                self._views[file, name] = _View(self._memory.standing(file, name))
             return self._views[file, name]
 
 

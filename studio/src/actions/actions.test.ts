@@ -152,32 +152,11 @@ test("delete does it at once where nobody refers to it", async () => {
   });
 });
 
-test("a box that was dropped stands where it was dropped", async () => {
+test("a box that is dropped stands where it was dropped, by one edit", async () => {
   const server = serveGraph();
-  const after = smallGraph();
-  after.nodes.push(node("fresh", []));
-  server.answer("edit", ({ commands }) => ({
-    ...DONE,
-    created: commands[0]?.kind === "add" ? ["robot.xmi#fresh"] : [],
-  }));
-  server.answer("view", () => ({ revision: 2, graph: after }));
-  const add = { kind: "add" as const, owner: "o", feature: "f", type: "t", values: {} };
-  await actions.drop(
-    {
-      id: "i",
-      group: "elements",
-      label: "node",
-      note: "",
-      documentation: "",
-      drop: { commands: [add] },
-      label_of_edit: "Add a node",
-      onto: "",
-    },
-    [10.4, 20.6],
-  );
-  expect(server.params("edit").at(-1)?.commands).toEqual([
-    { kind: "place", file: "robot.xmi", view: "system", positions: { "key:fresh": [10, 21] } },
-  ]);
+  await actions.drop(ITEM, [10.4, 20.6]);
+  const at = { file: "robot.xmi", view: "system", x: 10, y: 21 };
+  expect(server.params("edit")).toMatchObject([{ commands: ITEM.drop.commands, at }]);
 });
 
 test("what was copied is pasted into what is chosen", async () => {

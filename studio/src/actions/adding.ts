@@ -4,7 +4,6 @@ import type { PaletteItem, Point, Ref } from "../protocol";
 import { state } from "../store";
 import { ask, tried } from "./asking";
 import { edit } from "./changing";
-import { place } from "./placing";
 
 /** Type of what the palette gives to a drag: the item as JSON. */
 export const DRAGGED = "application/x-jausml-palette-item";
@@ -23,12 +22,9 @@ export async function drop(
   const meant = await fitting(item, onto);
   if (!meant) return;
   const { item: chosen, base } = meant;
-  const result = await edit(chosen.drop.commands, chosen.label_of_edit, base);
-  if (!result || !at) return;
-  const { graph } = state();
-  const created = new Set(result.created);
-  const node = graph?.nodes.find((each) => created.has(each.element));
-  if (node) await place({ [node.key]: [Math.round(at[0]), Math.round(at[1])] });
+  const { file, view } = state();
+  const corner = at && { file, view, x: Math.round(at[0]), y: Math.round(at[1]) };
+  await edit(chosen.drop.commands, chosen.label_of_edit, base, corner ?? undefined);
 }
 
 /** An item, and the revision of which its refs are, where that is known. */

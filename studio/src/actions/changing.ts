@@ -1,6 +1,6 @@
 // Changes of the model, and taking them back.
 
-import type { Command, EditResult, KeptEdit } from "../protocol";
+import type { Command, Corner, EditResult, KeptEdit } from "../protocol";
 import { revisionOf, say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { choose } from "./choosing";
@@ -12,18 +12,20 @@ import { openFile, refresh } from "./showing";
  *
  * @param base Revision of which the refs of the commands are: that of the answer that gave them; as
  *   a rule that of the graph, of which the choice is.
+ * @param at Where the box of what is new shall stand.
  * @throws CallError The server refused, and why.
  */
 export async function change(
   commands: Command[],
   label: string,
   base = revisionOf(state()),
+  at?: Corner,
 ): Promise<EditResult> {
   const renames = commands.some((each) => each.kind === "rename");
   // The new graph may come before the answer, which the server tells everybody of.
   if (renames) update({ renames: state().renames + 1 });
   try {
-    return await settled(await ask("edit", { commands, label, base }), label);
+    return await settled(await ask("edit", { commands, label, base, ...(at && { at }) }), label);
   } finally {
     if (renames) update({ renames: state().renames - 1 });
   }
@@ -34,8 +36,9 @@ export async function edit(
   commands: Command[],
   label: string,
   base = revisionOf(state()),
+  at?: Corner,
 ): Promise<EditResult | null> {
-  return commands.length ? ((await tried(change(commands, label, base))) ?? null) : null;
+  return commands.length ? ((await tried(change(commands, label, base, at))) ?? null) : null;
 }
 
 /** Does an edit after all that was kept; what others have changed meanwhile gives way to it. */

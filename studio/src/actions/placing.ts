@@ -5,7 +5,7 @@ import type { Command, EditResult, LayoutKey, Point } from "../protocol";
 import { say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { edit } from "./changing";
-import { takePicture } from "./showing";
+import { fitAll, takePicture } from "./showing";
 
 /** Keeps boxes of the view where the user put them. */
 export function place(positions: Record<LayoutKey, Point>): Promise<EditResult | null> {
@@ -49,5 +49,6 @@ export async function arrange(): Promise<void> {
   const answer = await tried(ask("arrange", { file, view, opened }));
   if (!answer || state().view !== view) return;
   takePicture(answer);
+  fitAll();
   say("Arranged.");
 }

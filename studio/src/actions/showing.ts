@@ -47,7 +47,8 @@ async function loadViews(file: string): Promise<boolean> {
 /** Shows a view of the file. */
 export async function openView(view: string): Promise<void> {
   const empty = { graph: null, picture: 0, opened: [], selection: [], bright: null, legal: null };
-  update({ view, graphFault: "", visits: state().visits + 1, ...empty });
+  const sight = view === state().view ? state().sight : null;
+  update({ view, sight, graphFault: "", visits: state().visits + 1, ...empty });
   await load();
 }
 
@@ -111,6 +112,11 @@ export function takePicture(answer: ViewResult): void {
   else isOutdated = true; // it differs from a picture that is not shown: all of it is asked for
 }
 
+/** Shows the whole view. */
+export function fitAll(): void {
+  update({ fits: state().fits + 1 });
+}
+
 /** Shows what is in these frames, and in these alone. */
 export function openFrames(opened: LayoutKey[]): void {
   update({ opened });
@@ -124,9 +130,10 @@ export function show(graph: Graph, revision: number, freshness: Freshness | null
   let selection = before.graph
     ? carriedOver(before.selection, before.graph, graph, renames > 0)
     : [];
-  // What was chosen is selected when the frame around it is opened, and stays when that is closed.
+  // What was chosen is selected where it comes into a picture, and stays when that is left.
   const chosen = indexOf(graph).byElement.get(before.chosen);
-  if (!selection.length && (graph.folded || before.renames) && chosen) selection = [chosen];
+  if (!selection.length && (graph.folded || renames || !before.graph) && chosen)
+    selection = [chosen];
   const last = selection.at(-1);
   const wasPart =
     before.graph && before.selection.length > 0 && !(graph.folded && revision === before.revision);

@@ -49,7 +49,7 @@ import { Line } from "./Line";
 import { useLevels } from "./levels";
 import { domId } from "./marks";
 import { areaOf } from "./navigation";
-import { FEW_BOXES, FIT, Tools, type ToolsProps } from "./Tools";
+import { FEW_BOXES, Tools, type ToolsProps } from "./Tools";
 import { useFewAtOnce } from "./turns";
 
 // Outside the component: React Flow draws everything anew when these change.
@@ -58,6 +58,7 @@ const EDGE_TYPES = { line: Line };
 const MANY_BOXES = 100;
 /** Below this zoom labels cannot be read, and are not drawn. */
 const FAR = 0.45;
+const FIT = { padding: 0.05, maxZoom: 1.2 } as const;
 /** Zoom at which a box is shown that was asked for by name. */
 const READABLE = 0.7;
 
@@ -149,6 +150,7 @@ function Diagram({ graph, hasMap, onMap }: ToolsProps) {
         onSelectionDrag={(event, dragged) => dragging.onDrag(event, dragged)}
         onSelectionDragStop={(event, dragged) => void dragging.onDragStop(event, dragged)}
         onPaneClick={() => select([])}
+        onMoveEnd={(_, { x, y, zoom }) => isFitted && update({ sight: [x, y, zoom] })}
         onConnectStart={drawing.onStart}
         onConnectEnd={drawing.onEnd}
         onDragOver={dropping.onDragOver}
@@ -283,7 +285,8 @@ function takeSelection(
 /**
  * Shows all as soon as there is room, and tells when that is done: until then nobody shall take
  * hold of what moves. By itself React Flow fits what it has measured, and it measures nothing here.
- * What shows all goes on doing so when its room changes, until somebody looks at a part.
+ * What shows all goes on doing so when its room changes, until somebody looks at a part, or did so
+ * before the page was loaded again.
  */
 function useFitted(): boolean {
   const flow = useReactFlow();
@@ -291,14 +294,26 @@ function useFitted(): boolean {
   const room = useStore((store) => `${store.width} ${store.height}`);
   const [isFitted, setFitted] = useState(false);
   const fitted = useRef<Viewport | null>(null);
+  const fits = useStudio((studio) => studio.fits);
+  const asked = useRef(fits);
   // biome-ignore lint/correctness/useExhaustiveDependencies: it fits anew when its room changes
   useEffect(() => {
-    if (!hasRoom || (fitted.current && !isSame(fitted.current, flow.getViewport()))) return;
-    void flow.fitView(FIT).then(() => {
-      fitted.current = flow.getViewport();
-      setFitted(true);
-    });
-  }, [flow, hasRoom, room]);
+    const { sight } = state();
+    const isAsked = asked.current !== fits;
+    asked.current = fits;
+    if (!hasRoom) return;
+    if (!fitted.current && sight) {
+      const [x, y, zoom] = sight;
+      fitted.current = { x, y, zoom: 0 }; // not the whole
+      void flow.setViewport({ x, y, zoom }).then(() => setFitted(true));
+    } else if (isAsked || !fitted.current || isSame(fitted.current, flow.getViewport())) {
+      void flow.fitView(FIT).then(() => {
+        fitted.current = flow.getViewport();
+        update({ sight: null });
+        setFitted(true);
+      });
+    }
+  }, [flow, hasRoom, room, fits]);
   return isFitted;
 }
 
@@ -333,7 +348,8 @@ function useInSight(graph: Graph, here: PartKey | null, isFitted: boolean) {
   const flow = useReactFlow();
   const width = useStore((store) => store.width);
   const height = useStore((store) => store.height);
-  const last = useRef<PartKey | null>(null);
+  // What was chosen before the page was loaded again may lie aside.
+  const last = useRef<PartKey | null>(state().sight ? here : null);
   const centre = useStudio((studio) => studio.centre);
   useEffect(() => {
     if (!centre || !isFitted) return;

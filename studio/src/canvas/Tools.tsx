@@ -1,10 +1,11 @@
 import { useReactFlow } from "@xyflow/react";
-import { type KeyboardEvent, useEffect } from "react";
+import type { KeyboardEvent } from "react";
 import {
   arrange,
   endOf,
   exportPicture,
   filterBy,
+  fitAll,
   focusOn,
   offerEnds,
   openView,
@@ -22,14 +23,6 @@ import { boxesOf } from "./frames";
 
 /** Kinds of views of a service, without and with bodies of messages. */
 export const [SERVICE, BODIES] = ["service", "bodies"];
-
-export const FIT = {
-  padding: 0.05,
-  maxZoom: 1.2,
-} as const;
-
-/** Name of the event by which keys of the page ask the diagram to fit. */
-export const FIT_EVENT = "studio-fit";
 
 /** A diagram of more boxes has a map. */
 export const FEW_BOXES = 8;
@@ -57,12 +50,6 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
   const hasBodies = graph.view.startsWith(`${BODIES}:`);
   const isService = hasBodies || graph.view.startsWith(`${SERVICE}:`);
   const found = filter ? matches(graph, filter) : [];
-
-  useEffect(() => {
-    const fit = () => void flow.fitView(FIT);
-    document.addEventListener(FIT_EVENT, fit);
-    return () => document.removeEventListener(FIT_EVENT, fit);
-  }, [flow]);
 
   function align(way: Alignment) {
     const { nodes } = indexOf(graph);
@@ -99,7 +86,7 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
         onKeyDown={onFilterKey}
       />
       {filter && <output>{found.length} fit</output>}
-      <button type="button" onClick={() => void flow.fitView(FIT)} title="Show all (0)">
+      <button type="button" onClick={fitAll} title="Show all (0)">
         Fit
       </button>
       <button type="button" onClick={() => void flow.zoomIn()} aria-label="Larger" title="+">

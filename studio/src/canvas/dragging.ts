@@ -133,6 +133,7 @@ export function useDropping(graph: Graph) {
     if (carried && under) return carry(JSON.parse(carried) as string[], idOf(under));
     const at = flow.screenToFlowPosition({ x: event.clientX, y: event.clientY });
     const onto = under ? elementOf(graph, under) : "";
+    event.currentTarget.closest<HTMLElement>(".flow")?.focus(); // keys are for what is new
     await drop(JSON.parse(text) as PaletteItem, [at.x, at.y], onto);
   }
   const isBridge = (key: PartKey | null) =>

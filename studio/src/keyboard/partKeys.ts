@@ -7,6 +7,7 @@ import {
   carriedBy,
   copySelected,
   cutSelected,
+  fitAll,
   focusOn,
   offerBridges,
   offerEnds,
@@ -15,7 +16,6 @@ import {
   select,
 } from "../actions";
 import { frameAround } from "../canvas/frames";
-import { FIT_EVENT } from "../canvas/Tools";
 import { FIELDS } from "../panels/base/fields";
 import { groupKey, nodeKey } from "../selection";
 import { active, state, update } from "../store";
@@ -36,7 +36,7 @@ export const PART_KEYS: Record<string, () => void> = {
   D: () => focusOn("down"),
   O: () => focusOn("both"),
   A: () => void arrange(),
-  "0": () => document.dispatchEvent(new Event(FIT_EVENT)),
+  "0": fitAll,
   T: () => update({ middle: state().middle === "table" ? "diagram" : "table" }),
   Escape: leave,
 };

@@ -91,6 +91,14 @@ export interface Referrer {
   label: string;
 }
 
+/** Where a box shall stand: its upper left corner in a view. */
+export interface Corner {
+  file: string;
+  view: string;
+  x: number;
+  y: number;
+}
+
 export interface EditResult {
   revision: number;
   entry?: Entry | null;

@@ -1,6 +1,6 @@
 // Requests and notifications.
 
-import type { Command, EditResult, Entry, KeptEdit, LeftOut } from "./commands";
+import type { Command, Corner, EditResult, Entry, KeptEdit, LeftOut } from "./commands";
 import type { GraphEnd, ViewResult } from "./graphs";
 import type { LiveMessage, LiveState } from "./live";
 import type { Direction, Filling, MapSide, TriedInput, TryResult } from "./maps";
@@ -24,7 +24,10 @@ export interface Methods {
   /** Where the box of an element stands, whether it is shown or not. */
   where: [{ file: string; view: string; element: Ref }, { place: Point | null }];
   arrange: [{ file: string; view: string; opened: LayoutKey[] }, ViewResult];
-  edit: [{ commands: Command[]; label: string; base?: number; dry?: boolean }, EditResult];
+  edit: [
+    { commands: Command[]; label: string; base?: number; dry?: boolean; at?: Corner },
+    EditResult,
+  ];
   undo: [Record<string, never>, { revision: number; entry: Entry | null }];
   redo: [Record<string, never>, { revision: number; entry: Entry | null }];
   log: [Record<string, never>, { entries: Entry[]; at: number }];

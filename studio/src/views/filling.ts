@@ -1,7 +1,6 @@
 // Filling a map from what corresponds.
 
-import { ask, change, messageOf } from "../actions";
-import { FIT_EVENT } from "../canvas/Tools";
+import { ask, change, fitAll, messageOf } from "../actions";
 import type { Filling } from "../protocol";
 import { say, state } from "../store";
 
@@ -17,7 +16,7 @@ export async function fillMap(): Promise<Filling | null> {
     }
     await change(filling.commands, filling.label, filling.revision);
     // Boxes have grown by the rows that are shown now.
-    requestAnimationFrame(() => document.dispatchEvent(new Event(FIT_EVENT)));
+    fitAll();
     return filling;
   } catch (error) {
     say(messageOf(error), true);

@@ -45,6 +45,56 @@ def test_what_was_moved_stays_where_it_is(own_desk, example):
     assert [path.name for path in example.parent.glob("*.layout.json")]
 
 
+@pytest.mark.slow
+def test_a_drop_stands_where_one_dropped_and_a_reload_shows_the_same(own_desk, example):
+    desk, before = own_desk, example.read_bytes()
+    search = desk.page.get_by_role("combobox", name="Search what can be added")
+    search.fill("node")
+    offer = desk.page.get_by_role("option", name=re.compile("^node")).first
+    pane = desk.diagram.bounding_box()
+    offer.drag_to(desk.diagram, target_position={"x": 60, "y": pane["height"] - 90})
+    expect(desk.box("node")).to_be_visible()
+    stands = desk.box("node").bounding_box()
+    assert abs(stands["x"] - pane["x"] - 60) < 3
+    assert abs(stands["y"] - pane["y"] - pane["height"] + 90) < 3
+
+    # Keys are for what was dropped.
+    desk.keyboard.press("F2")
+    expect(desk.box_field()).to_be_focused()
+    desk.box_field().fill("gps")
+    desk.keyboard.press("Enter")
+    expect(desk.box("gps")).to_have_class(re.compile("chosen"))
+
+    # What is typed and not taken outlives the page, and so do the view, its zoom and the choice.
+    desk.page.get_by_role("button", name="Larger").click()
+    expect(desk.page).to_have_url(re.compile("file=.*sight="))
+    sight = desk.diagram.locator(".react-flow__viewport").get_attribute("style")
+    field = desk.page.get_by_label("documentation", exact=True)
+    field.fill("It hears satellites.")
+    desk.page.reload()
+    expect(field).to_have_value("It hears satellites.")
+    expect(desk.box("gps")).to_have_class(re.compile("chosen"))
+    assert desk.diagram.locator(".react-flow__viewport").get_attribute("style") == sight
+    field.press("Control+Enter")
+    expect(desk.said).to_contain_text("Set documentation of gps")
+
+    # All of it is undone act by act, and what is arranged is seen whole.
+    for _ in range(3):
+        desk.diagram.focus()
+        desk.keyboard.press("Control+z")
+        expect(desk.said).to_contain_text("Undone")
+    expect(desk.box("gps")).to_have_count(0)
+    assert example.read_bytes() == before
+    desk.page.get_by_role("button", name="Arrange").click()
+    expect(desk.said).to_contain_text("Arranged")
+    pane = desk.diagram.bounding_box()
+    expect(desk.page.locator(".box").last).to_be_in_viewport(ratio=1)
+    for box in desk.page.locator(".box").all():
+        place = box.bounding_box()
+        assert pane["x"] <= place["x"]
+        assert place["x"] + place["width"] <= pane["x"] + pane["width"]
+
+
 def test_edits_are_in_the_file_at_once_and_undone_to_the_same_bytes(desk, shared_example):
     before = shared_example.read_bytes()
     desk.rename("vehicle", "rover")

@@ -134,9 +134,7 @@ def test_a_machine_is_stepped_and_its_path_is_a_test(open_studio, tmp_path):
         panel.get_by_role("button", name=name, exact=True).click()
 
     def now(state):
-        expect(
-            page.get_by_label(re.compile(rf"^state {state}.*, the present state$"))
-        ).to_be_visible()
+        expect(page.get_by_label(re.compile(rf"^state {state}.*, stepped to$"))).to_be_visible()
 
     step("RequestControl of a client")
     step("Resume of a client")

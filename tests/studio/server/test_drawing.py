@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 
 def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(
-    caplog: pytest.LogCaptureFixture,
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    drawings = Drawings()
+    drawings = Drawings(tmp_path)
     shown = Graph("system", "s", tuple(Node(name, "component", name, key=name) for name in "ab"))
     first = drawings.draw("m.xmi", shown, {})
     view = drawings._view("m.xmi", "system")
@@ -41,8 +41,8 @@ def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(
     assert "Traceback" in caplog.text
 
 
-def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes() -> None:
-    drawings = Drawings()
+def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes(tmp_path: Path) -> None:
+    drawings = Drawings(tmp_path)
 
     def draw(name: str) -> dict[str, tuple[float, float]]:
         boxes = ("service", name), ("messages", f"{name}!takes"), ("messages", f"{name}!sends")

@@ -149,6 +149,23 @@ def test_references_lead_to_what_the_model_allows():
         choices(scope, ref, "name")
 
 
+def test_what_is_searched_comes_first_and_of_versions_the_newest(tmp_path):
+    (tmp_path / "m.ros2jaus").write_text(
+        "package m\nnode a { publisher p { topic: p  type: std_msgs/Bool } }\n"
+        'service X { urn: "urn:x:X"  version: "1.0" }\n',
+        encoding="utf-8",
+    )
+    scope = scope_of(tmp_path / "m.ros2jaus")
+
+    def first(kind, feature, query):
+        [element] = scope.model.instances(kind, library=False)
+        return choices(scope, scope.ref(element), feature, query).choices[0].label
+
+    assert first(ros.Publisher, "type", "odometry") == "nav_msgs/Odometry"
+    assert first(ros.Publisher, "type", "geometry_msgs/pose") == "geometry_msgs/Pose"
+    assert first(jaus.Service, "inherits", "management") == "Management (core-1.1)"
+
+
 def test_elements_of_the_library_are_not_changed():
     scope = scope_of(CAR)
     [message] = [

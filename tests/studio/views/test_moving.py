@@ -9,11 +9,13 @@ import pytest
 from jausml.authoring.editing.commands import Add, Remove, Rename
 from jausml.authoring.editing.project import Project
 from jausml.authoring.proposals.elements import Scope
-from jausml.authoring.studio.views.forms import form_of
+from jausml.authoring.studio.views.forms import choices, form_of
+from jausml.authoring.studio.views.palette import palette
 from jausml.authoring.studio.views.service_lines import cut, heritage, join, lead
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.project import library
+from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.validation.engine import check
 from jausml.views.diagrams.views import graph_of
 
@@ -80,6 +82,29 @@ def test_a_line_between_states_offers_what_may_trigger_a_transition(editor):
     edges = editor.graph("machine:ReceiveFSM").edges
     ends = {(edge.source.node, edge.target.node) for edge in edges}
     assert (editor.box(f"{READY}.Locked"), editor.box(f"{READY}.Moving.PayingIn")) in ends
+
+
+def test_what_the_rules_reject_at_once_triggers_nothing(editor):
+    found = editor.lead(f"{READY}.Locked", f"{READY}.Moving.PayingIn")
+    transition = editor.scope.model.instances(jaus.Transition, library=False)[0]
+    offered = choices(editor.scope, editor.scope.ref(transition), "message")
+    labels = {option.label.removeprefix("transition on ") for option in found.options}
+    labels |= {choice.label.rpartition(".")[2] for choice in offered.choices}
+    assert "LockBrake" in labels
+    served = (s for s in library().instances(jaus.Service) if s.urn in SERVED_BY_RUNTIME)
+    assert not labels & {message.name for service in served for message in service.inputs}
+
+
+def test_a_machine_gets_a_new_internal_event_of_its_service(editor):
+    machine, service = editor.the(jaus.StateMachine), editor.the(jaus.Service)
+    for onto in (machine, next(iter(machine.states))):
+        items = palette(editor.scope, "event", onto=editor.scope.ref(onto))
+        [item] = [item for item in items if item.label == "internal event"]
+        [add] = item.drop.commands
+        assert (add.owner, add.feature) == (editor.scope.ref(service), "events")
+    editor.project.do(item.drop.commands, item.label_of_edit)
+    found = editor.lead(f"{READY}.Locked", f"{READY}.Idle")
+    assert "transition on Event" in [option.label for option in found.options]
 
 
 def test_a_state_that_the_machine_only_extends_is_added_with_its_transition(editor):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,6 +37,16 @@ if TYPE_CHECKING:
 _ADDRESS = "address"
 
 
+@dataclass(frozen=True)
+class Dropped:
+    """Where something was dropped: a view of a file, and the corner of its new box in pixels."""
+
+    file: str
+    view: str
+    x: int
+    y: int
+
+
 def methods(context: StudioContext) -> Mapping[str, Method]:
     """Returns the methods by name."""
     return {
@@ -65,6 +75,7 @@ def _edit(
     label: str,
     base: int | None = None,
     dry: bool = False,  # noqa: FBT001, FBT002 - a parameter by name
+    at: Dropped | None = None,
 ) -> dict[str, Any]:
     """Carries out commands, all or none; dry, tells what they would do."""
     meant, project = _commands(commands), context.project
@@ -76,7 +87,7 @@ def _edit(
             "diff": seen.diff,
             "referrers": seen.referrers,
         }
-    return _carried_out(context, meant, label, project.revision if base is None else base)
+    return _carried_out(context, meant, label, project.revision if base is None else base, at=at)
 
 
 def _commands(descriptions: tuple[Mapping[str, object], ...]) -> list[Command]:
@@ -89,6 +100,7 @@ def _carried_out(
     label: str,
     base: int,
     kept: KeptEdit | None = None,
+    at: Dropped | None = None,
 ) -> dict[str, Any]:
     project = context.project
     try:
@@ -107,6 +119,8 @@ def _carried_out(
         # Only now, whatever kept it from being done.
         context.kept.discard(kept.number)
         context.notify_kept()
+    if at is not None and entry.created:
+        context.drawings.expect(at.file, at.view, entry.created[0], (at.x, at.y))
     context.changed(entry)
     return {"revision": project.revision, "entry": entry_as_json(entry), "created": entry.created}
 

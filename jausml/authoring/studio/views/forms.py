@@ -353,7 +353,7 @@ def choices(scope: Scope, ref: str, feature: str, query: str = "") -> Choices:
     table = scope.model.metamodels.class_of(element).features.get(feature)
     if table is None or table.kind is not FeatureKind.CROSS_REFERENCE:
         raise AnswerError(f"{label_of(element)} has no reference {feature!a}")
-    words, first = query.lower().split(), query.strip().lower()
+    words = query.lower().split()
     targets = {
         legal_target.value: legal_target for legal_target in legal_targets(scope, element, table)
     }
@@ -362,9 +362,16 @@ def choices(scope: Scope, ref: str, feature: str, query: str = "") -> Choices:
         for target in targets.values()
         if all(word in f"{target.label} {target.value}".lower() for word in words)
     ]
-    if first:
-        matches.sort(key=lambda choice: not choice.label.lower().startswith(first))
+    matches.sort(key=lambda choice: _rank(choice.label.lower(), query.strip().lower()))
     return Choices(tuple(matches[:_MOST_CHOICES]), max(0, len(matches) - _MOST_CHOICES))
+
+
+def _rank(label: str, query: str) -> int:
+    """Returns how well a label fits what was typed, 0 best: its last name counts most."""
+    name = re.split("[/.]", label.partition(" (")[0])[-1]
+    if name == query:
+        return 0
+    return 1 if name.startswith(query) or label.startswith(query) else 2
 
 
 def _unit(element: EObject, feature: FeatureTable) -> str:

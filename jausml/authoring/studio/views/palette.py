@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
 from jausml.authoring.proposals.bridging import bridges_of, map_commands, system_of
-from jausml.authoring.proposals.elements import AnswerError, label_of, version_of
+from jausml.authoring.proposals.elements import AnswerError, around, label_of, version_of
 from jausml.authoring.proposals.new_elements import (
     PACKAGES,
     free_address,
@@ -268,12 +268,21 @@ def _maps(maps: Iterable[bridge.AttributeMap]) -> Iterator[Entry]:
 
 
 def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
-    """Yields the kinds of elements that an element, the bridges or the system can own."""
-    for owner in [target] if target is not None else _open_owners(scope):
+    """Yields the kinds of elements that an element, the bridges or the system can own.
+
+    A machine has the internal events of its service.
+    """
+    service = around(target, jaus.Service)
+    is_of_machine = isinstance(target, jaus.StateMachine | jaus.State) and service is not None
+    owners = [target] if target is not None else _open_owners(scope)
+    for owner in [*owners, service] if is_of_machine else owners:
         table = scope.model.metamodels.class_of(owner)
-        for feature in sorted(
-            table.contained, key=lambda containment: containment.name not in PACKAGES
-        ):
+        features = [
+            containment
+            for containment in table.contained
+            if owner is not service or target is service or containment.name == "events"
+        ]
+        for feature in sorted(features, key=lambda feature: feature.name not in PACKAGES):
             is_full = not feature.many and getattr(owner, feature.name) is not None
             for kind in () if is_full or feature.target is None else kinds_of(feature.target):
                 if kind.kind in _others(table, feature):

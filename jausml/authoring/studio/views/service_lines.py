@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import Add, Child, Set
+from jausml.authoring.proposals.bridging import is_served
 from jausml.authoring.proposals.elements import (
     AnswerError,
     Choice,
@@ -247,7 +248,8 @@ def _triggers(
 ) -> Iterator[tuple[str, str, str, _Values]]:
     """Yields what may trigger a transition: its key, its label, why, and the values it gives."""
     for service in lineage(element.eContainer()):
-        for message in service.inputs:
+        # What the runtime takes is no trigger (rule JML350).
+        for message in () if is_served(service) else service.inputs:
             values: _Values = {"message": (scope.ref(message),), "target": (way,)}
             if is_command(message) and machine.extends_core:
                 values["guard"] = (_GUARD,)

@@ -63,12 +63,16 @@ class Standing:
     each box by its key, in the order of the model and in that of the picture. `shown`: kinds and
     corners of the boxes of the last picture by their keys, in its order. `last`: what the last
     picture was made of; most edits change no size, so that the next one is made of the same.
+    Whether it is crowded, and whether its frames may be closed, is decided when its boxes get their
+    places: no edit moves them.
     """
 
     boxes: dict[str, Point] = field(default_factory=dict)
     shown: dict[str, tuple[str, Point]] = field(default_factory=dict)
     routes: dict[_Way, Route] = field(default_factory=dict)
     rows: dict[str, tuple[list[str], list[str]]] = field(default_factory=dict)
+    is_crowded: bool = False
+    is_large: bool = False
     last: Placed | None = None
 
 
@@ -151,9 +155,11 @@ def settled(
         sheet = replace(sheet, boxes=tuple(boxes[node.id] for node in graph.nodes))
         for name, (x, y) in drawn.boxes.items():
             standing.boxes.setdefault(keys[name], (round(x), round(y)))
-        # Of so many lines each page draws those that it shows.
+        # Of so many lines each page draws those that it shows. Ways are those between the places of
+        # the engine, where others may be known.
         routes = {} if graph.is_crowded else drawn.lines
-        _keep_routes(sheet, {n: standing.boxes[k] for n, k in keys.items()}, routes, standing)
+        placed = {n: (round(x), round(y)) for n, (x, y) in drawn.boxes.items()}
+        _keep_routes(sheet, placed, routes, standing)
     stood = {**standing.boxes, **moved}
     places = _placed(sheet, {n: stood[k] for n, k in keys.items() if k in stood}, fixed, standing)
     corners = places.corners

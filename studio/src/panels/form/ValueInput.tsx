@@ -215,7 +215,8 @@ function Typed(props: Props) {
 }
 
 /**
- * Keeps what is typed and was not taken when the field goes, as when another element is chosen.
+ * Keeps what is typed and was not taken when the field goes, as when another element is chosen, or
+ * the page.
  *
  * @returns Whether the field is there.
  */
@@ -227,10 +228,15 @@ function useKept(typed: Typing | null, keep: (text: string) => void) {
   });
   useEffect(() => {
     isShown.current = true;
-    return () => {
-      isShown.current = false;
+    const leave = () => {
       const { typed, keep } = last.current;
       if (typed && !typed.isSent) keep(typed.text);
+    };
+    window.addEventListener("pagehide", leave);
+    return () => {
+      window.removeEventListener("pagehide", leave);
+      isShown.current = false;
+      leave();
     };
   }, []);
   return isShown;

@@ -1,0 +1,58 @@
+// What the address of the page says: the file, the view, where one looks and what is chosen. A reload
+// shows the same, and so does the address elsewhere. What was typed and is not taken yet is kept too.
+
+import { type Draft, type Sight, state, update, useStudio } from "./store";
+
+const DRAFTS_KEY = "jausml-drafts";
+const PAUSE_MS = 300;
+
+/** The part of an address behind its `#`. */
+export function addressOf(): string {
+  const { file, view, chosen, sight } = state();
+  const told = { file, view, chosen, sight: sight?.join(" ") };
+  const parts = Object.entries(told).filter((each): each is [string, string] => Boolean(each[1]));
+  return new URLSearchParams(parts).toString();
+}
+
+function sightIn(text: string | null): Sight | null {
+  const [x, y, zoom] = (text ?? "").split(" ").map(Number);
+  if (x === undefined || y === undefined || !zoom) return null;
+  return [x, y, zoom].every(Number.isFinite) ? [x, y, zoom] : null;
+}
+
+function draftsIn(text: string | null): Draft[] {
+  try {
+    const drafts: unknown = JSON.parse(text ?? "[]");
+    return Array.isArray(drafts) ? (drafts as Draft[]) : [];
+  } catch {
+    return [];
+  }
+}
+
+/** Takes over what an address says, and what was typed before the page was loaded again. */
+export function takeAddress(hash: string, storage: Storage): void {
+  const told = new URLSearchParams(hash.replace(/^#/, ""));
+  update({
+    file: told.get("file") ?? "",
+    view: told.get("view") ?? "",
+    chosen: told.get("chosen") ?? "",
+    sight: sightIn(told.get("sight")),
+    drafts: draftsIn(storage.getItem(DRAFTS_KEY)),
+  });
+}
+
+/** Keeps the address and the drafts as the page is, and begins anew at one that somebody enters. */
+export function keepAddress(window: Window, storage: Storage): void {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  const tell = () => {
+    clearTimeout(timer);
+    if (state().file) window.history.replaceState(null, "", `#${addressOf()}`);
+  };
+  useStudio.subscribe((now, before) => {
+    if (now.drafts !== before.drafts) storage.setItem(DRAFTS_KEY, JSON.stringify(now.drafts));
+    clearTimeout(timer);
+    timer = setTimeout(tell, PAUSE_MS);
+  });
+  window.addEventListener("pagehide", tell);
+  window.addEventListener("hashchange", () => window.location.reload());
+}
