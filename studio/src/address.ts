@@ -4,7 +4,8 @@
 import { type Draft, type Sight, state, update, useStudio } from "./store";
 
 const DRAFTS_KEY = "jausml-drafts";
-const PAUSE_MS = 300;
+const TOLD = ["file", "view", "chosen", "sight"] as const;
+const PAUSE_MS = 100;
 
 /** The part of an address behind its `#`. */
 export function addressOf(): string {
@@ -45,13 +46,13 @@ export function takeAddress(hash: string, storage: Storage): void {
 export function keepAddress(window: Window, storage: Storage): void {
   let timer: ReturnType<typeof setTimeout> | undefined;
   const tell = () => {
-    clearTimeout(timer);
+    timer = undefined;
     if (state().file) window.history.replaceState(null, "", `#${addressOf()}`);
   };
   useStudio.subscribe((now, before) => {
     if (now.drafts !== before.drafts) storage.setItem(DRAFTS_KEY, JSON.stringify(now.drafts));
-    clearTimeout(timer);
-    timer = setTimeout(tell, PAUSE_MS);
+    // Browsers take so many new addresses in a while, and no more.
+    if (TOLD.some((name) => now[name] !== before[name])) timer ??= setTimeout(tell, PAUSE_MS);
   });
   window.addEventListener("pagehide", tell);
   window.addEventListener("hashchange", () => window.location.reload());

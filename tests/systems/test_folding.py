@@ -20,6 +20,7 @@ from jausml.live.systems.folding import (
     connection_of,
     expected,
     fold_answer,
+    fold_model,
     fold_source,
     fold_statuses,
     fold_time,
@@ -79,6 +80,23 @@ def status(name="odometry", node="/robot/bridge", level=0, values=VALUES, **othe
 def only(state: SystemState) -> ConnectionState:
     (found,) = state.connections.values()
     return found
+
+
+def test_nothing_is_said_that_was_not_observed() -> None:
+    state = fold_source(fold_source(expected((), {"10.1.1": "base"}, 0.0), "JAUS", ""), "ROS", "")
+    silent = state.components["10.1.1"]
+    assert (silent.level, silent.reason) == (Level.UNKNOWN, "was not asked")
+    assert set(state_as_json(state)["sources"].values()) == {"nothing heard"}
+    nobody = ComponentAnswer("10.1.1", source=AnswerSource.NOBODY)
+    asked = fold_answer(state, nobody, 1.0).components["10.1.1"]
+    assert (asked.level, asked.reason) == (Level.NOT_HEARD, "does not answer")
+    told = fold_answer(state, ComponentAnswer("10.1.1", source=AnswerSource.ITSELF), 1.0)
+    assert state_as_json(told)["sources"] == {"JAUS": "heard", "ROS": "nothing heard"}
+
+
+def test_who_spoke_before_the_model_was_known_gets_its_name() -> None:
+    heard = fold_answer(SystemState(), ComponentAnswer("10.1.1", source=AnswerSource.ITSELF), 1.0)
+    assert fold_model(heard, (), {"10.1.1": "base"}, 2.0).components["10.1.1"].name == "base"
 
 
 def test_a_status_of_a_bridge_becomes_a_connection():

@@ -385,10 +385,9 @@ def _taken(element: EObject) -> list[EObject] | None:
     service = around(element, jaus.Service)
     if service is None:
         return None
-    takers = [
-        one for one in lineage(service) if one is service or one.urn not in SERVED_BY_RUNTIME
-    ]
-    return [message for one in takers for message in one.inputs if name_of(message)]
+    is_served = service.urn in SERVED_BY_RUNTIME
+    own = [one for one in lineage(service) if is_served or one.urn not in SERVED_BY_RUNTIME]
+    return [message for one in own for message in one.inputs if name_of(message)]
 
 
 _NARROW: Mapping[str, Callable[[EObject], list[EObject] | None]] = {

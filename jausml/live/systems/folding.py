@@ -236,7 +236,11 @@ def fold_model(
         },
     }
     former = {
-        address: replace(component, is_declared=address in components)
+        address: replace(
+            component,
+            is_declared=address in components,
+            name=components.get(address, component.name),
+        )
         for address, component in state.components.items()
         if address in components or component.told is not None
     }
@@ -386,8 +390,10 @@ def _judged_component(state: SystemState, component: ComponentState) -> Componen
     gone = Level.NOT_HEARD if component.is_declared else Level.STALE
     if component.told is None:
         fault = state.sources.get("JAUS", "")
-        level = Level.UNKNOWN if fault else gone
-        return replace(component, level=level, reason=fault or "does not answer")
+        is_silent = component.unanswered > 0 or not component.is_declared
+        level = gone if is_silent and not fault else Level.UNKNOWN
+        said = "does not answer" if component.unanswered else "was not asked"
+        return replace(component, level=level, reason=fault or said)
     if component.unanswered >= _UNANSWERED:
         return _gone(component, gone)
     if not component.state:

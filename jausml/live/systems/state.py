@@ -216,10 +216,18 @@ class SystemState:
 
 def state_as_json(state: SystemState) -> dict[str, Any]:
     """Returns a state as objects, lists, texts and numbers."""
+    heard = {
+        name
+        for name, parts in (("ROS", state.connections), ("JAUS", state.components))
+        if any(part.told is not None for part in parts.values())
+    }
     return {
         "health": HEALTH[state.weight],
         "heard": state.is_heard,
-        "sources": {name: fault or "heard" for name, fault in state.sources.items()},
+        "sources": {
+            name: fault or ("heard" if name in heard else "nothing heard")
+            for name, fault in state.sources.items()
+        },
         "connections": [
             _connection(connection, state) for connection in state.connections.values()
         ],
