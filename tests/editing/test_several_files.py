@@ -87,3 +87,20 @@ def test_what_moves_between_owners_is_found_by_all(folder):
     owner = "service.xmi#Winch"
     project.do([Move("service.xmi#Winch.ReportWinchState", owner, "inputs", 0)], "move")
     assert not any(project.model(file.path).has_errors for file in project.files)
+
+
+def test_the_root_of_a_file_holds_what_it_refers_to_as_validation_does(tmp_path):
+    (tmp_path / ".git").mkdir()
+    (tmp_path / "other").mkdir()
+    for name, text in {
+        "robot/lib/services.ros2jaus": "system lib {\n}\n",
+        "robot/sys/two.ros2jaus": 'import "../lib/services.ros2jaus"\nsystem two {\n}\n',
+        "robot/sys/one.ros2jaus": "system one {\n}\n",
+    }.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    project = Project(tmp_path / "robot" / "sys" / "two.ros2jaus")
+    assert (project.root, project.opened) == (tmp_path / "robot", "sys/two.ros2jaus")
+    assert not project.model(project.opened).diagnostics
+    # Nothing wider than it needs.
+    assert Project(tmp_path / "robot" / "sys" / "one.ros2jaus").root == tmp_path / "robot" / "sys"

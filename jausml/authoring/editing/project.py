@@ -23,12 +23,26 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import refs
 from jausml.language.model.inputs import read_input
 from jausml.language.model.model import Model
-from jausml.language.model.project import is_model_file, model_files
-from jausml.language.model.reading.reader import ReadResult
+from jausml.language.model.project import find_project_root, is_model_file, model_files
+from jausml.language.model.reading.reader import ReadResult, read_models
 from jausml.language.model.refs import Ref
+from jausml.language.text.notation import NOTATIONS
 
 _ATTEMPTS = 3
 """How often commands are planned again when files change beneath them."""
+
+
+_OUTSIDE = "JML209"
+"""The rule that says that a file outside of the root is not read."""
+
+
+def _folder_of_all(path: Path) -> Path:
+    """Returns the least folder that has a model file and all that it may refer to."""
+    root = find_project_root([path])
+    documents = read_models([path], project_root=root, notations=NOTATIONS).model.documents
+    real = (Path(os.path.realpath(document.path)) for document in documents)
+    own = [file.parent for file in real if file.is_relative_to(root)]
+    return Path(os.path.commonpath([path.parent, *own]))
 
 
 class ChangedBeneathError(EditError):
@@ -36,7 +50,7 @@ class ChangedBeneathError(EditError):
 
 
 class Project:
-    """The model files below one folder.
+    """The model files below one folder: the one named, or that of a file and all it refers to.
 
     Every change is written at once and logged. What cannot be done is an `EditError`, and nothing
     is written then. All methods may be called from any thread. `opened` is the model file that was
@@ -45,18 +59,25 @@ class Project:
 
     def __init__(self, opened: str | os.PathLike[str]) -> None:
         path = Path(os.path.realpath(opened))
-        self.root = path if path.is_dir() else path.parent
-        self.opened = "" if path.is_dir() else path.name
         self._lock = threading.RLock()
         self._revision = 0
-        self._reader = Reader(self.root)
-        self._disk = Disk(self.root)
+        self._open(path, path if path.is_dir() else path.parent)
+        if self.opened and any(
+            found.rule == _OUTSIDE for found in self.model(path.name).diagnostics
+        ):
+            self._open(path, _folder_of_all(path))
         self._log = records.Log()
         self._rebasing = Rebasing()
         self.typing_pause = 2.0
         """Seconds without typing after which what is typed is another entry of the log."""
         self._working_copy: WorkingCopy | None = None
         self._unreported: list[records.Change] = []
+
+    def _open(self, path: Path, root: Path) -> None:
+        self.root = root
+        self.opened = "" if path == root else path.relative_to(root).as_posix()
+        self._reader = Reader(root)
+        self._disk = Disk(root)
         self._files: dict[str, records.Stored] = {}
         named = [self.opened] if self.opened else []
         for file in dict.fromkeys([*model_files(self.root, SUFFIXES), *named]):
