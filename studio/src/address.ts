@@ -52,7 +52,8 @@ export function keepAddress(window: Window, storage: Storage): void {
   useStudio.subscribe((now, before) => {
     if (now.drafts !== before.drafts) storage.setItem(DRAFTS_KEY, JSON.stringify(now.drafts));
     // Browsers take so many new addresses in a while, and no more.
-    if (TOLD.some((name) => now[name] !== before[name])) timer ??= setTimeout(tell, PAUSE_MS);
+    const isOther = TOLD.some((name) => now[name] !== before[name]);
+    if (isOther && timer === undefined) timer = setTimeout(tell, PAUSE_MS);
   });
   window.addEventListener("pagehide", tell);
   window.addEventListener("hashchange", () => window.location.reload());

@@ -25,7 +25,6 @@ from jausml.language.semantics.jaus.services import (
     signature,
     with_inherited,
 )
-from jausml.language.semantics.names import snake_case
 from jausml.language.semantics.paths.ros_paths import ros_name
 
 if TYPE_CHECKING:
@@ -200,21 +199,6 @@ class Draft:
     def _names_peer(self) -> bool:
         """A bridge reports to whoever asks."""
         return self.offer.is_provided or self.offer.to_ros
-
-    def preview(self) -> str:
-        """Returns the connection in the text notation."""
-        lines = [f"connection {snake_case(self.name)} {{"]
-        lines.append(f"    map: {name_of(self.map) if self.map is not None else self.name}")
-        if self.offer.exchange != MESSAGE:
-            lines.append(f"    exchange: {self.offer.exchange}")
-        if self.peer is not None and self._names_peer:
-            lines.append(f"    peers: {name_of(self.peer)}")
-        lines += [f"    topic {self.topic}", "}"]
-        if self.map is None:
-            arrow = "JAUS->ROS" if self.offer.to_ros else "ROS->JAUS"
-            head = [f"{self.name} {{", f"    JAUS {name_of(self.offer.message)}"]
-            lines = [*head, f"    ROS {ros_name(self.type)}", f"    {arrow} ()", "}", *lines]
-        return "\n".join(lines)
 
 
 def map_commands(

@@ -252,13 +252,13 @@ def literal(value: Any) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """A way to do what was asked."""
+    """A way to do what was asked; `preview`: the statement of a map that it writes."""
 
     label: str
     why: str
-    preview: str
     commands: Sequence[Command]
     is_best: bool = False
+    preview: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,14 +15,19 @@ beforeEach(() => {
   server = serve({
     views: () => ({ views: [{ name: "system", kind: "system", title: "", library: false }] }),
     view: () => ({ revision: 1, graph }),
-    edit: () => ({ revision: 1, entry: null, created: [] }),
+    edit: ({ label, dry }) => ({
+      revision: 1,
+      entry: null,
+      created: [],
+      ...(dry && { diff: `+connect ${label}` }),
+    }),
   });
   update({ graph, revision: 1 });
 });
 
 function option(label: string, is_best = false): ConnectOption {
   const commands = [{ kind: "remove" as const, element: label }];
-  return { label, why: `why ${label}`, preview: `connect ${label}`, commands, is_best };
+  return { label, why: `why ${label}`, preview: "", commands, is_best };
 }
 
 test("the ways to connect come with reasons, the best one first; Enter takes it", async () => {
@@ -33,10 +38,13 @@ test("the ways to connect come with reasons, the best one first; Enter takes it"
   const shown = screen.getAllByRole("option");
   expect(shown[0]).toHaveTextContent("ready map fits best");
   expect(shown[0]).toHaveTextContent("why ready map");
-  expect(shown[0]).toHaveTextContent("connect ready map");
-  await userEvent.keyboard("{Enter}");
-  await waitFor(() => expect(server.params("edit")).toHaveLength(1));
-  expect(server.params("edit")[0]).toMatchObject({ label: "ready map" });
+  expect(await screen.findByText("+connect ready map")).toBeVisible();
+  await userEvent.keyboard("{ArrowDown}");
+  expect(await screen.findByText("+connect new map")).toBeVisible();
+  await userEvent.keyboard("{ArrowUp}{Enter}");
+  const done = () => server.params("edit").filter((each) => !each.dry);
+  await waitFor(() => expect(done()).toHaveLength(1));
+  expect(done()[0]).toMatchObject({ label: "ready map" });
   expect(state().dialog).toBeNull();
 });
 

@@ -3,8 +3,10 @@ import { bridgesOf, carry, choose, connect, edit, placeOn, rename, take } from "
 import { hostsOf } from "../canvas/frames";
 import { HELP } from "../keyboard/keys";
 import { Copyable } from "../panels/base/parts";
+import { Diff } from "../panels/base/Diff";
+import { useAnswer } from "../panels/base/useAnswer";
+import type { ConnectOption } from "../protocol";
 import { type Dialog, update, useStudio } from "../store";
-import { Diff } from "./Diff";
 import { Modal } from "./Modal";
 import { NewModel } from "./NewModel";
 import { Partition } from "./Partition";
@@ -43,7 +45,7 @@ export function Dialogs() {
     case "diff":
       return (
         <Modal title={dialog.title} onClose={close} isWide>
-          <Diff diff={dialog.diff} />
+          <Diff text={dialog.diff} />
         </Modal>
       );
   }
@@ -141,7 +143,7 @@ function Delete({ dialog }: Of<"delete">) {
       {diff && (
         <details>
           <summary>What changes in the files</summary>
-          <Diff diff={diff} />
+          <Diff text={diff} />
         </details>
       )}
       <footer>
@@ -210,16 +212,16 @@ function Connect({ dialog }: Of<"connect">) {
         isLooking={isLooking}
         picks={options.map((option, at) => ({
           id: `${at} ${option.label}`,
-          text: `${option.label} ${option.why} ${option.preview}`,
+          text: `${option.label} ${option.why}`,
           shown: (
             <>
               <strong>{option.label}</strong>
               {option.is_best && <em> fits best</em>}
               <div>{option.why}</div>
-              {option.preview && <pre>{option.preview}</pre>}
             </>
           ),
         }))}
+        details={(at) => <Written option={options[at]} base={dialog.revision} />}
         onPick={(at) => {
           const option = options[at];
           if (option) void take(option, dialog.revision);
@@ -227,6 +229,20 @@ function Connect({ dialog }: Of<"connect">) {
       />
     </Modal>
   );
+}
+
+/** What a way to connect writes, as it does when it is taken. */
+function Written({
+  option,
+  base,
+}: {
+  option?: ConnectOption | undefined;
+  base?: number | undefined;
+}) {
+  const { label = "", commands = [] } = option ?? {};
+  const asked = { commands, label, dry: true, ...(base !== undefined && { base }) };
+  const { value, error } = useAnswer("edit", option ? asked : null);
+  return error ? <p className="quiet">{error}</p> : value && <Diff text={value.diff ?? ""} />;
 }
 
 function Hosts({ dialog }: Of<"hosts">) {

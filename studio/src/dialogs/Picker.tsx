@@ -16,10 +16,19 @@ interface Props {
   isSearched?: boolean;
   /** Whether there may be more to choose soon; Enter waits for it. */
   isLooking?: boolean;
+  /** What stands below the list, of the one that Enter takes. */
+  details?: (at: number) => ReactNode;
 }
 
 /** A list to choose one of, searched as one types; arrows go, Enter takes. */
-export function Picker({ label, picks, onPick, isSearched = true, isLooking = false }: Props) {
+export function Picker({
+  label,
+  picks,
+  onPick,
+  isSearched = true,
+  isLooking = false,
+  details,
+}: Props) {
   const [typed, setTyped] = useState("");
   const id = useId();
   const list = useRef<HTMLDivElement>(null);
@@ -88,6 +97,7 @@ export function Picker({ label, picks, onPick, isSearched = true, isLooking = fa
           </div>
         ))}
       </div>
+      {shown[here] && details?.(shown[here].index)}
       {shown.length === 0 && <p className="quiet">{isLooking ? "Looking…" : "Nothing fits."}</p>}
     </div>
   );

@@ -83,7 +83,7 @@ export interface PaletteItem {
 export interface ConnectOption {
   label: string;
   why: string;
-  /** The statement in ros2jaus. */
+  /** The statement of a map that it writes, empty for what is none. */
   preview: string;
   commands: Command[];
   is_best: boolean;

@@ -59,7 +59,6 @@ def test_a_component_reaches_a_node_through_the_bridge_by_a_ready_map(car):
     assert "direction" not in connection.values
     [topic] = connection.children
     assert topic.values["name"] == ("dead_reckoning",)
-    assert "map: " in best.preview
 
 
 def test_a_new_map_is_offered_where_none_is_ready(car):
@@ -69,7 +68,6 @@ def test_a_new_map_is_offered_where_none_is_ready(car):
     new_map, connection = option.commands
     assert new_map.kind == "bridge.AttributeMap"
     assert connection.values["map"] == ("new:0",)
-    assert "JAUS ReportLocalPose" in option.preview
 
 
 def test_from_a_node_to_a_component_messages_are_commands(car):
@@ -220,7 +218,7 @@ def test_to_a_bridge_as_a_whole_the_ready_maps_are_offered_that_it_lacks(car):
     assert connection.owner == car.scope.ref(car.owners["bridge"])
     assert connection.values["peers"] == (car.scope.ref(car.owners["vehicle"]),)
     # What a bridge asks for itself, as any component, comes last.
-    assert "service_connection" in found[-1].preview
+    assert found[-1].commands[-1].kind == "jaus.ServiceConnection"
     chosen = car.connect("vehicle/ReportLocalPose", "bridge").options
     assert {option.label.split()[0] for option in chosen} == {"ReportLocalPose"}
 

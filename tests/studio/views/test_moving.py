@@ -75,9 +75,9 @@ def test_a_line_between_states_offers_what_may_trigger_a_transition(editor):
         labels[-2:]
     )
     first = next(option for option in found.options if "SetWinchCommand" in option.label)
-    assert first.preview == (
-        "{ message: SetWinchCommand  target: Moving.PayingIn  guard: isControllingClient }"
-    )
+    [added] = first.commands
+    assert added.values["target"] == ("Moving.PayingIn",)
+    assert added.values["guard"] == ("isControllingClient",)
     editor.take(first)
     edges = editor.graph("machine:ReceiveFSM").edges
     ends = {(edge.source.node, edge.target.node) for edge in edges}
@@ -211,5 +211,5 @@ def test_a_query_gets_its_report_and_a_report_its_query(editor):
     editor.project.do([Rename(editor.scope.ref(report), "ReportOther")], "rename")
     rows = {p.label: (n.id, p.id) for n in editor.graph("service:Winch").nodes for p in n.ports}
     [option] = join(editor.scope, rows["QueryWinchState"], ("", "")).options
-    assert option.preview == "ReportWinchState { code: 0xD000 }"
+    assert option.commands[0].values == {"name": ("ReportWinchState",), "code": ("0xD000",)}
     editor.take(option)

@@ -163,4 +163,6 @@ def _sourceless(
     if not judged.is_possible:
         return Options(refusal=judged.said)
     commands = filling(scope, used, child, None, target, feature)
-    return Options((Option(label, judged.said or label, statement(child), commands, is_best=True),))
+    said = judged.said or label
+    option = Option(label, said, commands, is_best=True, preview=statement(child))
+    return Options((option,))

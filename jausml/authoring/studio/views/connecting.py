@@ -129,13 +129,10 @@ def asked(scope: Scope, source: Spot, target: Spot) -> Options:
         commands = [Add(own, "connections", "jaus.ServiceConnection", values)]
         uses = tuple(scope.ref(service) for service in asking.uses)
         more = () if scope.ref(offer.service) in uses else (scope.ref(offer.service),)
-        preview = f"service_connection {name} {{\n    provider: {name_of(provider)}\n"
-        preview += f"    message: {name_of(offer.message)}\n}}"
         options.append(
             Option(
                 name_of(offer.message),
                 f"{offer.why(name_of(provider))}; {name_of(asking)} asks for it periodically",
-                preview,
                 (*((Set(own, "uses", (*uses, *more)),) if more else ()), *commands),
             )
         )
@@ -178,9 +175,8 @@ def _mirrored(scope: Scope, known: Spot, other: EObject) -> Options:
     profile = profile_of(scope, end) if isinstance(end, ros.TopicEndpoint) else {}
     add = Add(scope.ref(other), feature, cls, values, qos_of(profile))
     noun = cls.removeprefix("ros.")
-    preview = f"{snake_case(noun)} {name} {{ {named}: {topic}  type: {ros_name(kind)} }}"
     label = f"new {snake_case(noun).replace('_', ' ')} {name} of {name_of(other)}"
-    return Options((Option(label, f"{name_of(end)} has {ros_name(kind)}", preview, (add,)),))
+    return Options((Option(label, f"{name_of(end)} has {ros_name(kind)}", (add,)),))
 
 
 def _joined(scope: Scope, source: Spot, target: Spot) -> Options:
@@ -205,7 +201,7 @@ def _joined(scope: Scope, source: Spot, target: Spot) -> Options:
     command = Set(scope.ref(end), named, (topic,))
     label = f"{name_of(end)} on {topic}"
     why = f"both have {ros_name(start.type)}; {name_of(end)} leaves {getattr(end, named)}"
-    return Options((Option(label, why, f"{named}: {topic}", (command,)),))
+    return Options((Option(label, why, (command,)),))
 
 
 def _namespace(node: EObject) -> str:
@@ -238,7 +234,7 @@ def hosted(scope: Scope, elements: Sequence[EObject], host: system.Host | None) 
     commands = [
         command for whole, some in moved.items() for command in _placed(scope, whole, some, host)
     ]
-    return Option(f"Run {what} {where}", "", "", commands)
+    return Option(f"Run {what} {where}", "", commands)
 
 
 def _system_of(element: EObject, host: system.Host | None) -> system.System | None:

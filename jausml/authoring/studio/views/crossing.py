@@ -112,9 +112,8 @@ def through(
         own = profile_of(scope, used.topics[0]) if used.topics else {}
         add = _new_end(scope, at_ros.owner, kind, topic, to_ros=direction == TO_ROS, qos=own)
         noun = "subscription" if direction == TO_ROS else "publisher"
-        preview = f"{noun} {add.values['name'][0]} {{ topic: {topic}  type: {ros_name(kind)} }}"
         label = f"new {noun} of {topic}"
-        return Options((Option(label, f"{name_of(used)} carries it", preview, (add,)),))
+        return Options((Option(label, f"{name_of(used)} carries it", (add,)),))
     if not isinstance(end, ros.TopicEndpoint):
         return Options(refusal=f"{name_of(end)} is a service; {name_of(used)} carries messages")
     if end.type is None or ros_name(end.type) != ros_name(kind):
@@ -127,7 +126,7 @@ def through(
     qos = qos_of(profile_of(scope, end))
     added = Add(scope.ref(used), "topics", "bridge.Topic", {"name": (topic,)}, qos)
     why = f"both have {ros_name(kind)}"
-    return Options((Option(f"topic {topic} of {name_of(used)}", why, f"topic {topic}", (added,)),))
+    return Options((Option(f"topic {topic} of {name_of(used)}", why, (added,)),))
 
 
 def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -> Options:
@@ -231,11 +230,9 @@ def further_peer(scope: Scope, at_jaus: Spot, at_bridge: Spot, direction: str) -
     if not fits:
         return Options(refusal=_nothing(peer, name_of(message), direction))
     peers = (*(scope.ref(component) for component in used.peers), scope.ref(peer))
-    names = ", ".join(name_of(component) for component in (*used.peers, peer))
     option = Option(
         f"{name_of(peer)} as peer of {name_of(used)}",
         fits[0].why(name_of(peer)),
-        f"peers: {names}",
         (Set(scope.ref(used), "peers", peers),),
     )
     return Options((option,))
@@ -341,7 +338,7 @@ def _option(
     if used is not None and lacks_stop(offer, used):
         why += "; nothing stops it when its source is lost: that is for you to decide"
     label = f"{name_of(offer.message)} by {how} ({ros_name(draft.type)})"
-    return Option(label, why, draft.preview(), commands)
+    return Option(label, why, commands)
 
 
 def _is_carried(
@@ -434,5 +431,4 @@ def _call(
     add = Add(scope.ref(owner), "serviceConnections", "bridge.RosServiceConnection", values)
     label = f"calls of {name_of(end)} through {name_of(owner)}"
     why = "choose the JAUS message that asks, and the answer, in its form"
-    preview = f"ros_service_connection {values['name'][0]} {{ service: {values['service'][0]} }}"
-    return Options((Option(label, why, preview, (add,)),))
+    return Options((Option(label, why, (add,)),))

@@ -75,8 +75,7 @@ def inherit(scope: Scope, heir: jaus.Service, base: jaus.Service) -> Options:
     if heir.inherits is not None:
         why = f"instead of {name_of(heir.inherits)}; {why}"
     command = Set(scope.ref(heir), "inherits", (scope.ref(base),))
-    preview = f"inherits: {name_of(base)}"
-    return Options((Option(label, why, preview, (command,), is_best=True),))
+    return Options((Option(label, why, (command,), is_best=True),))
 
 
 def heritage(scope: Scope, box: str) -> Iterator[Choice]:
@@ -103,7 +102,7 @@ def cut(scope: Scope, line: str) -> Options:
         raise AnswerError("there is no such line any more")
     label = f"{name_of(heir)} no longer inherits {name_of(heir.inherits)}"
     command = Set(scope.ref(heir), "inherits")
-    return Options((Option(label, "", "", (command,), is_best=True),))
+    return Options((Option(label, "", (command,), is_best=True),))
 
 
 def _dropped(scope: Scope, owner: str, way: str, name: str) -> Options:
@@ -115,7 +114,7 @@ def _dropped(scope: Scope, owner: str, way: str, name: str) -> Options:
         raise AnswerError("there is no such row any more")
     label = f"{name_of(own)} no longer {way} {name}; the service stays"
     command = Set(scope.ref(own), way, tuple(map(scope.ref, kept)))
-    return Options((Option(label, "", "", (command,), is_best=True),))
+    return Options((Option(label, "", (command,), is_best=True),))
 
 
 def _service_of(box: str) -> str:
@@ -146,8 +145,7 @@ def _partner(scope: Scope, service: jaus.Service, message: jaus.MessageDef) -> O
     code = free_code(scope.model)
     values = {"name": (wanted,), "code": (code,)}
     add = Add(scope.ref(service), feature, "jaus.MessageDef", values)
-    preview = f"{wanted} {{ code: {code} }}"
-    return Options((Option(f"add {wanted}", why, preview, (add,), is_best=True),))
+    return Options((Option(f"add {wanted}", why, (add,), is_best=True),))
 
 
 _GUARD = "isControllingClient"
@@ -172,7 +170,6 @@ def lead(scope: Scope, element: jaus.StateMachine, source: str, target: str) -> 
         Option(
             f"transition on {label}" + (" (again)" if key in taken else ""),
             why,
-            _preview(key, values),
             (_added(scope, element, machine, start, values),),
         )
         for key, label, why, values in _triggers(scope, element, machine, way)
@@ -277,9 +274,3 @@ def _added(
         return Add(scope.ref(own[0]), feature, "jaus.Transition", values)
     child = Child(feature, "jaus.Transition", values)
     return Add(scope.ref(element), "states", "jaus.State", {"name": (source,)}, (child,))
-
-
-def _preview(message: str, values: _Values) -> str:
-    shown = {name: text for name, (text,) in values.items()}
-    words = {**shown, "message": message} if "message" in shown else shown
-    return f"{{ {'  '.join(f'{name}: {text}' for name, text in words.items())} }}"

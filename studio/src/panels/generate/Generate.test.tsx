@@ -3,7 +3,7 @@ import userEvent from "@testing-library/user-event";
 import { expect, it } from "vitest";
 import type { Plan } from "../../protocol";
 import { serve } from "../../testing/fakeServer";
-import { kindOf } from "./Diff";
+import { kindOf } from "../base/Diff";
 import { Generate, quoted } from "./Generate";
 
 const PLAN: Plan = {

@@ -2,10 +2,10 @@ import { useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { Plan, PlanAction } from "../../protocol";
 import { say, useStudio } from "../../store";
+import { Diff } from "../base/Diff";
 import { Copyable, Fault, Quiet, SeverityMark } from "../base/parts";
 import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
-import { Diff } from "./Diff";
 
 const ACTIONS: [PlanAction, string, string][] = [
   ["refuse", "refused", "edited by hand; it stays as it is"],

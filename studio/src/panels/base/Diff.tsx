@@ -14,7 +14,8 @@ const MOST_SHOWN = 4000;
 export function Diff({ text }: { text: string }) {
   const lines = text.replace(/\n$/, "").split("\n");
   return (
-    <pre className="diff">
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, so keys must reach it
+    <pre className="diff" tabIndex={0}>
       {lines.slice(0, MOST_SHOWN).map((line, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: lines of a text have no other names
         <span key={index} className={`diff-${kindOf(line)}`}>
