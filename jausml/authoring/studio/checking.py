@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
+from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.validation.engine import RuleError, SupersededError, check
 from jausml.language.validation.rule import Report
 
@@ -24,8 +25,11 @@ if TYPE_CHECKING:
 
 _LOG = logging.getLogger(__name__)
 
-_PAUSE, _REST = 5.0, 30.0
-"""Seconds without a wish after which garbage of verdicts is collected, and all garbage."""
+_PAUSE = 5.0
+"""Seconds without a wish after which garbage of verdicts is collected."""
+
+_STEPS = 20_000, 20, 1_000_000
+"""Thresholds of the collector while a session runs: steps of some milliseconds, and never all."""
 
 _MOST_UNTIDY = 8
 """Verdicts after which garbage is collected all the same: models are large."""
@@ -123,32 +127,27 @@ class Checking(threading.Thread):
     def run(self) -> None:
         """Waits for wishes until it is closed.
 
-        Collects garbage too, in pauses, so that nobody waits for that. What has outlived a rest is
-        looked at no more until the next one: most of it, such as the library, stays forever.
+        Collects garbage of models too, in the pauses after changes: no one else is to wait for
+        that, and at rest there is none.
         """
-        was_enabled = gc.isenabled()
-        gc.disable()
+        thresholds = gc.get_threshold()
+        gc.set_threshold(*_STEPS)
         try:
             self._wait()
         finally:
             gc.unfreeze()
-            if was_enabled:
-                gc.enable()
+            gc.set_threshold(*thresholds)
 
     def _wait(self) -> None:
-        gc.freeze()
         untidy = 0
         while not self._is_closed:
-            if self._wanted.wait(_PAUSE if untidy else _REST):
+            if self._wanted.wait(_PAUSE if untidy else None):
                 self._wanted.clear()
                 self._judge_all()
                 untidy += 1
                 if untidy < _MOST_UNTIDY:
                     continue
-            if untidy:
-                gc.collect()
-            else:
-                _collect_all()
+            gc.collect()
             untidy = 0
 
     def _judge_all(self) -> None:
@@ -170,8 +169,11 @@ class Checking(threading.Thread):
             _LOG.exception("%s was not judged", file)
 
 
-def _collect_all() -> None:
-    """Collects all garbage, and has what is left counted as lasting."""
-    gc.unfreeze()
+def prepare() -> None:
+    """Reads the library, and has the collector look no more at what stays forever, such as that.
+
+    It takes seconds on a busy computer: better before somebody asks for it.
+    """
+    library_entries()
     gc.collect()
     gc.freeze()

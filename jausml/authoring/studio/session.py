@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from watchfiles import awatch
 
 from jausml.authoring.editing.layout import SUFFIXES
-from jausml.authoring.studio.checking import Checking
+from jausml.authoring.studio.checking import Checking, prepare
 from jausml.authoring.studio.handlers import (
     editing,
     modelling,
@@ -24,7 +24,6 @@ from jausml.authoring.studio.handlers import (
 )
 from jausml.authoring.studio.handlers.showing import LiveRequests
 from jausml.authoring.studio.rpc import refusal_of
-from jausml.authoring.studio.views.palette import library_entries
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.project import is_model_file
 from jausml.live.serving.rpc import Answering
@@ -95,8 +94,7 @@ class Session:
         end = asyncio.Event()
         watched = asyncio.create_task(self._watch(end))
         self._checking.start()
-        # Reading the library takes seconds on a busy computer: better before somebody asks for it.
-        threading.Thread(target=library_entries, name="library", daemon=True).start()
+        threading.Thread(target=prepare, name="library", daemon=True).start()
         try:
             with self._context.faults.kept():
                 yield
