@@ -13,6 +13,7 @@ import { openFile, refresh } from "./showing";
  * @param base Revision of which the refs of the commands are: that of the answer that gave them; as
  *   a rule that of the graph, of which the choice is.
  * @param at Where the box of what is new shall stand.
+ * @param isChosen Whether what is new is chosen then.
  * @throws CallError The server refused, and why.
  */
 export async function change(
@@ -20,12 +21,14 @@ export async function change(
   label: string,
   base = revisionOf(state()),
   at?: Corner,
+  isChosen = true,
 ): Promise<EditResult> {
   const renames = commands.some((each) => each.kind === "rename");
   // The new graph may come before the answer, which the server tells everybody of.
   if (renames) update({ renames: state().renames + 1 });
   try {
-    return await settled(await ask("edit", { commands, label, base, ...(at && { at }) }), label);
+    const result = await ask("edit", { commands, label, base, ...(at && { at }) });
+    return await settled(result, label, isChosen);
   } finally {
     if (renames) update({ renames: state().renames - 1 });
   }
@@ -53,12 +56,16 @@ export async function discard({ number, label }: KeptEdit): Promise<void> {
 }
 
 /** Shows what an edit did. */
-export async function settled(result: EditResult, label: string): Promise<EditResult> {
+export async function settled(
+  result: EditResult,
+  label: string,
+  isChosen = true,
+): Promise<EditResult> {
   update({ undoable: result.entry ?? state().undoable });
   say(label);
   if (state().revision < result.revision) await refresh();
   const created = result.created[0];
-  if (created) choose(created);
+  if (created && isChosen) choose(created);
   return result;
 }
 

@@ -46,13 +46,21 @@ export interface ChildKind {
   values?: Record<string, string[]>;
 }
 
+export interface FormChild {
+  element: Ref;
+  label: string;
+  kind: string;
+  /** What is read and changed of it where it is listed. */
+  cells?: FormField[];
+}
+
 export interface FormChildren {
   feature: string;
   label: string;
   many: boolean;
   documentation: string;
   kinds: ChildKind[];
-  elements: { element: Ref; label: string; kind: string }[];
+  elements: FormChild[];
 }
 
 export interface Form {

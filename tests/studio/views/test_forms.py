@@ -194,3 +194,17 @@ def test_fields_tell_what_is_wrong_with_them():
 def test_what_is_gone_is_told():
     with pytest.raises(AnswerError, match="no element"):
         form(scope_of(CAR), "catvehicle/catvehicle.xmi#//@bridges.7")
+
+
+def test_lists_show_what_matters_of_each_element_and_begin_with_what_is_usual():
+    scope = scope_of("examples/winch/service.xmi")
+    message = next(m for m in scope.model.instances(jaus.MessageDef, library=False) if m.body)
+    (fields,) = (child for child in form_of(scope, message.body).children if child.many)
+    assert fields.kinds[0].kind == "jaus.FixedField"
+    of_fixed = next(child for child in fields.elements if child.kind == "fixed field")
+    assert [cell.feature for cell in of_fixed.cells] == ["type", "units"]
+    service = named(scope, jaus.Service, "Winch")
+    lists = {child.feature: child for child in form_of(scope, scope.find(service)).children}
+    assert {cell.feature for child in lists["inputs"].elements for cell in child.cells} == {"code"}
+    [body] = form_of(scope, message).children
+    assert body.elements

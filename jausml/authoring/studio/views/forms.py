@@ -23,7 +23,7 @@ from jausml.language.model.refs import LIBRARY
 from jausml.language.semantics.names import in_words
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.proposals.elements import Scope
@@ -82,11 +82,12 @@ class Kind:
 
 @dataclass(frozen=True, slots=True)
 class Child:
-    """An element that another owns."""
+    """An element that another owns; `cells`: what is read and changed of it where it is listed."""
 
     element: str
     label: str
     kind: str
+    cells: tuple[Field, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +155,12 @@ _KINDS = {
     ValueKind.ENUMERATION: "choice",
 }
 _MOST_CHOICES = 100
+_MOST_ROWS = 30
+"""Elements of a list whose main features are shown there."""
+_IN_ROWS = frozenset({"type", "units", "message", "event", "target"})
+"""Features that lists of elements show beside what is required."""
+_USUAL = {True: "jaus.FixedField", False: "jaus.Record"}
+"""The kind of field that most are, where there are several fields, or one alone."""
 _MULTILINE = frozenset({"documentation", "holdReason"})
 _UNITS = (
     (re.compile(r"^(?:[A-Z][a-z]* )?(?:messages|reports|calls) each second", re.IGNORECASE), "Hz"),
@@ -400,6 +407,7 @@ def _children(scope: Scope, element: EObject, feature: FeatureTable, *, is_fixed
     owned: Sequence[EObject] = list(value) if feature.many else [value] if value else []
     is_full = not feature.many and bool(owned)
     target = feature.target
+    kinds = () if is_full or is_fixed or target is None else kinds_of(target)
     return Children(
         feature=feature.name,
         label=in_words(feature.name),
@@ -407,14 +415,24 @@ def _children(scope: Scope, element: EObject, feature: FeatureTable, *, is_fixed
         documentation=documentation(feature.feature),
         kinds=tuple(
             replace(kind, values=usual_values(scope.model, element, feature, kind.kind))
-            for kind in (() if is_full or is_fixed or target is None else kinds_of(target))
+            for kind in sorted(kinds, key=lambda kind: kind.kind != _USUAL[feature.many])
         ),
         elements=tuple(
             Child(
                 scope.ref(child),
                 label_of(child),
                 in_words(scope.model.metamodels.class_of(child).name),
+                () if is_fixed or len(owned) > _MOST_ROWS else tuple(_cells(scope, child)),
             )
             for child in owned
         ),
     )
+
+
+def _cells(scope: Scope, child: EObject) -> Iterator[Field]:
+    none = _Problems(scope, child, ())
+    for feature in _shown(scope.model.metamodels.class_of(child)):
+        is_main = feature.name in _IN_ROWS or (feature.lower > 0 and feature.can_be_missing)
+        is_value = feature.kind is not FeatureKind.CONTAINMENT and not feature.many
+        if is_main and is_value and feature.name != "name":
+            yield _field(scope, child, feature, none, is_fixed=False)

@@ -1,19 +1,26 @@
-import { useState } from "react";
-import type { ChildKind, FormChildren, Ref } from "../../protocol";
-import { Help } from "../base/parts";
+import { useId, useState } from "react";
+import type { ChildKind, FormChild, FormChildren, FormField, Ref } from "../../protocol";
+import { Help, Messages } from "../base/parts";
+import { ValueInput } from "./ValueInput";
 
 interface Props {
   held: FormChildren;
   readonly: boolean;
-  onAdd: (kind: ChildKind) => void;
+  /** Adds one; the name is empty where none was typed. */
+  onAdd: (kind: ChildKind, name: string) => void;
+  /** Sets a cell of a child; resolves to why it was refused, or nothing. */
+  onSet: (child: FormChild, field: FormField, values: string[]) => Promise<string>;
   onRemove: (element: Ref, label: string) => void;
   onMove: (element: Ref, position: number) => void;
   onJump: (element: Ref) => void;
 }
 
-/** What an element holds under one feature: go to it, add, move and remove. */
-export function ChildrenRow({ held, readonly, onAdd, onRemove, onMove, onJump }: Props) {
+/** What an element holds under one feature: go to it, change it, add, move and remove. */
+export function ChildrenRow({ held, readonly, onAdd, onSet, onRemove, onMove, onJump }: Props) {
+  const [fault, setFault] = useState("");
+  const [name, setName] = useState("");
   const [kind, setKind] = useState("");
+  const id = useId();
   const chosen = held.kinds.find((each) => each.kind === kind) ?? held.kinds[0];
   const mayAdd = !readonly && chosen !== undefined && (held.many || held.elements.length === 0);
   const mayMove = !readonly && held.many && held.elements.length > 1;
@@ -64,9 +71,32 @@ export function ChildrenRow({ held, readonly, onAdd, onRemove, onMove, onJump }:
                 </button>
               </span>
             )}
+            {each.cells && each.cells.length > 0 && (
+              <span className="cells">
+                {each.cells.map((field) => (
+                  <ValueInput
+                    key={field.feature}
+                    element={each.element}
+                    of={each.label}
+                    field={{ ...field, default: field.default || field.label }}
+                    index={0}
+                    label={`${field.label} of ${each.label}`}
+                    describedBy={`${id}-fault`}
+                    isWrong={false}
+                    onFault={setFault}
+                    onChange={async (value) => {
+                      const why = await onSet(each, field, value === "" ? [] : [value]);
+                      setFault(why);
+                      return why;
+                    }}
+                  />
+                ))}
+              </span>
+            )}
           </li>
         ))}
       </ul>
+      <Messages id={`${id}-fault`} messages={fault ? [fault] : []} />
       {mayAdd && (
         <div className="field-value">
           {held.kinds.length > 1 && (
@@ -83,7 +113,25 @@ export function ChildrenRow({ held, readonly, onAdd, onRemove, onMove, onJump }:
               ))}
             </select>
           )}
-          <button type="button" title={chosen.documentation} onClick={() => onAdd(chosen)}>
+          {held.many && chosen.values?.name && (
+            <input
+              type="text"
+              aria-label={`Name to add to ${held.label}`}
+              title="Enter adds it, and the next one may be typed"
+              placeholder="name, Enter"
+              autoComplete="off"
+              spellCheck={false}
+              value={name}
+              onChange={(event) => setName(event.currentTarget.value)}
+              onKeyDown={(event) => {
+                if (event.key !== "Enter" || !name.trim()) return;
+                event.preventDefault();
+                onAdd(chosen, name.trim());
+                setName("");
+              }}
+            />
+          )}
+          <button type="button" title={chosen.documentation} onClick={() => onAdd(chosen, "")}>
             Add {chosen.label}
           </button>
         </div>

@@ -80,7 +80,12 @@ const FORM: Form = {
         { kind: "bridge.Join", label: "join", documentation: "", values: { name: ["join_2"] } },
       ],
       elements: [
-        { element: "robot.xmi#join", label: "attitude", kind: "join" },
+        {
+          element: "robot.xmi#join",
+          label: "attitude",
+          kind: "join",
+          cells: [field("units", { values: ["rad"] })],
+        },
         { element: "robot.xmi#other", label: "speed", kind: "join" },
       ],
     },
@@ -96,7 +101,10 @@ function show(form: Form = FORM) {
       choices: MESSAGES.filter((each) => each.label.toLowerCase().includes(query)),
       more: 0,
     }),
-    edit: () => ({ revision: 1, created: [] }),
+    edit: ({ commands }) => ({
+      revision: 1,
+      created: commands[0]?.kind === "add" ? ["robot.xmi#new"] : [],
+    }),
   });
   update({ chosen: ELEMENT });
   render(<PropertyForm />);
@@ -339,9 +347,10 @@ describe("the property form", () => {
   });
 
   it("adds children with what they begin with, moves them, and goes to them", async () => {
-    await userEvent.click(await screen.findByRole("button", { name: "Add join" }));
-    await userEvent.click(screen.getByRole("button", { name: "Move speed up" }));
+    await userEvent.click(await screen.findByRole("button", { name: "Move speed up" }));
+    await userEvent.click(screen.getByRole("button", { name: "Add join" }));
     expect(commands()).toEqual([
+      { kind: "move", element: "robot.xmi#other", owner: ELEMENT, feature: "joins", position: 0 },
       {
         kind: "add",
         owner: ELEMENT,
@@ -349,10 +358,28 @@ describe("the property form", () => {
         type: "bridge.Join",
         values: { name: ["join_2"] },
       },
-      { kind: "move", element: "robot.xmi#other", owner: ELEMENT, feature: "joins", position: 0 },
     ]);
+    expect(state().chosen).toBe("robot.xmi#new");
     await userEvent.click(screen.getByRole("button", { name: "attitude join" }));
     expect(state().chosen).toBe("robot.xmi#join");
+  });
+
+  it("adds one child after the other by name, and changes them where they are listed", async () => {
+    const name = await screen.findByLabelText("Name to add to joins");
+    await userEvent.type(name, "one{Enter}two{Enter}");
+    expect(name).toHaveFocus();
+    const added = { kind: "add", owner: ELEMENT, feature: "joins", type: "bridge.Join" };
+    expect(commands()).toEqual([
+      { ...added, values: { name: ["one"] } },
+      { ...added, values: { name: ["two"] } },
+    ]);
+    expect(state().chosen).toBe(ELEMENT);
+    const units = screen.getByLabelText("units of attitude");
+    await userEvent.clear(units);
+    await userEvent.type(units, "deg{Enter}");
+    const set = { kind: "set", element: "robot.xmi#join", feature: "units", values: ["deg"] };
+    expect(commands().at(-1)).toEqual(set);
+    expect(server.params("edit").at(-1)?.label).toBe("Set units of attitude");
   });
 
   it("deletes children as the diagram does, which asks where others refer to them", async () => {

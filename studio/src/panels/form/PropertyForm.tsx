@@ -42,24 +42,21 @@ export function PropertyForm() {
     }
   }
 
-  function set(field: FormField, values: string[]): Promise<string> {
+  function set(field: FormField, values: string[], element: Ref, title: string): Promise<string> {
     const name = values[0];
     if (field.feature === "name" && name !== undefined)
-      return make({ kind: "rename", element, name }, `Rename ${form?.title} to ${name}`);
-    const label = `${values.length > 0 ? "Set" : "Unset"} ${field.label} of ${form?.title}`;
+      return make({ kind: "rename", element, name }, `Rename ${title} to ${name}`);
+    const label = `${values.length > 0 ? "Set" : "Unset"} ${field.label} of ${title}`;
     return make({ kind: "set", element, feature: field.feature, values }, label);
   }
 
-  async function add(held: FormChildren, kind: ChildKind) {
-    const command: Command = {
-      kind: "add",
-      owner: element,
-      feature: held.feature,
-      type: kind.kind,
-      values: kind.values ?? {},
-    };
+  /** Adds a child, and goes to it unless its name was typed: then the next one may be. */
+  async function add(held: FormChildren, kind: ChildKind, name: string) {
+    const values = { ...kind.values, ...(name && { name: [name] }) };
+    const { feature } = held;
+    const command: Command = { kind: "add", owner: element, feature, type: kind.kind, values };
     try {
-      await change([command], `Add ${kind.label}`);
+      await change([command], `Add ${name || kind.label}`, undefined, undefined, !name);
       setFault("");
     } catch (error) {
       setFault(messageOf(error));
@@ -106,7 +103,7 @@ export function PropertyForm() {
               element={element}
               of={form.title}
               field={form.readonly ? { ...each, changeable: false } : each}
-              onSet={(values) => set(each, values)}
+              onSet={(values) => set(each, values, element, form.title)}
               onJump={(target) => choose(target)}
             />
           ))}
@@ -117,7 +114,8 @@ export function PropertyForm() {
           key={`${element} ${each.feature}`}
           held={each}
           readonly={form.readonly}
-          onAdd={(kind) => add(each, kind)}
+          onAdd={(kind, name) => add(each, kind, name)}
+          onSet={(child, field, values) => set(field, values, child.element, child.label)}
           onRemove={(target, label) => remove([target], label)}
           onMove={(target, position) => move(target, each.feature, position)}
           onJump={(target) => choose(target)}
