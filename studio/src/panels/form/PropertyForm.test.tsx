@@ -368,6 +368,7 @@ describe("the property form", () => {
     const name = await screen.findByLabelText("Name to add to joins");
     await userEvent.type(name, "one{Enter}two{Enter}");
     expect(name).toHaveFocus();
+    await waitFor(() => expect(commands()).toHaveLength(2));
     const added = { kind: "add", owner: ELEMENT, feature: "joins", type: "bridge.Join" };
     expect(commands()).toEqual([
       { ...added, values: { name: ["one"] } },

@@ -1,5 +1,5 @@
 import { useEffect, useRef, useState } from "react";
-import { change, choose, messageOf, remove } from "../../actions";
+import { ask, change, choose, messageOf, remove } from "../../actions";
 import type { ChildKind, Command, FormChildren, FormField, Ref } from "../../protocol";
 import { revisionOf, useStudio } from "../../store";
 import { FIELDS } from "../base/fields";
@@ -20,6 +20,7 @@ export function PropertyForm() {
   } = useAnswer("form", element ? { element } : null, revision, `${choice}`);
   const [fault, setFault] = useState("");
   const shown = useRef<HTMLFormElement>(null);
+  const adding = useRef(Promise.resolve());
   const isRead = form !== null;
   useEffect(() => {
     const panel = isRead && shown.current?.closest("[role='tabpanel']");
@@ -51,16 +52,21 @@ export function PropertyForm() {
   }
 
   /** Adds a child, and goes to it unless its name was typed: then the next one may be. */
-  async function add(held: FormChildren, kind: ChildKind, name: string) {
-    const values = { ...kind.values, ...(name && { name: [name] }) };
-    const { feature } = held;
-    const command: Command = { kind: "add", owner: element, feature, type: kind.kind, values };
-    try {
-      await change([command], `Add ${name || kind.label}`, undefined, undefined, !name);
-      setFault("");
-    } catch (error) {
-      setFault(messageOf(error));
-    }
+  function add({ feature }: FormChildren, { kind, label }: ChildKind, name: string) {
+    adding.current = adding.current.then(async () => {
+      try {
+        // What a new one begins with depends on the one before.
+        const { children } = await ask("form", { element });
+        const kinds = children.find((each) => each.feature === feature)?.kinds;
+        const usual = kinds?.find((each) => each.kind === kind)?.values;
+        const values = { ...usual, ...(name && { name: [name] }) };
+        const command: Command = { kind: "add", owner: element, feature, type: kind, values };
+        await change([command], `Add ${name || label}`, undefined, undefined, !name);
+        setFault("");
+      } catch (error) {
+        setFault(messageOf(error));
+      }
+    });
   }
 
   async function move(moved: Ref, feature: string, position: number) {
