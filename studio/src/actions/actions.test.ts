@@ -117,6 +117,15 @@ test("an edit names the revision that it was thought of, and chooses what it mad
   expect(state().said.text).toBe("Try");
 });
 
+test("who has chosen something else meanwhile stays there", async () => {
+  const server = serveGraph();
+  server.answer("edit", () => ({ ...DONE, created: ["robot.xmi#base"] }));
+  const done = actions.edit([{ kind: "remove", element: "x" }], "Try");
+  actions.select([nodeKey("ocu")]);
+  await done;
+  expect(state().chosen).toBe("robot.xmi#ocu");
+});
+
 test("a refused edit is told, and changes nothing", async () => {
   const server = serveGraph();
   server.answer("edit", () => {

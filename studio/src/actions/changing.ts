@@ -26,9 +26,11 @@ export async function change(
   const renames = commands.some((each) => each.kind === "rename");
   // The new graph may come before the answer, which the server tells everybody of.
   if (renames) update({ renames: state().renames + 1 });
+  const { choice } = state();
   try {
     const result = await ask("edit", { commands, label, base, ...(at && { at }) });
-    return await settled(result, label, isChosen);
+    // Who has gone on to something else meanwhile stays there.
+    return await settled(result, label, () => isChosen && state().choice === choice);
   } finally {
     if (renames) update({ renames: state().renames - 1 });
   }
@@ -59,13 +61,13 @@ export async function discard({ number, label }: KeptEdit): Promise<void> {
 export async function settled(
   result: EditResult,
   label: string,
-  isChosen = true,
+  isChosen = () => true,
 ): Promise<EditResult> {
   update({ undoable: result.entry ?? state().undoable });
   say(label);
   if (state().revision < result.revision) await refresh();
   const created = result.created[0];
-  if (created && isChosen) choose(created);
+  if (created && isChosen()) choose(created);
   return result;
 }
 

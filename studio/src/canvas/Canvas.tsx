@@ -243,7 +243,9 @@ function useDrawing() {
   const onEnd = useCallback<OnConnectEnd>((event, { fromNode, fromHandle, toNode, toHandle }) => {
     endDrawing();
     if (!fromNode) return;
-    const target = toNode ? { node: toNode.id, port: portOfHandle(toHandle?.id) } : endBelow(event);
+    // What is below the pointer is meant, and not the end that is nearest, which may be another row's.
+    const near = toNode && { node: toNode.id, port: portOfHandle(toHandle?.id) };
+    const target = endBelow(event) ?? near;
     if (target) {
       void connect({ node: fromNode.id, port: portOfHandle(fromHandle?.id) }, target);
     }
@@ -251,18 +253,18 @@ function useDrawing() {
   return { onStart, onEnd };
 }
 
-/** The row or box below the pointer or finger, where no end was near. */
+/** The row or box below the pointer or finger. */
 function endBelow(event: globalThis.MouseEvent | TouchEvent) {
   const at = "changedTouches" in event ? event.changedTouches[0] : event;
   if (!at) return null;
-  const { clientX, clientY } = at;
-  for (const each of document.elementsFromPoint(clientX, clientY)) {
+  const parts = document.elementsFromPoint(at.clientX, at.clientY).flatMap((each) => {
     const key = each.closest<HTMLElement>("[data-part]")?.dataset.part;
-    const part = key ? partOf(key) : null;
-    if (part?.of === "port") return { node: part.node, port: part.id };
-    if (part?.of === "node") return { node: part.id, port: "" };
-  }
-  return null;
+    return key ? [partOf(key)] : [];
+  });
+  // Ends of the box lie on its rows.
+  const part = parts.find(({ of }) => of === "port") ?? parts.find(({ of }) => of === "node");
+  if (part?.of === "port") return { node: part.node, port: part.id };
+  return part?.of === "node" ? { node: part.id, port: "" } : null;
 }
 
 function takeSelection(

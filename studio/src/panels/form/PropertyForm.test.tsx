@@ -77,7 +77,12 @@ const FORM: Form = {
       many: true,
       documentation: "",
       kinds: [
-        { kind: "bridge.Join", label: "join", documentation: "", values: { name: ["join_2"] } },
+        {
+          kind: "bridge.Join",
+          label: "join",
+          documentation: "",
+          values: { name: ["join_2"], topic: ["join_2"] },
+        },
       ],
       elements: [
         {
@@ -356,7 +361,7 @@ describe("the property form", () => {
         owner: ELEMENT,
         feature: "joins",
         type: "bridge.Join",
-        values: { name: ["join_2"] },
+        values: { name: ["join_2"], topic: ["join_2"] },
       },
     ]);
     expect(state().chosen).toBe("robot.xmi#new");
@@ -371,8 +376,8 @@ describe("the property form", () => {
     await waitFor(() => expect(commands()).toHaveLength(2));
     const added = { kind: "add", owner: ELEMENT, feature: "joins", type: "bridge.Join" };
     expect(commands()).toEqual([
-      { ...added, values: { name: ["one"] } },
-      { ...added, values: { name: ["two"] } },
+      { ...added, values: { name: ["one"], topic: ["one"] } },
+      { ...added, values: { name: ["two"], topic: ["two"] } },
     ]);
     expect(state().chosen).toBe(ELEMENT);
     const units = screen.getByLabelText("units of attitude");

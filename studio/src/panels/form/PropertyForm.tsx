@@ -58,8 +58,13 @@ export function PropertyForm() {
         // What a new one begins with depends on the one before.
         const { children } = await ask("form", { element });
         const kinds = children.find((each) => each.feature === feature)?.kinds;
-        const usual = kinds?.find((each) => each.kind === kind)?.values;
-        const values = { ...usual, ...(name && { name: [name] }) };
+        const usual = kinds?.find((each) => each.kind === kind)?.values ?? {};
+        // Some begin with what they are called by too, such as a topic.
+        const named = Object.entries(usual).map(([each, texts]) => [
+          each,
+          name && texts[0] === usual.name?.[0] ? [name] : texts,
+        ]);
+        const values = Object.fromEntries(named) as Record<string, string[]>;
         const command: Command = { kind: "add", owner: element, feature, type: kind, values };
         await change([command], `Add ${name || label}`, undefined, undefined, !name);
         setFault("");
