@@ -126,6 +126,24 @@ test("who has chosen something else meanwhile stays there", async () => {
   expect(state().chosen).toBe("robot.xmi#ocu");
 });
 
+test("ways to connect are asked for when the edits before are done", async () => {
+  const server = serveGraph();
+  let finish: (result: EditResult) => void = () => {};
+  const answered = new Promise<EditResult>((resolve) => {
+    finish = resolve;
+  });
+  server.answer("edit", () => answered as never);
+  server.answer("connect", () => ({ options: [], refusal: "" }));
+  const done = actions.edit([{ kind: "remove", element: "x" }], "Try");
+  const end = { node: "ocu", port: "" };
+  const offered = actions.connect(end, end);
+  await Promise.resolve();
+  expect(server.params("connect")).toEqual([]);
+  finish(DONE);
+  await Promise.all([done, offered]);
+  expect(server.params("connect")).toHaveLength(1);
+});
+
 test("a refused edit is told, and changes nothing", async () => {
   const server = serveGraph();
   server.answer("edit", () => {

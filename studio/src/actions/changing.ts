@@ -7,6 +7,11 @@ import { choose } from "./choosing";
 import { openFor } from "./opening";
 import { openFile, refresh } from "./showing";
 
+let running: Promise<unknown> = Promise.resolve();
+
+/** Resolves when the edits of this page are done: an offer made before one would take it back. */
+export const idle = (): Promise<unknown> => running;
+
 /**
  * Changes the model.
  *
@@ -28,7 +33,9 @@ export async function change(
   if (renames) update({ renames: state().renames + 1 });
   const { choice } = state();
   try {
-    const result = await ask("edit", { commands, label, base, ...(at && { at }) });
+    const asked = ask("edit", { commands, label, base, ...(at && { at }) });
+    running = Promise.allSettled([running, asked]);
+    const result = await asked;
     // Who has gone on to something else meanwhile stays there.
     return await settled(result, label, () => isChosen && state().choice === choice);
   } finally {

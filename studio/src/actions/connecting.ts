@@ -5,14 +5,15 @@ import type { ConnectOption, GraphEnd, LegalEnd } from "../protocol";
 import { type PartKey, partOf } from "../selection";
 import { active, say, state, update } from "../store";
 import { ask } from "./asking";
-import { edit } from "./changing";
+import { edit, idle } from "./changing";
 import { openFor } from "./opening";
 
 /** Offers how two ends may be connected. */
 export async function connect(source: GraphEnd, target: GraphEnd): Promise<void> {
   const { file, view } = state();
   const dialog = { kind: "connect" as const, source, target, options: null, refusal: "" };
-  await openFor(dialog, ask("connect", { file, view, source, target }), (answer) => ({
+  const asked = idle().then(() => ask("connect", { file, view, source, target }));
+  await openFor(dialog, asked, (answer) => ({
     ...dialog,
     ...answer,
   }));

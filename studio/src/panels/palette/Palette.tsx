@@ -1,5 +1,5 @@
 import { type DragEvent, type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
-import { ask, change, DRAGGED, messageOf } from "../../actions";
+import { ask, change, DRAGGED, idle, messageOf } from "../../actions";
 import { useListKeys } from "../../keyboard/useListKeys";
 import type { PaletteGroup, PaletteItem, Ref } from "../../protocol";
 import { useStudio } from "../../store";
@@ -58,8 +58,11 @@ export function Palette() {
 
   async function add(item: Offer["item"]) {
     try {
-      const whole = item.drop ? (item as PaletteItem) : await lookUp(file, item, onto);
-      const base = item.drop ? value?.revision : undefined;
+      const seen = revision;
+      await idle();
+      const isNow = item.drop && useStudio.getState().project?.revision === seen;
+      const whole = isNow ? (item as PaletteItem) : await lookUp(file, item, onto);
+      const base = isNow ? value?.revision : undefined;
       await change(whole.drop.commands, whole.label_of_edit, base);
       setKept(remember(localStorage, whole));
       setFault("");
