@@ -10,16 +10,12 @@ import {
   offerEnds,
   openView,
   type PictureFormat,
-  place,
   removeSelected,
   select,
 } from "../actions";
 import type { Graph } from "../protocol";
-import { CLOSED, indexOf, partOf } from "../selection";
 import { active, state, useStudio } from "../store";
-import { ALIGNMENTS, type Alignment, aligned } from "./aligning";
 import { matches } from "./following";
-import { boxesOf } from "./frames";
 
 /** Kinds of views of a service, without and with bodies of messages. */
 export const [SERVICE, BODIES] = ["service", "bodies"];
@@ -44,22 +40,9 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
     const here = active(studio);
     return here !== null && endOf(here) !== null;
   });
-  const several = useStudio((studio) => studio.selection).filter(
-    (key) => partOf(key).of === "node",
-  );
   const hasBodies = graph.view.startsWith(`${BODIES}:`);
   const isService = hasBodies || graph.view.startsWith(`${SERVICE}:`);
   const found = filter ? matches(graph, filter) : [];
-
-  function align(way: Alignment) {
-    const { nodes } = indexOf(graph);
-    const boxes = boxesOf(graph, several).flatMap((id) => nodes.get(id) ?? []);
-    const places = aligned(
-      boxes.filter((each) => each.kind !== CLOSED),
-      way,
-    );
-    if (Object.keys(places).length) void place(places);
-  }
 
   function onFilterKey(event: KeyboardEvent) {
     if (event.key === "Escape") {
@@ -118,20 +101,6 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
           Bodies
         </button>
       )}
-      <select
-        aria-label="Align the chosen boxes"
-        title="Align the chosen boxes, or spread them"
-        value=""
-        disabled={several.length < 2}
-        onChange={(event) => align(event.currentTarget.value as Alignment)}
-      >
-        <option value="">Align…</option>
-        {Object.entries(ALIGNMENTS).map(([way, words]) => (
-          <option key={way} value={way}>
-            {words}
-          </option>
-        ))}
-      </select>
       <select
         aria-label="Export the diagram"
         title="Save the whole diagram as jausml diagram draws it"

@@ -101,11 +101,14 @@ class Modeller(Desktop):
             expect(self.page.locator(".diagram.unfitted")).to_have_count(0)
 
     def connect(self, source, target, how):
+        lines = self.page.locator(".line")
+        count = lines.count()
         self.draw(source, target)
         ways = self.dialog("Connect how?")
         expect(ways.get_by_role("option").filter(has_text=how).first).to_be_visible()
         self.type(how)
         expect(ways).to_have_count(0)
+        expect(lines.nth(count)).to_be_attached()  # boxes have grown by then
 
     def member(self, name):
         return self.page.get_by_role("treeitem", name=re.compile(f"^{name},"))
