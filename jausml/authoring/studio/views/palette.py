@@ -272,10 +272,11 @@ def _elements(scope: Scope, target: EObject | None) -> Iterator[Entry]:
 
     A machine has the internal events of its service.
     """
+    owners = list(_open_owners(scope)) if target is None else [target]
     service = around(target, jaus.Service)
-    is_of_machine = isinstance(target, jaus.StateMachine | jaus.State) and service is not None
-    owners = [target] if target is not None else _open_owners(scope)
-    for owner in [*owners, service] if is_of_machine else owners:
+    if service is not None and isinstance(target, jaus.StateMachine | jaus.State):
+        owners.append(service)
+    for owner in owners:
         table = scope.model.metamodels.class_of(owner)
         features = [
             containment

@@ -122,9 +122,10 @@ it("maps a member onto another by dragging", async () => {
   const target = await row(/^angular/);
   expect(fireEvent.dragOver(target, { dataTransfer })).toBe(false);
   fireEvent.drop(target, { dataTransfer });
-  expect(ends()).toEqual([["YawRate", "angular"]]);
   await screen.findByRole("tree", { name: "Members of geometry_msgs/Twist" });
-  expect(state().dialog).toMatchObject({ kind: "connect", refusal: "they do not fit" });
+  const told = { kind: "connect", refusal: "they do not fit" };
+  await waitFor(() => expect(state().dialog).toMatchObject(told));
+  expect(ends()).toEqual([["YawRate", "angular"]]);
 });
 
 it("maps by keyboard alone, and Escape ends it", async () => {
