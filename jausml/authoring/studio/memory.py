@@ -90,6 +90,7 @@ def _values(standing: Standing) -> dict[str, Any]:
         "large": standing.is_large,
         "boxes": {key: list(corner) for key, corner in standing.boxes.items()},
         "shown": [[key, kind, *corner] for key, (kind, corner) in standing.shown.items()],
+        "rows": {key: [list(order) for order in rows] for key, rows in standing.rows.items()},
         "routes": [
             [list(way), [list(point) for point in route.points], route.label and list(route.label)]
             for way, route in standing.routes.items()
@@ -103,6 +104,10 @@ def _standing(known: dict[str, Any] | None) -> Standing:
     return Standing(
         boxes={key: _point(corner) for key, corner in known["boxes"].items()},
         shown={key: (str(kind), _point(corner)) for key, kind, *corner in known["shown"]},
+        rows={
+            key: (list(map(str, model)), list(map(str, shown)))
+            for key, (model, shown) in known["rows"].items()
+        },
         routes={
             tuple(map(_number, way)): Route(
                 tuple(map(_point, points)), None if label is None else _point(label)
