@@ -252,7 +252,7 @@ def literal(value: Any) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Option:
-    """A way to do what was asked; `preview`: the statement of a map that it writes."""
+    """A way to do what was asked; `preview`: what it comes to, such as a statement."""
 
     label: str
     why: str

@@ -56,7 +56,8 @@ def taken_over(
     plan = planner.assigned(dict.fromkeys(known, target), are_kept=True)
     what = ", ".join(map(name_of, known))
     why = "; ".join(dict.fromkeys(reason for carrier in along for reason in known[carrier]))
-    return Option(f"Move {what} to {target}", why, _told(plan), commands_of(scope, plan))
+    label, commands = f"Move {what} to {target}", commands_of(scope, plan)
+    return Option(label, why, commands, preview=_told(plan))
 
 
 def _told(plan: Plan) -> str:

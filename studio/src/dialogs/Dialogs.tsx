@@ -218,6 +218,7 @@ function Connect({ dialog }: Of<"connect">) {
               <strong>{option.label}</strong>
               {option.is_best && <em> fits best</em>}
               <div>{option.why}</div>
+              {option.preview && <pre>{option.preview}</pre>}
             </>
           ),
         }))}

@@ -91,7 +91,7 @@ export interface PaletteItem {
 export interface ConnectOption {
   label: string;
   why: string;
-  /** The statement of a map that it writes, empty for what is none. */
+  /** What it comes to, such as a statement; may be empty. */
   preview: string;
   commands: Command[];
   is_best: boolean;
