@@ -212,3 +212,10 @@ def test_what_cannot_be_is_told(model, jausml, words, told):
     done = jausml("new", "partition", *words, status=2)
     assert told in done.output, done.output
     assert model.read_bytes() == before
+
+
+def test_a_model_with_errors_is_not_weighed(model, jausml):
+    model.write_text(model.read_text("utf-8").replace("map: own_map", "map: no_map"), "utf-8")
+    done = jausml("new", "partition", "--plan", status=1)
+    assert "(did you mean 'own_map'?)" in done.output
+    assert done.output.endswith("; nothing written\n"), done.output

@@ -13,6 +13,7 @@ import click
 from jausml.cli.authoring.new import model_option, pairs, place_for, report, stopping
 from jausml.cli.models.views import assumption_options, check_names
 from jausml.cli.shared.files import EnvironmentFault
+from jausml.cli.shared.models import valid_model
 from jausml.cli.shared.options import FiniteRange, format_option
 from jausml.cli.shared.terminal import can_ask, remark
 
@@ -77,7 +78,8 @@ def partition(
     authority and stops stay as they are, and bridges in which these differ are not mixed. NAME is
     that of a connection, or BRIDGE.NAME.
 
-    Exit status: 0 done, 2 usage, environment or limits that cannot be held, 3 internal error.
+    Exit status: 0 done, 1 errors in the model, 2 usage, environment or limits that cannot be held,
+    3 internal error.
     """
     from jausml.authoring.projects.adding import add, check_name
     from jausml.authoring.projects.places import opened
@@ -100,6 +102,8 @@ def partition(
         place = place_for(model)
         if not place.path.exists():
             raise EnvironmentFault(f"{place.path} does not exist, so it has no bridge")
+        # Nobody knows what the connections of a model with errors cost.
+        valid_model(str(place.path), outcome="nothing written")
         at = opened(place)
         check_names(assumptions, at.system)
         known = [str(owner.name) for owner in at.system.bridges if not owner.external]
