@@ -71,15 +71,11 @@ def reliable(peer, topic, depth=100):
     return peer.publisher(Float64, topic, depth)
 
 
-PATIENT = ("-p", "queue_age_limit:=60.0")
-"""What is acknowledged may wait for some seconds: ends say so at the next heartbeat."""
-
-
 # ------------------------------------------------------------------ nothing is lost unseen
 
 
 def test_what_came_before_the_start_is_taken_in_order(node, peer, topic):
-    tested = node(*PATIENT)
+    tested = node()
     heard = Heard(tested, Topic(topic))
     publisher = reliable(peer, topic)
     before = time.time_ns()
@@ -94,7 +90,7 @@ def test_what_came_before_the_start_is_taken_in_order(node, peer, topic):
 
 
 def test_what_was_overwritten_in_the_queue_is_counted(node, peer, loop, topic, waiting):
-    tested = node(*PATIENT, "-p", f"qos_overrides./{topic}.subscription.depth:=10")
+    tested = node("-p", f"qos_overrides./{topic}.subscription.depth:=10")
     heard = Heard(tested, Topic(topic))
     tested.start(pytest.fail)
     publisher = reliable(peer, topic)
@@ -111,7 +107,7 @@ def test_what_was_overwritten_in_the_queue_is_counted(node, peer, loop, topic, w
 
 
 def test_a_queue_that_is_not_latched_holds_a_hundred(node, peer, loop, topic):
-    tested = node(*PATIENT)
+    tested = node()
     heard = Heard(tested, Topic(topic, Qos(depth=1)))
     tested.start(pytest.fail)
     publisher = reliable(peer, topic)
@@ -205,7 +201,7 @@ def test_a_turn_takes_so_many_messages_and_no_more(peer, waiting, topic):
     from jausml.runtime.bridge.ros.node import RosNode
 
     with Loop() as loop:
-        tested = RosNode("tested", "", ["--ros-args", *PATIENT], waiting)
+        tested = RosNode("tested", "", None, waiting)
         tested.attach(loop)
         heard = Heard(tested, Topic(topic))
         publisher = reliable(peer, topic)
