@@ -63,7 +63,7 @@ class Project:
         self._revision = 0
         self._open(path, path if path.is_dir() else path.parent)
         if self.opened and any(
-            found.rule == _OUTSIDE for found in self.model(path.name).diagnostics
+            finding.rule == _OUTSIDE for finding in self.model(path.name).diagnostics
         ):
             self._open(path, _folder_of_all(path))
         self._log = records.Log()
