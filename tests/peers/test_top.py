@@ -81,7 +81,7 @@ def test_in_a_project_its_system_is_expected(jausml, tmp_path, monkeypatch):
     (tmp_path / ".project").write_text("<projectDescription/>", encoding="utf-8")
     result = jausml(*watch)
     assert result.exit_code == 2, result.output
-    assert "not heard" in result.stdout
+    assert "not asked" in result.stdout
     (tmp_path / "other.ros2jaus").write_text(MODEL, encoding="utf-8")
     result = jausml(*watch)
     assert result.exit_code == 2

@@ -36,7 +36,7 @@ def test_ids_are_those_of_the_view(page: Page) -> None:
     assert of_bridges <= state["edges"].keys()
     boxes = {node["id"] for node in graph["nodes"] if node["kind"] in ("component", "bridge")}
     assert state["boxes"].keys() == boxes
-    page.await_told("live", lambda told: told["state"]["sources"].get("JAUS") == "heard")
+    page.await_told("live", lambda told: told["state"]["sources"].get("JAUS") == "nothing heard")
     assert page.ask("live.message", connection=state["connections"][0]["row"])["values"] == []
 
 
