@@ -115,6 +115,7 @@ def test_a_command_is_sent_by_a_form_and_refused_at_its_field(operator, vehicle)
 def test_the_key_stops_from_within_a_field(operator, vehicle):
     choose_effort(operator)
     operator.get_by_label(EFFORT, exact=True).fill("20")
+    expect(operator.get_by_role("row", name=VEHICLE)).to_contain_text("vehicle")  # it was asked
     operator.keyboard.press("F8")
     until(lambda: vehicle.status == "STANDBY")
     expect(operator.get_by_text(f"Stopped. vehicle ({VEHICLE}): STANDBY")).to_be_visible()
