@@ -2,14 +2,6 @@
 import react from "@vitejs/plugin-react";
 import { defineConfig } from "vite";
 
-/** The page of the operator unit is small: it has preact in the place of react. */
-const SMALL = {
-  "react/jsx-runtime": "preact/jsx-runtime",
-  "react-dom/client": "preact/compat/client",
-  "react-dom": "preact/compat",
-  react: "preact/compat",
-};
-
 // Nothing inline and nothing from elsewhere: the servers send a strict Content-Security-Policy.
 export default defineConfig(({ mode }) => {
   const isUnit = mode === "operate";
@@ -17,7 +9,6 @@ export default defineConfig(({ mode }) => {
     root: isUnit ? "operate" : ".",
     base: "./",
     plugins: [react()],
-    resolve: { alias: isUnit ? SMALL : {} },
     build: {
       outDir: isUnit ? "../../jausml/live/operating/page" : "../jausml/authoring/studio/page",
       emptyOutDir: true,
@@ -31,6 +22,8 @@ export default defineConfig(({ mode }) => {
       environment: "jsdom",
       // Files share what they import, which takes longer than their tests; setup.ts clears the page.
       isolate: false,
+      // One preact for what is imported and what is required: hooks of a second one would find nothing.
+      execArgv: ["--conditions=module"],
       setupFiles: ["src/testing/setup.ts"],
       restoreMocks: true,
       testTimeout: 60_000,

@@ -63,7 +63,7 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
         placeholder="Filter by name"
         aria-label="Filter by name"
         title="Ctrl+F; Enter goes to the next that fits"
-        spellCheck={false}
+        spellCheck="false"
         value={filter}
         onChange={(event) => filterBy(event.currentTarget.value)}
         onKeyDown={onFilterKey}
@@ -104,8 +104,10 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
       <select
         aria-label="Export the diagram"
         title="Save the whole diagram as jausml diagram draws it"
-        value=""
-        onChange={(event) => void exportPicture(event.currentTarget.value as PictureFormat)}
+        onChange={({ currentTarget }) => {
+          void exportPicture(currentTarget.value as PictureFormat);
+          currentTarget.value = ""; // the same may be wanted again
+        }}
       >
         <option value="">Export…</option>
         <option value="svg">SVG</option>

@@ -299,7 +299,7 @@ function Rename({ dialog }: Of<"rename">) {
           New name{" "}
           <input
             ref={field}
-            spellCheck={false}
+            spellCheck="false"
             value={text}
             onChange={(event) => setText(event.currentTarget.value)}
           />

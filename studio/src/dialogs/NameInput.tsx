@@ -1,4 +1,4 @@
-import { useEffect } from "react";
+import { useLayoutEffect } from "react";
 import { useName } from "./useName";
 
 interface Props {
@@ -12,12 +12,15 @@ interface Props {
 export function NameInput({ name, onDone, onCancel }: Props) {
   const { field, text, setText, take } = useName(name, onDone);
 
-  // The keyboard goes on in the diagram: else it stands nowhere once this is gone.
-  useEffect(() => {
+  // Whoever asked to rename wants to type. Then the keyboard goes on in the diagram: else it stands
+  // nowhere once this is gone, which is a moment after it is told so.
+  useLayoutEffect(() => {
     const diagram = field.current?.closest<HTMLElement>(".flow");
-    return () => {
-      if (document.activeElement === document.body) diagram?.focus({ preventScroll: true });
-    };
+    field.current?.focus({ preventScroll: true });
+    return () =>
+      queueMicrotask(() => {
+        if (document.activeElement === document.body) diagram?.focus({ preventScroll: true });
+      });
   }, [field]);
 
   return (
@@ -25,9 +28,7 @@ export function NameInput({ name, onDone, onCancel }: Props) {
       ref={field}
       className="name nodrag nopan"
       aria-label="New name"
-      // biome-ignore lint/a11y/noAutofocus: whoever asked to rename wants to type
-      autoFocus
-      spellCheck={false}
+      spellCheck="false"
       value={text}
       onChange={(event) => setText(event.currentTarget.value)}
       onBlur={() => (text.trim() === (name ?? "") ? onCancel() : take())}

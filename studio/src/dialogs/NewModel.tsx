@@ -36,7 +36,7 @@ export function NewModel({ points, onClose }: Props) {
         <label>
           Name{" "}
           <input
-            spellCheck={false}
+            spellCheck="false"
             value={name}
             onFocus={(event) => event.currentTarget.select()}
             onChange={(event) => setName(event.currentTarget.value)}

@@ -59,7 +59,7 @@ export function Picker({
           aria-expanded
           aria-controls={id}
           aria-activedescendant={active}
-          spellCheck={false}
+          spellCheck="false"
           value={typed}
           onChange={(event) => {
             setTyped(event.currentTarget.value);

@@ -1,4 +1,4 @@
-import { type RefObject, useEffect, useRef, useState } from "react";
+import { type RefObject, useEffect, useLayoutEffect, useRef, useState } from "react";
 
 interface Typed {
   /** Of the field in which the name is typed. */
@@ -25,7 +25,8 @@ export function useName(name: string | null, onDone: (name: string) => void): Ty
   }, [name, isTaken, text, onDone]);
 
   const isUntouched = typed === null;
-  useEffect(() => {
+  // At once: the next key writes over it.
+  useLayoutEffect(() => {
     if (name !== null && isUntouched) field.current?.select();
   }, [name, isUntouched]);
 

@@ -62,7 +62,7 @@ export function Header() {
           Bridges…
         </button>
       )}
-      <button type="button" onClick={() => void beginModel()}>
+      <button type="button" disabled={!project} onClick={() => void beginModel()}>
         New model…
       </button>
       {/* A button that is disabled while it has the focus would lose it. */}

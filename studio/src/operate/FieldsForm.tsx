@@ -213,7 +213,7 @@ function Typed({ label, help, hint, choices, fault, text, onText }: TypedProps) 
           id={id}
           value={text}
           autoComplete="off"
-          spellCheck={false}
+          spellCheck="false"
           aria-invalid={fault !== ""}
           aria-describedby={`${id}-hint ${id}-fault`}
           onChange={(event) => onText(event.currentTarget.value)}

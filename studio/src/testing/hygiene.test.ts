@@ -37,3 +37,9 @@ it("asks nobody but its own server", () => {
     addresses.filter((each) => !each.includes("127.0.0.1") && !each.includes("localhost")),
   ).toEqual([]);
 });
+
+it("asks nothing of preact that react alone does", () => {
+  const foreign = new RegExp(["\\bauto" + "Focus\\b", "spell" + "Check=\\{"].join("|"));
+  const asking = Object.entries(SOURCES).filter(([, text]) => foreign.test(text));
+  expect(asking.map(([path]) => path)).toEqual([]);
+});

@@ -81,7 +81,7 @@ export function Combobox(props: Props) {
         aria-invalid={props.isWrong || undefined}
         aria-describedby={props.describedBy}
         autoComplete="off"
-        spellCheck={false}
+        spellCheck="false"
         disabled={props.disabled}
         placeholder={props.placeholder}
         value={query ?? props.shown}

@@ -1,4 +1,4 @@
-import { useCallback, useEffect, useRef, useState } from "react";
+import { useCallback, useLayoutEffect, useRef, useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { Method, Params, Result } from "../../protocol";
 
@@ -41,8 +41,9 @@ export function useAnswer<M extends Method>(
   const asked = useRef(params);
   asked.current = params;
 
+  // At once, and not after the next frame: a key may come before that, and must not be for what is old.
   // biome-ignore lint/correctness/useExhaustiveDependencies: a new revision or turn asks the same again
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (asked.current === null) return;
     let isWanted = true;
     setPending(true);

@@ -120,7 +120,7 @@ export function ChildrenRow({ held, readonly, onAdd, onSet, onRemove, onMove, on
               title="Enter adds it, and the next one may be typed"
               placeholder="name, Enter"
               autoComplete="off"
-              spellCheck={false}
+              spellCheck="false"
               value={name}
               onChange={(event) => setName(event.currentTarget.value)}
               onKeyDown={(event) => {

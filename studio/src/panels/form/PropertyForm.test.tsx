@@ -1,4 +1,4 @@
-import { act, render, screen, waitFor, within } from "@testing-library/react";
+import { act, render, screen, waitFor, within } from "@testing-library/preact";
 import userEvent from "@testing-library/user-event";
 import { beforeEach, describe, expect, it } from "vitest";
 import { choose } from "../../actions";
@@ -316,6 +316,18 @@ describe("the property form", () => {
     expect(commands()).toEqual([set("isMandatory", "false"), set("reliability", "bestEffort")]);
   });
 
+  it("shows a truth as the model has it whenever its change is refused", async () => {
+    server.answer("edit", () => {
+      throw new CallError(-32000, "the folder is read-only");
+    });
+    const isMandatory = await screen.findByLabelText("isMandatory");
+    for (const times of [1, 2]) {
+      await userEvent.click(isMandatory);
+      await waitFor(() => expect(commands()).toHaveLength(times));
+      await waitFor(() => expect(isMandatory).toBeChecked());
+    }
+  });
+
   it("finds references as one types, by keyboard alone", async () => {
     const message = await screen.findByRole("combobox", { name: "message" });
     expect(message).toHaveValue("SetWrenchEffort");
@@ -365,7 +377,7 @@ describe("the property form", () => {
       },
     ]);
     expect(state().chosen).toBe("robot.xmi#new");
-    await userEvent.click(screen.getByRole("button", { name: "attitude join" }));
+    await userEvent.click(await screen.findByRole("button", { name: "attitude join" }));
     expect(state().chosen).toBe("robot.xmi#join");
   });
 

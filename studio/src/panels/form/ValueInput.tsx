@@ -1,4 +1,4 @@
-import { type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
+import { type KeyboardEvent, useEffect, useId, useLayoutEffect, useRef, useState } from "react";
 import { draftOf, dropDraft, keepDraft } from "../../actions";
 import type { FormField, Ref } from "../../protocol";
 import { Combobox } from "../base/Combobox";
@@ -44,7 +44,11 @@ function Checkbox({ id, field, index, label, describedBy, onChange }: Props) {
       aria-describedby={describedBy}
       disabled={!field.changeable}
       checked={value === "true"}
-      onChange={(event) => onChange(event.currentTarget.checked ? "true" : "false")}
+      onChange={({ currentTarget }) => {
+        const wanted = currentTarget.checked;
+        currentTarget.checked = value === "true"; // until the model has it, which may be refused
+        onChange(wanted ? "true" : "false");
+      }}
     />
   );
 }
@@ -63,7 +67,11 @@ function Select({ id, field, index, label, describedBy, isWrong, onChange }: Pro
         aria-invalid={isWrong || undefined}
         disabled={!field.changeable}
         value={value}
-        onChange={(event) => onChange(event.currentTarget.value)}
+        onChange={({ currentTarget }) => {
+          const wanted = currentTarget.value;
+          currentTarget.value = value; // until the model has it, which may be refused
+          onChange(wanted);
+        }}
       >
         <option value="">{usual ? `${usual} (default)` : "– none –"}</option>
         {!isKnown && <option value={value}>{value}</option>}
@@ -183,7 +191,6 @@ function Typed(props: Props) {
     readOnly: !field.changeable,
     placeholder: field.default,
     value: shown,
-    spellCheck: field.kind === "multiline",
     onBlur: commit,
     onKeyDown,
   };
@@ -199,6 +206,7 @@ function Typed(props: Props) {
         list={field.choices.length > 0 ? usual : undefined}
         autoComplete="off"
         inputMode={isNumber ? "decimal" : "text"}
+        spellCheck="false"
         onChange={(event) => type(event.currentTarget.value)}
       />
       {field.choices.length > 0 && (
@@ -223,10 +231,11 @@ function Typed(props: Props) {
 function useKept(typed: Typing | null, keep: (text: string) => void) {
   const last = useRef({ typed, keep });
   const isShown = useRef(true);
-  useEffect(() => {
+  // At once: it may go before the next frame.
+  useLayoutEffect(() => {
     last.current = { typed, keep };
   });
-  useEffect(() => {
+  useLayoutEffect(() => {
     isShown.current = true;
     const leave = () => {
       const { typed, keep } = last.current;

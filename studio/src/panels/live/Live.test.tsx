@@ -1,4 +1,4 @@
-import { act, render, screen } from "@testing-library/react";
+import { act, render, screen } from "@testing-library/preact";
 import userEvent from "@testing-library/user-event";
 import { expect, it, vi } from "vitest";
 import { listener } from "../../actions";
@@ -107,10 +107,10 @@ it("tells values as old when no new ones come", () => {
     show();
     act(() => listener.onNotification("live", { state: LIVE }));
     expect(screen.queryByRole("alert")).toBeNull();
-    act(() => vi.advanceTimersByTime(6000));
+    act(() => void vi.advanceTimersByTime(6000));
     expect(screen.getByRole("alert")).toHaveTextContent("stale: nothing was told for 6 s");
     act(() => listener.onNotification("live", { state: LIVE }));
-    act(() => vi.advanceTimersByTime(1000));
+    act(() => void vi.advanceTimersByTime(1000));
     expect(screen.queryByRole("alert")).toBeNull();
     act(() => update({ link: "lost" }));
     expect(screen.getByRole("alert")).toBeVisible();

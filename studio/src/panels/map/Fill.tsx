@@ -1,4 +1,4 @@
-import { useState } from "react";
+import { useLayoutEffect, useRef, useState } from "react";
 import { change, messageOf } from "../../actions";
 import type { ConnectOption, ConnectResult, GraphEnd } from "../../protocol";
 import { Fault } from "../base/parts";
@@ -20,11 +20,15 @@ interface Props {
 export function Fill({ file, view, target, revision, onDone }: Props) {
   const [typed, setTyped] = useState("");
   const [fault, setFault] = useState("");
+  const field = useRef<HTMLInputElement>(null);
   const value = useSettled(typed, PAUSE_MS);
   const answer = useAnswer("fill", { file, view, target, value }, revision);
   const ways = answer.value;
   const [constant] = ways?.constant.options ?? [];
   const isJudged = value === typed && ways !== null;
+
+  // It was asked for by a key or a button just now.
+  useLayoutEffect(() => field.current?.focus(), []);
 
   async function take(option: ConnectOption) {
     try {
@@ -55,8 +59,7 @@ export function Fill({ file, view, target, revision, onDone }: Props) {
       <label>
         {"= "}
         <input
-          // biome-ignore lint/a11y/noAutofocus: it was asked for by a key or a button just now
-          autoFocus
+          ref={field}
           type="text"
           aria-label="Constant"
           autoComplete="off"

@@ -66,7 +66,7 @@ function Trial({ file, map, direction, revision }: Props & { direction: Directio
                   type="text"
                   aria-label={each.path}
                   autoComplete="off"
-                  spellCheck={false}
+                  spellCheck="false"
                   placeholder={each.default}
                   value={typed[each.path] ?? ""}
                   onChange={(event) => {

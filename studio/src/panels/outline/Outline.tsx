@@ -93,7 +93,7 @@ export function Outline() {
         type="search"
         placeholder="Search: name or kind"
         aria-label="Search all elements"
-        spellCheck={false}
+        spellCheck="false"
         value={typed}
         onChange={(event) => {
           setTyped(event.currentTarget.value);

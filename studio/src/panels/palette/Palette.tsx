@@ -90,7 +90,7 @@ export function Palette() {
         aria-activedescendant={offers.length > 0 ? `${list}-${active}` : undefined}
         placeholder="Search: service, type, map…"
         autoComplete="off"
-        spellCheck={false}
+        spellCheck="false"
         value={typed}
         onChange={(event) => {
           setTyped(event.currentTarget.value);

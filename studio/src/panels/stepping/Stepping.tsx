@@ -1,4 +1,4 @@
-import { useEffect, useState } from "react";
+import { useLayoutEffect, useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { ChosenStep, Stepping as Standing, StepChoice } from "../../protocol";
 import { revisionOf, update, useStudio, type Walk } from "../../store";
@@ -28,8 +28,9 @@ export function Stepping() {
   const go = (change: Partial<Walk>) => update({ walk: { ...walk, ...change } });
 
   const by = standing?.taken.at(-1)?.transition ?? "";
+  // At once, before a click changes the walk that is told of here.
   // biome-ignore lint/correctness/useExhaustiveDependencies: an answer says where the path leads
-  useEffect(() => {
+  useLayoutEffect(() => {
     if (standing) go({ at: standing.state, by });
   }, [standing?.state, by]);
 
