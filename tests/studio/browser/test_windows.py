@@ -179,8 +179,10 @@ class Finger:
 
 @pytest.fixture
 def phone(open_shared):
-    """A page on a phone, which shows all."""
+    """A page on a phone, so near that rows are drawn."""
     desk = opened(open_shared, PHONE, has_touch=True, is_mobile=True)
+    for _ in range(2):
+        desk.page.get_by_role("button", name="Larger").tap()
     expect(desk.page.locator(".row").first).to_be_attached()
     return desk
 
