@@ -12,7 +12,7 @@ from names import KINDS
 from rclpy.serialization import serialize_message
 
 from jausml.language.metamodel.classes import bridge
-from jausml.live.messages import Catalogue
+from jausml.live.messages.defined import DefinedCatalogue
 
 if TYPE_CHECKING:
     from jausml.language.model import Model
@@ -117,7 +117,7 @@ def sample(model: Model, kind: str) -> Sample:
         for candidate in model.instances(bridge.AttributeMap)
         if candidate.name == map_name
     )
-    entry = Catalogue(model).message(str(attribute_map.message.name))
+    entry = DefinedCatalogue(model).message(str(attribute_map.message.name))
     jaus = entry.encode({str(attribute_map.message.body.name): jaus_fields(kind)})
     type_ = attribute_map.type
     ros_class = message_class(f"{type_.eContainer().name}/{type_.name}")

@@ -109,7 +109,7 @@ def test_a_person_at_the_unit_hands_it_over(scene):
     other.request_handoff(VEHICLE, authority=50, explanation="end of shift")
     scene.drive(0.5, 10)
     assert (len(asked), scene.twists[-1][1]) == (1, pytest.approx(0.5, abs=1e-3))
-    scene.unit.component.decide_handoff(asked[0], HandoffDecision.GRANTED)
+    scene.unit.decide_handoff(asked[0], HandoffDecision.GRANTED)
     granted = scene.world.now()
     scene.drive(0.5, 20)  # the stick is held on, and moves nothing any more
     assert session.state is ControlState.READY

@@ -16,7 +16,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..base.address import JausAddress
-from ..base.api import JausError
+from ..base.api import JausError, part_of_whole
 from ..base.counters import LOGGER
 from ..component.base import Component
 from ..conversions import Time
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
     from ..guardian.ward import Ward
+    from ..messages.handoff import HandoffDecision
     from ..services.definitions import HandoffRequest
     from ..services.host import CoreService, Host
     from ..transports.transport import Transport
@@ -230,7 +231,19 @@ class Bridge:
     def on_handoff_requested(
         self, target: JausAddress, requests: tuple[HandoffRequest, ...]
     ) -> None:
-        """Hook: others ask for control of a peer; a person says what ``HandoffClient`` answers."""
+        """Hook: others ask for control of a peer; ``decide_handoff`` says what a person decides."""
+
+    def decide_handoff(self, request: HandoffRequest, decision: HandoffDecision) -> None:
+        """Tells a controlled peer what a person has decided of a request (IOP).
+
+        Who grants controls the peer no more until a request of its own is granted.
+
+        Raises:
+            JausError: Nobody asks for that any more.
+        """
+        with self.component.loop.lock:
+            client = part_of_whole("clients.control_session", "HandoffClient")
+            self.component.part(client).decide(request, decision)
 
     def follow(self) -> None:
         """Stops what must not go on now that the state or the controller is another."""
