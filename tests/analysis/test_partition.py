@@ -106,7 +106,7 @@ def test_who_is_commanded_keeps_its_jaus_id(vehicle):
 
 
 def test_what_a_person_wants_is_held(vehicle):
-    wish = Limits(together=(("odometry", "pose"),), inside={"bridge.steering_angle": "nav"})
+    wish = Limits(together=(("odometry", "pose"),), inside=(("bridge.steering_angle", "nav"),))
     plan = Planner(vehicle, Assumptions()).propose(wish)
     assert "steering_angle" in carried(plan)["nav"]
     assert any({"odometry", "pose"} <= set(names) for names in carried(plan).values())

@@ -6,8 +6,8 @@ from dataclasses import astuple
 
 import pytest
 from diagram_support import MODELS, read
-from figures import Figures, figures
 from generated_graphs import generated
+from picture_figures import Figures, figures
 
 from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port
 from jausml.views.diagrams.layout.graphviz import Graphviz

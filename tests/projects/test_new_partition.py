@@ -164,6 +164,42 @@ def test_safety_is_carried_along_and_never_mixed(model):
     assert model.read_text("utf-8") == text
 
 
+def test_what_a_map_says_of_a_quantity_is_not_mixed_with_what_a_bridge_says(model):
+    said = 'authority: 12\n        quantity max_speed { value: 8  units: "m/s" }\n        uses'
+    text = model.read_text("utf-8").replace("authority: 12\n        uses", said)
+    model.write_text(text, encoding="utf-8")
+    with pytest.raises(AnswerError, match="quantity max_speed is 8 m/s here, what the map says"):
+        moved(model, ["go"], "other")
+
+
+def test_who_hears_some_hosts_alone_is_not_mixed_with_who_hears_all(model):
+    text = model.read_text("utf-8").replace("100.1.4 ", '100.1.4  allowedHosts: "10.0.0.0/24" ')
+    model.write_text(text, encoding="utf-8")
+    with pytest.raises(AnswerError, match="allowedHosts is"):
+        moved(model, ["speed"], "other")
+
+
+def test_a_map_whose_users_part_is_kept(model, jausml):
+    more = "connection yaw { map: own_map  exchange: periodicEvent  peers: motion  topic yaw_2 }"
+    text = model.read_text("utf-8").replace("topic yaw }", f"topic yaw }} {more}")
+    model.write_text(text, encoding="utf-8")
+    jausml("new", "partition", "--in", "one=other.speed", "--in", "two=yaw", "--yes")
+    bridges = bridges_in(model)
+    assert sorted(bridges) == ["main", "one", "two"]
+    (speed,), (yaw,) = bridges["one"].bridgeConnections, bridges["two"].bridgeConnections
+    assert speed.map is yaw.map
+    assert speed.map.toRos[0].source == "YawRate"
+
+
+def test_bridges_of_somebody_else_stay(model, jausml):
+    text = model.read_text("utf-8")
+    for address in ("100.1.3", "100.1.4"):
+        text = text.replace(f"address: {address}", f"address: {address}  external: true")
+    model.write_text(text, encoding="utf-8")
+    jausml("new", "partition", "--yes")
+    assert model.read_text("utf-8") == text
+
+
 def test_a_new_bridge_has_the_settings_of_its_connections(model, jausml):
     jausml("new", "partition", "--in", "wheels=go", "--in", "main=lamp", "--yes")
     wheels = bridges_in(model)["wheels"]
@@ -202,6 +238,7 @@ def test_it_shows_before_and_after_and_writes_when_told(model, jausml):
         (("--together", "go,nothing"), "no connection nothing"),
         (("--together", "speed,go"), "more than one connection speed: write BRIDGE.NAME"),
         (("--in", "main"), "should be like"),
+        (("--in", "one=go", "--in", "two=main.go"), "main.go cannot be in one and in two"),
         (("--in", "motion=go"), "has something of the name motion already"),
         (("--yes", "--plan"), "exclude each other"),
         (("-m", "nothing.ros2jaus"), "so it has no bridge"),

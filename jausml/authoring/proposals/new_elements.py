@@ -59,8 +59,11 @@ def participant_name(wanted: str, whole: EObject) -> str:
     return free_name(wanted, [*taken, f"{own}_bringup", f"{own}_messages"])
 
 
-def free_address(model: Model, taken: Iterable[str] = ()) -> str:
-    """Returns a JAUS id in the subsystem of most components, which none of them has."""
+def free_address(model: Model, taken: Iterable[str] = (), near: str = "") -> str:
+    """Returns a JAUS id that no component has.
+
+    `near`: an id of its subsystem and node; by default those of most components.
+    """
     components = model.instances(jaus.Component, library=False)
     known = [
         _parts(str(address_text)) for address_text in (*(one.address for one in components), *taken)
@@ -68,6 +71,8 @@ def free_address(model: Model, taken: Iterable[str] = ()) -> str:
     used = {address for address in known if address is not None}
     places = Counter(address[:2] for address in sorted(used) if _is_usable(*address[:2]))
     ((subsystem, node), _), *_ = places.most_common(1) or [(_FIRST, 0)]
+    if (beside := _parts(near)) is not None and _is_usable(*beside[:2]):
+        subsystem, node = beside[:2]
     for at in range(node, _LAST + 1):
         for number in range(1, _LAST + 1):
             if (subsystem, at, number) not in used:

@@ -143,7 +143,7 @@ class _Applying:
         addresses: list[str] = []
         for planned in self._new:
             origin = planned.origin
-            addresses.append(free_address(self._scope.model, addresses))
+            addresses.append(free_address(self._scope.model, addresses, str(origin.address)))
             values: dict[str, tuple[str, ...]] = {
                 "name": (planned.name,),
                 "address": (addresses[-1],),
@@ -192,7 +192,7 @@ class _Applying:
         """Yields what lets others speak with the bridge that has what they speak of."""
         for owner in (*self._whole.components, *self._whole.bridges):
             for wanted in owner.connections:
-                partner = self._partner(wanted.provider, wanted.message, TO_JAUS)
+                partner = self._partner(owner, wanted.provider, wanted.message, TO_JAUS)
                 if partner is not None:
                     yield self._set(wanted, "provider", (self._ref(partner),))
             for carrier in carriers_of(owner) if isinstance(owner, bridge.Bridge) else ():
@@ -214,28 +214,32 @@ class _Applying:
         for peer in asking.peers:
             # A bridge that is its own peer stays so.
             own = self._moved.get(carrier) if peer is owner else None
-            partner = own or (self._partner(peer, message, way) if peer is not owner else None)
+            is_other = own is None and peer is not owner
+            partner = self._partner(owner, peer, message, way) if is_other else own
             values.append(self._ref(partner) if partner is not None else self._scope.ref(peer))
         if values != [self._scope.ref(peer) for peer in asking.peers]:
             yield self._set(asking, "peers", values)
 
     def _partner(
-        self, peer: jaus.Component | None, message: jaus.MessageDef | None, way: str
+        self,
+        owner: jaus.Component,
+        peer: jaus.Component | None,
+        message: jaus.MessageDef | None,
+        way: str,
     ) -> Planned | None:
-        """Returns where what a bridge says or takes is from now on; None where it was."""
+        """Returns where what a bridge says to an owner is from now on; None where it was."""
         if message is None:
             return None
-        return next(
-            (
-                planned
-                for carrier, planned in self._moved.items()
-                if self._home[carrier] is peer
-                and carrier.direction.name == way
-                and (own := _message(carrier)) is not None
-                and code(own) == code(message)
-            ),
-            None,
-        )
+        homes = [
+            self._moved.get(carrier)
+            for carrier, home in self._home.items()
+            if home is peer
+            and carrier.direction.name == way
+            and (not carrier.peers or owner in carrier.peers)
+            and (own := _message(carrier)) is not None
+            and code(own) == code(message)
+        ]
+        return homes[0] if homes and None not in homes else None
 
     def _services(self, planned: Planned) -> dict[str, list[jaus.Service]]:
         """Returns what a bridge provides and uses, as its connections need it."""
@@ -257,13 +261,18 @@ class _Applying:
         return known
 
     def _going(self) -> dict[Any, Planned]:
-        """Returns what moves: connections, and the maps that they alone use."""
+        """Returns what moves: connections, and the maps that they alone use.
+
+        A map whose users part goes with the first of them, if nothing of its bridge remains.
+        """
         going: dict[Any, Planned] = dict(self._moved)
         for owner in dict.fromkeys(self._home[carrier] for carrier in self._moved):
             for used in owner.maps:
                 users = [carrier for carrier in self._home if used in maps_of(carrier)]
                 targets = [self._moved.get(carrier) for carrier in users]
-                if targets and targets[0] is not None and all(t is targets[0] for t in targets):
+                if not targets or None in targets:
+                    continue
+                if owner in self._plan.gone or all(target is targets[0] for target in targets):
                     going[used] = targets[0]
         return going
 
@@ -334,8 +343,8 @@ class _Applying:
 
     def _is_empty(self, owner: bridge.Bridge) -> bool:
         """Tells whether nothing is left of a bridge when its connections have gone."""
-        users = [c for c in self._home if any(used in owner.maps for used in maps_of(c))]
-        is_used = any(c not in self._moved for c in users)
+        kept = set(owner.maps).difference(self._going())
+        is_used = any(not kept.isdisjoint(maps_of(carrier)) for carrier in self._home)
         return not (owner.connections or owner.controls or is_used)
 
 

@@ -90,13 +90,13 @@ def partition(
 
     if yes and is_plan:
         raise click.UsageError("--yes and --plan exclude each other")
-    named = pairs(inside, "=", "arm=joint_states")
+    named = [(connection, owner) for owner, connection in pairs(inside, "=", "arm=joint_states")]
     limits = Limits(
         most or 0,
         load / 100,
         math.inf if wait is None else wait / 1000,
         tuple(tuple(word.strip() for word in words.split(",")) for words in together),
-        {connection: owner for owner, connection in named},
+        tuple(named),
     )
     with stopping():
         place = place_for(model)
@@ -107,7 +107,7 @@ def partition(
         at = opened(place)
         check_names(assumptions, at.system)
         known = [str(owner.name) for owner in at.system.bridges if not owner.external]
-        for owner in limits.inside.values():
+        for _, owner in limits.inside:
             if owner not in known:
                 check_name(owner, at.system)
         try:

@@ -57,7 +57,9 @@ def _partition(
         for name in set(names.values()) - homes:
             _check_new(name, scope)
         known = {named(carrier): carrier for one in planner.before for carrier in one.carriers}
-        plan = planner.assigned({known[n]: home for n, home in names.items() if n in known})
+        if unknown := names.keys() - known.keys():
+            raise AnswerError(f"there is no connection {min(unknown)} any more")
+        plan = planner.assigned({known[n]: home for n, home in names.items()})
     return {**plain(plan), "commands": () if plan.faults else commands_of(scope, plan)}
 
 

@@ -22,6 +22,8 @@ def cut(scale: Scale, now: Sequence[Part]) -> Sequence[Part]:
     Communities (Louvain), the bridges of now and all in one are halved (Kernighan and Lin) until
     they hold the limits, and then improved by what the weight says, which knows more than a graph.
     """
+    if not scale.groups:
+        return now
     graph = attractions(scale)
     communities = networkx.community.louvain_communities(graph, seed=_SEED)
     starts = (now, [frozenset(graph)], [frozenset(community) for community in communities])

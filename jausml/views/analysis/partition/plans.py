@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from jausml.views.analysis.partition.weighing import Group
     from jausml.views.analysis.sizes import Assumptions
 
-_ROUTES = "bridge is", "namespace is", "subsystem is"
+_ROUTES = "bridge is", "namespace is", "subsystem is", "transport is"
 """What no proposal mixes, and a person may."""
 
 _MOST = 5

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections import Counter, defaultdict
 from collections.abc import Hashable, Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import networkx
 
 from jausml.language.metamodel.classes import bridge, jaus, ros
+from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.hosts import host_of
 from jausml.views.analysis.partition.ties import (
@@ -51,14 +52,14 @@ class Limits:
         load: Share of a processor that a bridge takes at most.
         wait: Seconds that a message waits at most when one of each connection comes at once.
         together: Names of connections that one bridge shall carry.
-        inside: The bridge that shall carry a connection, by the name of the connection.
+        inside: Names of connections, and of the bridges that shall carry them.
     """
 
     most: int = 0
     load: float = LARGEST_SHARE
     wait: float = math.inf
     together: tuple[tuple[str, ...], ...] = ()
-    inside: Mapping[str, str] = field(default_factory=dict)
+    inside: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -108,11 +109,17 @@ def united(costs: Sequence[Cost]) -> Cost:
     return Cost(connections, share, wait, datagrams, remote)
 
 
+ALWAYS_ALIKE = 4
+"""So many of what `world_of` begins with hold for connections of all kinds."""
+
+
 def world_of(owner: bridge.Bridge) -> tuple[tuple[str, Hashable], ...]:
-    """Returns what all that a bridge carries has in common; the first two whatever it carries."""
+    """Returns what all that a bridge carries has in common."""
     return (
         ("namespace", (owner.namespace or "").strip("/")),
         ("subsystem", str(owner.address).partition(".")[0]),
+        ("allowedHosts", tuple(sorted(map(str, owner.allowedHosts)))),
+        ("fixedSources", bool(owner.fixedSources)),
         *((name, getattr(owner, name)) for name in SAFE),
         *((f"quantity {one.name}", f"{one.value:g} {one.units or ''}") for one in owner.quantities),
     )
@@ -193,9 +200,12 @@ class Weighing:
         graph.add_nodes_from(self.costs)
         reasons: dict[Carrier, dict[str, None]] = defaultdict(dict)
         wanted = [("you want it so", self._named(names)) for names in limits.together]
-        pins = {self._named((name,))[0]: owner for name, owner in limits.inside.items()}
-        for owner in dict.fromkeys(pins.values()):
-            wanted.append((f"you want it in {owner}", [c for c in pins if pins[c] == owner]))
+        pins = self._pins(limits)
+        for name in dict.fromkeys(pins.values()):
+            pinned = [carrier for carrier in pins if pins[carrier] == name]
+            # What commands a bridge stays in it, and so with what is to come there.
+            pinned += [c for c, o in self.owner_of.items() if o.name == name and _commands(c)]
+            wanted.append((f"you want it in {name}", pinned))
         for reason, carriers in () if are_divided else (*tied(self.owners), *wanted):
             networkx.add_path(graph, carriers)
             reasons[carriers[0]][reason] = None
@@ -205,6 +215,14 @@ class Weighing:
             self._group(carriers, pins, [r for carrier in carriers for r in reasons[carrier]])
             for carriers in parts
         ]
+
+    def _pins(self, limits: Limits) -> dict[Carrier, str]:
+        pins: dict[Carrier, str] = {}
+        for name, owner in limits.inside:
+            (carrier,) = self._named((name,))
+            if pins.setdefault(carrier, owner) != owner:
+                raise LookupError(f"{name} cannot be in {pins[carrier]} and in {owner}")
+        return pins
 
     def _named(self, names: Iterable[str]) -> list[Carrier]:
         carriers = []
@@ -227,18 +245,24 @@ class Weighing:
         pairs = list(zip(owners, carriers, strict=True))
         commanding = [owner for owner, carrier in pairs if commands(carrier)]
         # Who commands a bridge knows it by its JAUS id.
-        commanded = [o for o, c in pairs if c.direction.name == "jausToRos" and commands(c)]
+        commanded = [owner for owner, carrier in pairs if _commands(carrier)]
         pinned = {pins[c] for c in carriers if c in pins} or {str(o.name) for o in commanded}
         names = {str(owner.name): owner for owner in self.owners}
-        world = {pair for owner in owners for pair in world_of(owner)[:2]}
+        world = {pair for owner in owners for pair in world_of(owner)[:ALWAYS_ALIKE]}
+        for home in map(self.homes.get, owners):
+            world |= {("transport", home.transport.name)} if home is not None else set()
         for owner in (*commanding, *(names[pin] for pin in pinned if pin in names)):
             world.update(world_of(owner))
         world.update(("bridge", pin) for pin in pinned)
         for owner, carrier in pairs:
-            needed = {
-                f"quantity {one.name}" for used in maps_of(carrier) for one in used.quantities
-            }
-            world.update(pair for pair in world_of(owner) if pair[0] in needed)
+            stated = dict(world_of(owner))
+            for quantity in (one for used in maps_of(carrier) for one in used.quantities):
+                key = f"quantity {quantity.name}"
+                world.add((key, stated.get(key, "what the map says")))
+            if isinstance(carrier, bridge.Connection) and any(
+                report.rate and not report.stated_rate for report in joined_reports(carrier)
+            ):
+                world.add(("frequency", owner.frequency))
         unique = frozenset(
             str(service.urn)
             for owner, carrier in pairs
@@ -294,6 +318,11 @@ class Weighing:
             for stream in self._upkeep[owner, other]:
                 if has_event if "Event" in stream.message else commands(carrier):
                     yield stream
+
+
+def _commands(carrier: Carrier) -> bool:
+    """Tells whether its bridge is commanded by a connection."""
+    return carrier.direction.name == "jausToRos" and commands(carrier)
 
 
 def _other(owner: bridge.Bridge, stream: Stream) -> jaus.Component | None:
