@@ -102,7 +102,8 @@ class Desktop:
 
     def draw(self, source, target):
         """Draws a line from a box to another, or row to row, by the pointer."""
-        source.hover()
+        # Near its corner: at the middle of its lower border another handle may lie over it.
+        source.hover(position={"x": 6, "y": 4})
         start = source.locator("xpath=self::*").evaluate(_SOURCE)
         end = target.bounding_box()
         mouse = self.page.mouse

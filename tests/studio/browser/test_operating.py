@@ -203,7 +203,7 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
     with Component("100.1.40", name="gps", provides=("PrimitiveDriver",), port=port):
         page = open_studio.page_of(studio.commanding_address, viewport=window)
         control(page)
-        expect(page.get_by_role("row", name="100.1.40")).to_contain_text("ago")
+        expect(page.get_by_role("row", name="100.1.40")).to_contain_text("gps")  # it was asked
         x, y = hold(page)
         until(lambda: driving(vehicle))
         effort, before = vehicle.last, places(page)
