@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import signal
 import socket
 import subprocess
@@ -354,6 +355,24 @@ def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
         assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY"}]
         assert vehicle.status == "EMERGENCY"
         assert page.ask("clear", component=VEHICLE)["state"] != "EMERGENCY"
+
+
+def test_a_terminal_that_takes_nothing_does_not_hold_up_the_stop(
+    folder: Path, built: Path, port: int, vehicle: Vehicle
+) -> None:
+    options = ("--stop-all", "standby", "--lease", "60", "--jaus-port", str(port))
+    with operating(folder, built, *options) as server, server.page() as page:
+        page.ask("claim", right=server.right, name="anna")
+        take(page)
+        assert page.ask("resume", component=VEHICLE)["state"] == "READY"
+        assert server.process.stderr is not None
+        room = fcntl.fcntl(server.process.stderr, fcntl.F_SETPIPE_SZ, 4096)
+        with server.page() as other:
+            for _ in range(room // 50):  # each is noted
+                other.send("claim", right="wrong", name="")
+            assert page.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
+            other.socket.socket.shutdown(socket.SHUT_RDWR)
+    assert vehicle.status == "STANDBY"
 
 
 @pytest.mark.parametrize(

@@ -335,14 +335,14 @@ class OperatorUnit:
         stopped = list(dict.fromkeys((*(hold.target for hold in operator.holds), *targets)))
         for address in stopped:
             self._system.act(address)
-        shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
-        self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
         outcomes = {str(address): "" for address in stopped}
         threads = [
             Thread(target=self._stop_one, args=(operator, address, outcomes)) for address in stopped
         ]
         for thread in threads:
             thread.start()
+        shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
+        self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
         for thread in threads:
             thread.join()
         for target, outcome in outcomes.items():
