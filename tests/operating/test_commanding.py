@@ -7,7 +7,7 @@ import signal
 import socket
 import subprocess
 import time
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -18,6 +18,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from jausml.live.operating.reading import read
 from jausml.live.operating.serving import KEPT_SOCKETS
+from jausml.live.operating.stops import TRIES
 from jausml.live.operating.unit import OperatorUnit, Powers
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.query_client import NoAnswer, Refused
@@ -27,6 +28,7 @@ from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, Serv
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
+from jausml.runtime.messages import SetEmergency
 from jausml.runtime.services.definitions import CORE
 
 if TYPE_CHECKING:
@@ -355,6 +357,27 @@ def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
         assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY"}]
         assert vehicle.status == "EMERGENCY"
         assert page.ask("clear", component=VEHICLE)["state"] != "EMERGENCY"
+
+
+def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path: Path, port: int) -> None:
+    address, sent = JausAddress(100, 1, 77), set()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as deaf:
+        deaf.bind(("127.0.0.1", 0))
+        deaf.settimeout(0)
+        peer = f"{address}=127.0.0.1:{deaf.getsockname()[1]}"
+        network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, (peer,))
+        unit = OperatorUnit(read(tmp_path), network, Powers("emergency", 60.0), lambda *_: None)
+        unit.start()
+        try:
+            [stopped] = unit.stop_all("page", [address])
+            assert stopped["outcome"] == "its state is not told"
+        finally:
+            unit.stop()
+        with suppress(BlockingIOError):
+            while datagram := deaf.recv(2000):
+                if SetEmergency(emergency_code=1).encode() in datagram:
+                    sent.add(datagram)  # repetitions are the same
+    assert len(sent) > TRIES
 
 
 def test_a_terminal_that_takes_nothing_does_not_hold_up_the_stop(

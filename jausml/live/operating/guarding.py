@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from jausml.live.operating.stops import stop_of
 from jausml.runtime.guardian.ward import PERIOD, Ward
-from jausml.runtime.messages import SetEmergency, Standby
 from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:
@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.wire.message import Message
-
-_EMERGENCY_STOP = 1
-"""Code of the only emergency (AS5710, SetEmergency)."""
 
 
 class Guarding:
@@ -41,10 +38,7 @@ class Guarding:
         transport = operator.transport
         self._lock = transport.loop.lock
         self._lease = lease
-        emergency = word == "emergency"
-        self._stop: Message = (
-            SetEmergency(emergency_code=_EMERGENCY_STOP) if emergency else Standby()
-        )
+        self._stop = stop_of(word)
         self._stick: tuple[JausAddress, Message, float] | None = None
         self._controlled: Sequence[JausAddress] = ()
         with self._lock:

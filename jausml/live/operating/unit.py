@@ -15,14 +15,13 @@ from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.journal import Journal
 from jausml.live.operating.lists import Lists
 from jausml.live.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
-from jausml.live.operating.stops import Stops, told_stop
+from jausml.live.operating.stops import Stops, deliver, stop_of, told_stop
 from jausml.live.operating.values import Values
 from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.serving.rpc import UNAUTHORIZED, RpcError
 from jausml.live.serving.security import Token
 from jausml.runtime import HandoffDecision
-from jausml.runtime.messages import Standby
 from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
@@ -105,6 +104,7 @@ class OperatorUnit:
         self._collected = time.monotonic()
         self._guarding: Guarding | None = None
         self._commander: Commander | None = None
+        self._stopping: dict[JausAddress, Event] = {}
         self._is_settled = Event()  # nothing of a lost page is being stopped
         self._is_settled.set()
         self._turn = RLock()
@@ -354,19 +354,7 @@ class OperatorUnit:
 
     def _stop_one(self, operator: Operator, target: JausAddress, outcomes: dict[str, str]) -> None:
         try:
-            if self.powers is not None and self.powers.stop == "emergency":
-                state = operator.emergency(target)
-            elif operator.controls(target):
-                for hold in operator.holds:
-                    if hold.target == target:
-                        hold.expect_standby()
-                # With acknowledgement, and before all that waits; then it is asked for its state.
-                operator.deliver(target, Standby(), lambda _: None)
-                state = operator.change(target, Standby(), Status.STANDBY)
-            else:
-                raise Refused(
-                    "it is not controlled by us, and obeys Standby of its controller alone"
-                )
+            state = self._stopped(operator, target)
         except (NoAnswer, Refused) as error:
             outcomes[str(target)] = str(error)
             self.journal.alarm(self._system.name_of(target), f"the stop is not confirmed: {error}")
@@ -374,6 +362,37 @@ class OperatorUnit:
         outcomes[str(target)] = state.name if state is not None else "its state is not told"
         if state is None:
             self.journal.alarm(self._system.name_of(target), "the stop is not confirmed")
+
+    def _stopped(self, operator: Operator, target: JausAddress) -> Status | None:
+        """Sends the stop until it is acknowledged, and returns the state that follows."""
+        word = self.powers.stop if self.powers is not None else ""
+        is_emergency = word == "emergency"
+        if not (is_emergency or operator.controls(target)):
+            raise Refused("it is not controlled by us, and obeys Standby of its controller alone")
+        for hold in operator.holds:
+            if hold.target == target:
+                hold.expect_standby()
+        message, is_over = stop_of(word), Event()
+        self._stopping[target] = is_over
+        # With acknowledgement, and before all that waits; then it is asked for its state.
+        deliver(
+            operator,
+            target,
+            message,
+            lambda: self._stopping[target] is is_over,  # and no later stop is sent
+            lambda _: is_over.set(),
+        )
+        state = None
+        try:
+            state = operator.change(
+                target, message, Status.EMERGENCY if is_emergency else Status.STANDBY
+            )
+        finally:
+            if state is not None:
+                operator.answered(target, message)
+            # Who released it before that would have it heed the stop no more.
+            is_over.wait(_LONGEST_STOP)
+        return state
 
     def act(self, target: JausAddress) -> None:
         """Takes that a person has something done to a component: what follows is no alarm."""

@@ -99,7 +99,10 @@ class WatchingClient(QueryClient):
     def deliver(
         self, target: JausAddress, message: Message, arrived: Callable[[bool], None]
     ) -> None:
-        """Sends a message before others that wait, and tells whether it was acknowledged."""
+        """Sends a stop before all that waits, and tells whether it was acknowledged.
+
+        What was sent before with its code is repeated no more.
+        """
         self._component.transport.send(
             self.own,
             target,
@@ -107,6 +110,7 @@ class WatchingClient(QueryClient):
             priority=Priority.SAFETY_CRITICAL,
             acknowledge=True,
             on_result=arrived,
+            supersedes=True,
         )
 
     def _confirmed(
