@@ -12,19 +12,27 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 import warm
-from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, take, until
+from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, Vehicle, take, until
 from studio_client import LONGEST, RefusedError, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from jausml.live.messages import load_catalogue
 from jausml.live.operating.reading import read
 from jausml.live.operating.serving import KEPT_SOCKETS
 from jausml.live.operating.stops import TRIES
 from jausml.live.operating.unit import OperatorUnit, Powers
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
+from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.serving.server import MOST_SOCKETS
-from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, ServiceIdentity
+from jausml.runtime import (
+    ComponentSettings,
+    ControlState,
+    HandoffAnswer,
+    JausComponent,
+    ServiceIdentity,
+)
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
@@ -35,9 +43,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from simulated_vehicle import Vehicle
     from studio_client import Page, Server
 
+    from jausml.live.peers.control import Hold
+    from jausml.live.peers.operator import Operator
     from jausml.runtime.transports.transport import Transport
 
 pytestmark = [pytest.mark.ports, pytest.mark.live]
@@ -543,3 +552,64 @@ def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
         assert [str(hold.target) for hold in unit.operator.holds] == [VEHICLE]
     finally:
         unit.stop()
+
+
+# ---- in one process ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def unit(tmp_path: Path, port: int) -> Iterator[OperatorUnit]:
+    """A unit, of which page 1 may take control."""
+    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
+    unit = OperatorUnit(read(tmp_path), network, Powers("standby", 60.0), lambda *_: None)
+    unit.start()
+    yield unit
+    unit.stop()
+
+
+ADDRESS = JausAddress.parse(VEHICLE)
+
+
+def take_in(unit: OperatorUnit) -> Hold:
+    def taken() -> bool:
+        with suppress(Refused, NoAnswer):
+            unit.take(1, "anna", ADDRESS, 205)
+        return bool(unit.operator.holds)
+
+    until(taken)
+    return unit.operator.holds[0]
+
+
+def guarded(unit: OperatorUnit) -> list[JausAddress]:
+    assert unit.sticks.guarding is not None
+    return list(unit.sticks.guarding._controlled)
+
+
+@pytest.mark.usefixtures("vehicle")
+def test_what_a_higher_authority_has_taken_is_not_stopped(unit: OperatorUnit, port: int) -> None:
+    hold = take_in(unit)
+    assert guarded(unit) == [ADDRESS]
+    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
+    with running_operator(network, load_catalogue()) as other:
+        until(lambda: controlled_by(other))
+        until(lambda: hold.session and hold.session.state is ControlState.REFUSED)
+        assert unit.stop_all("anna", ()) == []
+        until(lambda: guarded(unit) == [])
+        other.release(ADDRESS)
+
+
+def controlled_by(other: Operator) -> bool:
+    with suppress(Refused, NoAnswer):
+        other.control(ADDRESS, 220)
+    return other.controls(ADDRESS)
+
+
+def test_what_does_not_answer_any_more_is_stopped_all_the_same(
+    unit: OperatorUnit, port: int
+) -> None:
+    with Vehicle(port):
+        hold = take_in(unit)
+    until(lambda: hold.session and hold.session.state is ControlState.SEEKING)
+    assert guarded(unit) == [ADDRESS]
+    stopped = {"component": VEHICLE, "outcome": "its state is not told"}
+    assert unit.stop_all("anna", ()) == [stopped]

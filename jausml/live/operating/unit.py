@@ -21,7 +21,7 @@ from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.serving.rpc import UNAUTHORIZED, RpcError
 from jausml.live.serving.security import Token
-from jausml.runtime import HandoffDecision
+from jausml.runtime import ControlState, HandoffDecision
 from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ class OperatorUnit:
             spoke = self._guardian_spoke
             self._guarding = Guarding(operator, powers.lease, powers.stop, spoke)
             self.sticks.guarding = self._guarding
-        self._guarding.control([hold.target for hold in operator.holds])
+        self._guarding.control(_obeying(operator))
 
     def _guardian_spoke(self) -> None:
         """Takes that this process stood still for so long that its guardian has stopped all."""
@@ -317,8 +317,14 @@ class OperatorUnit:
             self.journal.note(name, f"{news}, after what this unit did")
         else:
             self.journal.alarm(name, news, f"control of {name}")
+        Thread(target=self._follow, args=(target, news)).start()
+
+    def _follow(self, target: JausAddress, news: str) -> None:
+        """Ends the stick of what is controlled no more, and tells the guardian what still is."""
+        operator = self._system.running
         if operator is not None and not operator.controls(target):
-            Thread(target=self.sticks.end, args=(f"{target} {news}", target)).start()
+            self.sticks.end(f"{target} {news}", target)
+        self._guard()
 
     # ---- stops ------------------------------------------------------------------------------
 
@@ -332,7 +338,7 @@ class OperatorUnit:
         operator = self.operator
         self.sticks.end(STOPPED)
         operator.drop_list_changes()
-        stopped = list(dict.fromkeys((*(hold.target for hold in operator.holds), *targets)))
+        stopped = list(dict.fromkeys((*_obeying(operator), *targets)))
         for address in stopped:
             self._system.act(address)
         outcomes = {str(address): "" for address in stopped}
@@ -367,7 +373,7 @@ class OperatorUnit:
         """Sends the stop until it is acknowledged, and returns the state that follows."""
         word = self.powers.stop if self.powers is not None else ""
         is_emergency = word == "emergency"
-        if not (is_emergency or operator.controls(target)):
+        if not (is_emergency or target in _obeying(operator)):
             raise Refused("it is not controlled by us, and obeys Standby of its controller alone")
         for hold in operator.holds:
             if hold.target == target:
@@ -435,6 +441,18 @@ class OperatorUnit:
                 operator.release(hold.target)
                 self.journal.note("unit", f"released {hold.target}")
             self._guard()
+
+
+def _obeying(operator: Operator) -> list[JausAddress]:
+    """Returns whom a stop is for: who was ours, and has not said that it is another one's.
+
+    Who is lost to us may still take us for its controller.
+    """
+    return [
+        hold.target
+        for hold in operator.holds
+        if hold.session is not None and hold.session.state is not ControlState.REFUSED
+    ]
 
 
 def _hold(hold: Hold) -> dict[str, Any]:
