@@ -339,8 +339,9 @@ def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
     assert any("because 'a test'" in text for text in texts)
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_studio_that_ends_stops_and_releases(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
+    folder: Path, built: Path, port: int, vehicle: Vehicle, number: signal.Signals
 ) -> None:
     options = ("--stop-all", "standby", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
@@ -349,6 +350,8 @@ def test_a_studio_that_ends_stops_and_releases(
         page.ask("resume", component=VEHICLE)
         move(page, held(page), 30.0)
         until(lambda: vehicle.last == 30.0)
+        server.process.send_signal(number)
+        assert server.process.wait(LONGEST) == 0
     assert vehicle.last == 0.0
     assert (vehicle.status, vehicle.controller) == ("STANDBY", None)
 

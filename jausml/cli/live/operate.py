@@ -87,8 +87,8 @@ def command(
     --stop-all. A guardian process says the stops when this one is killed or stands still. Needs
     the extra `studio`.
 
-    Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (the port is in use, the extra
-    or the page is missing), 3 internal error.
+    Exit status: 0 ended by SIGINT, SIGTERM or SIGHUP, 2 usage or environment (the port is in use,
+    the extra or the page is missing), 3 internal error.
     """
     missing = next((module for module in _NEEDED if find_spec(module) is None), None)
     if missing is not None:
