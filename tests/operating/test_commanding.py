@@ -17,6 +17,7 @@ from studio_client import LONGEST, RefusedError, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from jausml.live.messages import load_catalogue
+from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.reading import read
 from jausml.live.operating.serving import KEPT_SOCKETS
 from jausml.live.operating.stops import TRIES
@@ -616,3 +617,13 @@ def test_what_does_not_answer_any_more_is_stopped_all_the_same(
     assert guarded(unit) == [ADDRESS]
     stopped = {"component": VEHICLE, "outcome": "its state is not told"}
     assert unit.stop_all("anna", ()) == [stopped]
+
+
+def test_the_guardian_says_whom_it_could_not_stop(port: int) -> None:
+    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
+    with running_operator(network, load_catalogue()) as operator:
+        guarding = Guarding(operator, 2.0, "standby", lambda: None)
+        assert guarding.failure == ""
+        guarding.control([JausAddress(100, 1, 99)])  # of which nothing was heard
+        assert guarding.failure == "has no datagram for 100.1.99"
+        guarding.close()
