@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import fcntl
 import signal
 import socket
@@ -19,6 +20,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from jausml.live.messages import load_catalogue
 from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.reading import read
+from jausml.live.operating.seats import Seat
 from jausml.live.operating.serving import KEPT_SOCKETS
 from jausml.live.operating.stops import TRIES
 from jausml.live.operating.unit import OperatorUnit, Powers
@@ -26,7 +28,9 @@ from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.serving.rpc import Request, RpcError
 from jausml.live.serving.server import MOST_SOCKETS
+from jausml.live.serving.subscribers import Subscribers
 from jausml.runtime import (
     ComponentSettings,
     ControlState,
@@ -627,3 +631,29 @@ def test_the_guardian_says_whom_it_could_not_stop(port: int) -> None:
         guarding.control([JausAddress(100, 1, 99)])  # of which nothing was heard
         assert guarding.failure == "has no datagram for 100.1.99"
         guarding.close()
+
+
+def test_what_was_asked_before_a_stop_is_not_sent_after_it(
+    unit: OperatorUnit, vehicle: Vehicle
+) -> None:
+    take_in(unit)
+
+    async def ask() -> None:
+        seat = Seat(unit, Subscribers(), 1)
+        seat.may_command = True
+        with seat.subscribed(lambda _: None):
+            # As many as there are threads, of components that nobody answers for.
+            slow = [asked(seat, "messages", component=f"100.2.{number}") for number in range(1, 9)]
+            late = asked(seat, "resume", component=VEHICLE)
+            await asyncio.sleep(0)  # so far all have begun
+            await asked(seat, "stop")
+            with pytest.raises(RpcError, match="a stop came before"):
+                await late
+            await asyncio.gather(*slow, return_exceptions=True)
+
+    asyncio.run(ask())
+    assert vehicle.status == "STANDBY"
+
+
+def asked(seat: Seat, method: str, **params: Any) -> asyncio.Task[object]:
+    return asyncio.create_task(seat.answer(Request(method, params, 1)))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import time
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
@@ -25,7 +26,7 @@ from jausml.runtime import ControlState, HandoffDecision
 from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from jausml.live.operating.knowledge import Knowledge
     from jausml.live.peers.control import Hold
@@ -108,6 +109,8 @@ class OperatorUnit:
         self._is_settled = Event()  # nothing of a lost page is being stopped
         self._is_settled.set()
         self._turn = RLock()
+        self._stop_count = 0
+        self._sending = Lock()
         self._state = Lock()
 
     # ---- life -------------------------------------------------------------------------------
@@ -328,6 +331,23 @@ class OperatorUnit:
 
     # ---- stops ------------------------------------------------------------------------------
 
+    @property
+    def stop_count(self) -> int:
+        """How many stops of everything there were."""
+        return self._stop_count
+
+    @contextmanager
+    def unless_stopped(self, before: int) -> Iterator[None]:
+        """Has a stop wait while something is sent, which is refused after one.
+
+        Args:
+            before: How many stops there were when that was asked for.
+        """
+        with self._sending:
+            if self._stop_count != before:
+                raise Refused("it was not sent, as a stop came before")
+            yield
+
     def stop_all(self, name: str, targets: Iterable[JausAddress]) -> list[dict[str, str]]:
         """Stops components, and all that are controlled, by the word of who started the unit.
 
@@ -336,6 +356,8 @@ class OperatorUnit:
         if self.powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
         operator = self.operator
+        with self._sending:
+            self._stop_count += 1
         self.sticks.end(STOPPED)
         operator.drop_list_changes()
         stopped = list(dict.fromkeys((*_obeying(operator), *targets)))
