@@ -612,6 +612,14 @@ def controlled_by(other: Operator) -> bool:
     return other.controls(ADDRESS)
 
 
+@pytest.mark.usefixtures("vehicle")
+def test_what_is_controlled_is_not_taken_again(unit: OperatorUnit) -> None:
+    hold = take_in(unit)
+    with pytest.raises(Refused, match="is controlled already"):
+        unit.take(1, "anna", ADDRESS, 210)
+    assert (unit.operator.holds, hold.is_held) == ((hold,), True)
+
+
 def test_what_does_not_answer_any_more_is_stopped_all_the_same(
     unit: OperatorUnit, port: int
 ) -> None:

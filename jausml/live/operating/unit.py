@@ -148,11 +148,15 @@ class OperatorUnit:
         operator, powers = self._system.running, self.powers
         if operator is None or powers is None:
             return
-        if self._guarding is None:
-            spoke = self._guardian_spoke
-            self._guarding = Guarding(operator, powers.lease, powers.stop, spoke)
-            self.sticks.guarding = self._guarding
-        self._guarding.control(_obeying(operator))
+        with self._turn:
+            controlled = _obeying(operator)
+            if self._guarding is None and not controlled:
+                return
+            if self._guarding is None:
+                spoke = self._guardian_spoke
+                self._guarding = Guarding(operator, powers.lease, powers.stop, spoke)
+                self.sticks.guarding = self._guarding
+            self._guarding.control(controlled)
 
     def _guardian_spoke(self) -> None:
         """Takes that this process stood still for so long that its guardian has stopped all."""
@@ -214,7 +218,7 @@ class OperatorUnit:
     def take(self, page: int, name: str, target: JausAddress, authority: int) -> None:
         """Takes control of a component for a page, which commands from then on."""
         with self._turn:
-            self._begin(page, name)
+            self._begin(page, name, target)
             self._try_holding(
                 page,
                 target,
@@ -228,7 +232,7 @@ class OperatorUnit:
         self, page: int, name: str, target: JausAddress, authority: int, reason: str
     ) -> None:
         """Asks whoever controls a component for control, and waits for the decision."""
-        self._begin(page, name)
+        self._begin(page, name, target)
         self.journal.note(name, f"asks for control of {target}: {reason!a}")
         self._try_holding(
             page,
@@ -239,11 +243,11 @@ class OperatorUnit:
         )
         self.journal.note(name, f"was given control of {target}")
 
-    def _begin(self, page: int, name: str) -> None:
+    def _begin(self, page: int, name: str, target: JausAddress) -> None:
         powers = self.powers
         if powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
-        self.operator  # noqa: B018 - it must be there
+        operator = self.operator
         with self._state:
             if not self._is_settled.is_set():
                 raise Refused("what the page before commanded is being stopped; try again")
@@ -251,12 +255,15 @@ class OperatorUnit:
                 lease = Lease(powers.lease, lambda: self._silent(page))
                 self._commander = Commander(page, name, lease)
         self.require_commander(page)
+        if operator.controls(target):
+            raise Refused(f"{target} is controlled already")  # to ask anew would give it up
 
     def _try_holding(self, page: int, target: JausAddress, work: Callable[[], Hold]) -> None:
         try:
             work()
         except BaseException as error:
             self.journal.note("unit", f"control of {target} was not given: {error}")
+            self._guard()
             self._end_commander_without_holds()
             raise
         commander = self._commander
