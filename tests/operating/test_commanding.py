@@ -56,7 +56,7 @@ if TYPE_CHECKING:
 
 pytestmark = [pytest.mark.ports, pytest.mark.live]
 
-REFUSED, UNAUTHORIZED = -32000, -32001
+REFUSED, UNAUTHORIZED, BUSY = -32000, -32001, -32002
 COMMANDS: dict[str, dict[str, Any]] = {
     "renew": {},
     "take": {"component": VEHICLE, "authority": 205},
@@ -136,6 +136,16 @@ def test_a_page_that_asks_without_end_is_read_slowly(server: Server) -> None:
         until(lambda: asked() >= 30)
         assert max(asked() for _ in range(10)) < 60
         flooding.socket.socket.shutdown(socket.SHUT_RDWR)  # a close waits until all is read
+
+
+def test_a_stop_is_never_one_request_too_many(server: Server) -> None:
+    with server.page() as page:
+        for number in range(1, 101):  # of components that nobody answers for
+            page.send("messages", component=f"100.2.{number}")
+        for method, code in (("journal", BUSY), ("stop", UNAUTHORIZED), ("renew", UNAUTHORIZED)):
+            with pytest.raises(RefusedError) as refused:
+                page.ask(method)
+            assert refused.value.code == code, method
 
 
 @pytest.mark.parametrize("right", ["", "wrong"])

@@ -58,6 +58,7 @@ class Seat:
     """
 
     revision = 0
+    urgent = ("renew", "stop", "stick.end")
 
     def __init__(self, unit: OperatorUnit, subscribers: Subscribers, number: int) -> None:
         """Begins as one that looks."""
