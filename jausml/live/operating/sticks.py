@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.wire.message import Message
 
+_LOOK = 0.25
+"""Seconds between two looks at the time of a lease."""
+
 
 class Lease:
     """Lasts for some seconds from each renewal; a thread of its own ends it, nobody else has to."""
@@ -56,7 +59,8 @@ class Lease:
     def _run(self) -> None:
         with self._news:
             while not self._is_over and (left := self._due - steady()) > 0:
-                self._news.wait(left)
+                # A wait does not count the time of a suspended computer, as the lease does.
+                self._news.wait(min(left, _LOOK))
             if self._is_over:
                 return
             self._is_over = True
