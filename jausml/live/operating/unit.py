@@ -208,8 +208,9 @@ class OperatorUnit:
         if last is None or content != last[1] or now - last[0] >= WORD:
             self._told_last = now, content
             self._notify("operate.state", {**content, "ages": _ages(state)})
-        # The collector is off: in full it would stop the process, which nobody may who commands.
-        if self._commander is None and now - self._collected > _COLLECTION:
+        # The collector is off: in full it would stop the process, also in the midst of a stop.
+        is_idle = self._commander is None and self._is_settled.is_set()
+        if is_idle and now - self._collected > _COLLECTION:
             self._collected = now
             gc.collect()
 
