@@ -8,7 +8,9 @@ import signal
 import socket
 import subprocess
 import time
+import webbrowser
 from contextlib import ExitStack, suppress
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -17,6 +19,7 @@ from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, Vehicle, take, unti
 from studio_client import LONGEST, RefusedError, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from jausml.cli.live.operate import _opened
 from jausml.live.messages import load_catalogue
 from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.reading import read
@@ -675,3 +678,14 @@ def test_what_was_asked_before_a_stop_is_not_sent_after_it(
 
 def asked(seat: Seat, method: str, **params: Any) -> asyncio.Task[object]:
     return asyncio.create_task(seat.answer(Request(method, params, 1)))
+
+
+def test_the_browser_is_not_told_the_right_to_command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    unit: Any = SimpleNamespace(address="looking", commanding_address="commanding")
+    _opened(unit, no_browser=False)
+    assert opened == ["looking"]
+    assert "to command: commanding\n" in capsys.readouterr().out

@@ -83,9 +83,9 @@ def command(
 ) -> None:
     """Watch and command components in the browser: those of a model, or of a folder of them.
 
-    Serves a page to this computer only, and opens the browser. Nothing is commanded without
-    --stop-all. A guardian process says the stops when this one is killed or stands still. Needs
-    the extra `studio`.
+    Serves a page to this computer only, and opens the browser to look. Nothing is commanded without
+    --stop-all, which prints the address to do so. A guardian process says the stops when this one
+    is killed or stands still. Needs the extra `studio`.
 
     Exit status: 0 ended by SIGINT, SIGTERM or SIGHUP, 2 usage or environment (the port is in use,
     the extra or the page is missing), 3 internal error.
@@ -151,7 +151,8 @@ def _opened(unit: Unit, no_browser: bool) -> None:
         click.echo(f"to command: {unit.commanding_address}")
     remark("Ctrl-C ends it.")
     if not no_browser:
-        webbrowser.open(unit.commanding_address or unit.address)
+        # The other one would stand among the processes, which every user of the computer sees.
+        webbrowser.open(unit.address)
 
 
 def _powers(stop_all: str | None, lease: float | None, stops: tuple[str, ...]) -> Powers | None:
