@@ -31,7 +31,7 @@ from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.recording.mcap_reading import McapRecording
-from jausml.live.serving.rpc import Request, RpcError
+from jausml.live.serving.rpc import Request, RpcError, parsed
 from jausml.live.serving.server import MOST_SOCKETS
 from jausml.live.serving.subscribers import Subscribers
 from jausml.runtime import (
@@ -678,6 +678,27 @@ def test_what_was_asked_before_a_stop_is_not_sent_after_it(
 
 def asked(seat: Seat, method: str, **params: Any) -> asyncio.Task[object]:
     return asyncio.create_task(seat.answer(Request(method, params, 1)))
+
+
+@pytest.mark.usefixtures("vehicle")
+def test_control_is_released_also_where_a_stop_fails(
+    unit: OperatorUnit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop_all(*_: object) -> None:
+        raise RuntimeError("a fault of ours")
+
+    take_in(unit)
+    monkeypatch.setattr(unit, "stop_all", stop_all)
+    with pytest.raises(RuntimeError):
+        unit.leave(1)
+    assert unit.operator.holds == ()
+    monkeypatch.undo()
+
+
+@pytest.mark.parametrize("number", ["1e999", "-1e999", "1e300"])
+def test_an_id_that_no_answer_could_have_is_refused(number: str) -> None:
+    with pytest.raises(RpcError, match="too large"):
+        parsed(f'{{"jsonrpc": "2.0", "id": {number}, "method": "renew"}}')
 
 
 def test_the_browser_is_not_told_the_right_to_command(

@@ -463,14 +463,16 @@ class OperatorUnit:
         operator = self._system.running
         if operator is None:
             return
-        self.sticks.end(f"its page {why}")
-        self.journal.alarm(commander.name, f"it commanded, and {why}")
-        self.stop_all("unit", ())
-        with self._turn:
-            for hold in operator.holds:
-                operator.release(hold.target)
-                self.journal.note("unit", f"released {hold.target}")
-            self._guard()
+        try:
+            self.sticks.end(f"its page {why}")
+            self.journal.alarm(commander.name, f"it commanded, and {why}")
+            self.stop_all("unit", ())
+        finally:
+            with self._turn:
+                for hold in operator.holds:
+                    operator.release(hold.target)
+                    self.journal.note("unit", f"released {hold.target}")
+                self._guard()
 
 
 def _obeying(operator: Operator) -> list[JausAddress]:

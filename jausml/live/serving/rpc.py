@@ -241,7 +241,7 @@ def parsed(text: str) -> Request:
     id_ = message.get("id")
     if isinstance(id_, bool) or not isinstance(id_, str | int | float | None):
         raise RpcError(INVALID_REQUEST, "the id of a request is a text or a number")
-    if isinstance(id_, int) and abs(id_) > _LARGEST:
+    if isinstance(id_, int | float) and abs(id_) > _LARGEST:
         raise RpcError(INVALID_REQUEST, "the id of a request is too large")
     method, params = message.get("method"), message.get("params", {})
     if message.get("jsonrpc") != "2.0" or not isinstance(method, str):
