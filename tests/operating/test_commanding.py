@@ -2,44 +2,64 @@
 
 from __future__ import annotations
 
+import asyncio
+import fcntl
 import signal
 import socket
 import subprocess
 import time
-from contextlib import ExitStack
+import webbrowser
+from contextlib import ExitStack, suppress
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 import warm
-from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, take, until
+from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, Vehicle, take, until
 from studio_client import LONGEST, RefusedError, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from jausml.cli.live.operate import _opened
+from jausml.live.messages import load_catalogue
+from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.reading import read
+from jausml.live.operating.seats import Seat
 from jausml.live.operating.serving import KEPT_SOCKETS
+from jausml.live.operating.stops import TRIES
 from jausml.live.operating.unit import OperatorUnit, Powers
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
+from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.recording.mcap_reading import McapRecording
+from jausml.live.serving.rpc import Request, RpcError, parsed
 from jausml.live.serving.server import MOST_SOCKETS
-from jausml.runtime import ComponentSettings, HandoffAnswer, JausComponent, ServiceIdentity
+from jausml.live.serving.subscribers import Subscribers
+from jausml.runtime import (
+    ComponentSettings,
+    ControlState,
+    HandoffAnswer,
+    JausComponent,
+    ServiceIdentity,
+)
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
+from jausml.runtime.messages import SetEmergency
 from jausml.runtime.services.definitions import CORE
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from simulated_vehicle import Vehicle
     from studio_client import Page, Server
 
+    from jausml.live.peers.control import Hold
+    from jausml.live.peers.operator import Operator
     from jausml.runtime.transports.transport import Transport
 
 pytestmark = [pytest.mark.ports, pytest.mark.live]
 
-REFUSED, UNAUTHORIZED = -32000, -32001
+REFUSED, UNAUTHORIZED, BUSY = -32000, -32001, -32002
 COMMANDS: dict[str, dict[str, Any]] = {
     "renew": {},
     "take": {"component": VEHICLE, "authority": 205},
@@ -119,6 +139,16 @@ def test_a_page_that_asks_without_end_is_read_slowly(server: Server) -> None:
         until(lambda: asked() >= 30)
         assert max(asked() for _ in range(10)) < 60
         flooding.socket.socket.shutdown(socket.SHUT_RDWR)  # a close waits until all is read
+
+
+def test_a_stop_is_never_one_request_too_many(server: Server) -> None:
+    with server.page() as page:
+        for number in range(1, 101):  # of components that nobody answers for
+            page.send("messages", component=f"100.2.{number}")
+        for method, code in (("journal", BUSY), ("stop", UNAUTHORIZED), ("renew", UNAUTHORIZED)):
+            with pytest.raises(RefusedError) as refused:
+                page.ask(method)
+            assert refused.value.code == code, method
 
 
 @pytest.mark.parametrize("right", ["", "wrong"])
@@ -327,8 +357,9 @@ def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
     assert any("because 'a test'" in text for text in texts)
 
 
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_studio_that_ends_stops_and_releases(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
+    folder: Path, built: Path, port: int, vehicle: Vehicle, number: signal.Signals
 ) -> None:
     options = ("--stop-all", "standby", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
@@ -337,6 +368,8 @@ def test_a_studio_that_ends_stops_and_releases(
         page.ask("resume", component=VEHICLE)
         move(page, held(page), 30.0)
         until(lambda: vehicle.last == 30.0)
+        server.process.send_signal(number)
+        assert server.process.wait(LONGEST) == 0
     assert vehicle.last == 0.0
     assert (vehicle.status, vehicle.controller) == ("STANDBY", None)
 
@@ -354,6 +387,45 @@ def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
         assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY"}]
         assert vehicle.status == "EMERGENCY"
         assert page.ask("clear", component=VEHICLE)["state"] != "EMERGENCY"
+
+
+def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path: Path, port: int) -> None:
+    address, sent = JausAddress(100, 1, 77), set()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as deaf:
+        deaf.bind(("127.0.0.1", 0))
+        deaf.settimeout(0)
+        peer = f"{address}=127.0.0.1:{deaf.getsockname()[1]}"
+        network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, (peer,))
+        unit = OperatorUnit(read(tmp_path), network, Powers("emergency", 60.0), lambda *_: None)
+        unit.start()
+        try:
+            [stopped] = unit.stop_all("page", [address])
+            assert stopped["outcome"] == "its state is not told"
+        finally:
+            unit.stop()
+        with suppress(BlockingIOError):
+            while datagram := deaf.recv(2000):
+                if SetEmergency(emergency_code=1).encode() in datagram:
+                    sent.add(datagram)  # repetitions are the same
+    assert len(sent) > TRIES
+
+
+def test_a_terminal_that_takes_nothing_does_not_hold_up_the_stop(
+    folder: Path, built: Path, port: int, vehicle: Vehicle
+) -> None:
+    options = ("--stop-all", "standby", "--lease", "60", "--jaus-port", str(port))
+    with operating(folder, built, *options) as server, server.page() as page:
+        page.ask("claim", right=server.right, name="anna")
+        take(page)
+        assert page.ask("resume", component=VEHICLE)["state"] == "READY"
+        assert server.process.stderr is not None
+        room = fcntl.fcntl(server.process.stderr, fcntl.F_SETPIPE_SZ, 4096)
+        with server.page() as other:
+            for _ in range(room // 50):  # each is noted
+                other.send("claim", right="wrong", name="")
+            assert page.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
+            other.socket.socket.shutdown(socket.SHUT_RDWR)
+    assert vehicle.status == "STANDBY"
 
 
 @pytest.mark.parametrize(
@@ -501,3 +573,140 @@ def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
         assert [str(hold.target) for hold in unit.operator.holds] == [VEHICLE]
     finally:
         unit.stop()
+
+
+# ---- in one process ------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def unit(tmp_path: Path, port: int) -> Iterator[OperatorUnit]:
+    """A unit, of which page 1 may take control."""
+    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
+    unit = OperatorUnit(read(tmp_path), network, Powers("standby", 60.0), lambda *_: None)
+    unit.start()
+    yield unit
+    unit.stop()
+
+
+ADDRESS = JausAddress.parse(VEHICLE)
+
+
+def take_in(unit: OperatorUnit) -> Hold:
+    def taken() -> bool:
+        with suppress(Refused, NoAnswer):
+            unit.take(1, "anna", ADDRESS, 205)
+        return bool(unit.operator.holds)
+
+    until(taken)
+    return unit.operator.holds[0]
+
+
+def guarded(unit: OperatorUnit) -> list[JausAddress]:
+    assert unit.sticks.guarding is not None
+    return list(unit.sticks.guarding._controlled)
+
+
+@pytest.mark.usefixtures("vehicle")
+def test_what_a_higher_authority_has_taken_is_not_stopped(unit: OperatorUnit, port: int) -> None:
+    hold = take_in(unit)
+    assert guarded(unit) == [ADDRESS]
+    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
+    with running_operator(network, load_catalogue()) as other:
+        until(lambda: controlled_by(other))
+        until(lambda: hold.session and hold.session.state is ControlState.REFUSED)
+        assert unit.stop_all("anna", ()) == []
+        until(lambda: guarded(unit) == [])
+        other.release(ADDRESS)
+
+
+def controlled_by(other: Operator) -> bool:
+    with suppress(Refused, NoAnswer):
+        other.control(ADDRESS, 220)
+    return other.controls(ADDRESS)
+
+
+@pytest.mark.usefixtures("vehicle")
+def test_what_is_controlled_is_not_taken_again(unit: OperatorUnit) -> None:
+    hold = take_in(unit)
+    with pytest.raises(Refused, match="is controlled already"):
+        unit.take(1, "anna", ADDRESS, 210)
+    assert (unit.operator.holds, hold.is_held) == ((hold,), True)
+
+
+def test_what_does_not_answer_any_more_is_stopped_all_the_same(
+    unit: OperatorUnit, port: int
+) -> None:
+    with Vehicle(port):
+        hold = take_in(unit)
+    until(lambda: hold.session and hold.session.state is ControlState.SEEKING)
+    assert guarded(unit) == [ADDRESS]
+    stopped = {"component": VEHICLE, "outcome": "its state is not told"}
+    assert unit.stop_all("anna", ()) == [stopped]
+
+
+def test_the_guardian_says_whom_it_could_not_stop(port: int) -> None:
+    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
+    with running_operator(network, load_catalogue()) as operator:
+        guarding = Guarding(operator, 2.0, "standby", lambda: None)
+        assert guarding.failure == ""
+        guarding.control([JausAddress(100, 1, 99)])  # of which nothing was heard
+        assert guarding.failure == "has no datagram for 100.1.99"
+        guarding.close()
+
+
+def test_what_was_asked_before_a_stop_is_not_sent_after_it(
+    unit: OperatorUnit, vehicle: Vehicle
+) -> None:
+    take_in(unit)
+
+    async def ask() -> None:
+        seat = Seat(unit, Subscribers(), 1)
+        seat.may_command = True
+        with seat.subscribed(lambda _: None):
+            # As many as there are threads, of components that nobody answers for.
+            slow = [asked(seat, "messages", component=f"100.2.{number}") for number in range(1, 9)]
+            late = asked(seat, "resume", component=VEHICLE)
+            await asyncio.sleep(0)  # so far all have begun
+            await asked(seat, "stop")
+            with pytest.raises(RpcError, match="a stop came before"):
+                await late
+            await asyncio.gather(*slow, return_exceptions=True)
+
+    asyncio.run(ask())
+    assert vehicle.status == "STANDBY"
+
+
+def asked(seat: Seat, method: str, **params: Any) -> asyncio.Task[object]:
+    return asyncio.create_task(seat.answer(Request(method, params, 1)))
+
+
+@pytest.mark.usefixtures("vehicle")
+def test_control_is_released_also_where_a_stop_fails(
+    unit: OperatorUnit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop_all(*_: object) -> None:
+        raise RuntimeError("a fault of ours")
+
+    take_in(unit)
+    monkeypatch.setattr(unit, "stop_all", stop_all)
+    with pytest.raises(RuntimeError):
+        unit.leave(1)
+    assert unit.operator.holds == ()
+    monkeypatch.undo()
+
+
+@pytest.mark.parametrize("number", ["1e999", "-1e999", "1e300"])
+def test_an_id_that_no_answer_could_have_is_refused(number: str) -> None:
+    with pytest.raises(RpcError, match="too large"):
+        parsed(f'{{"jsonrpc": "2.0", "id": {number}, "method": "renew"}}')
+
+
+def test_the_browser_is_not_told_the_right_to_command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened: list[str] = []
+    monkeypatch.setattr(webbrowser, "open", opened.append)
+    unit: Any = SimpleNamespace(address="looking", commanding_address="commanding")
+    _opened(unit, no_browser=False)
+    assert opened == ["looking"]
+    assert "to command: commanding\n" in capsys.readouterr().out

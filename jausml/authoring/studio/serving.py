@@ -34,7 +34,7 @@ PAGE = Path(__file__).resolve().parent / "page"
 
 
 def serve(session: Session, host: str, port: int, opened: Callable[[Studio], None]) -> None:
-    """Serves a session until SIGINT or SIGTERM comes; the main thread calls it.
+    """Serves a session until SIGINT, SIGTERM or SIGHUP comes; the main thread calls it.
 
     `opened`: is called as soon as the address can be opened. `OSError`: the port cannot be had.
     """

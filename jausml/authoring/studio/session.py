@@ -50,6 +50,8 @@ DEBOUNCE_MS, STEP_MS = 50, 10
 class Session:
     """Answers pages, and tells them what happens."""
 
+    urgent = ()
+
     def __init__(self, context: StudioContext) -> None:
         """Begins a session."""
         load_metamodels()  # now, for threads that ask at once would load them twice

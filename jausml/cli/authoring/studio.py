@@ -62,8 +62,8 @@ def command(
     change the model files of the folder; nothing here commands a component, which `jausml operate`
     is for. Needs the extra `studio`.
 
-    Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (the port is in use, the extra
-    or the page is missing), 3 internal error.
+    Exit status: 0 ended by SIGINT, SIGTERM or SIGHUP, 2 usage or environment (the port is in use,
+    the extra or the page is missing), 3 internal error.
     """
     _require_extra()
     from jausml.authoring.editing.project import Project

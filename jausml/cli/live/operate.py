@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import logging
 import webbrowser
+from contextlib import contextmanager
 from importlib.util import find_spec
+from logging.handlers import QueueHandler, QueueListener
 from pathlib import Path
+from queue import SimpleQueue
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -25,6 +28,8 @@ from jausml.cli.shared.options import (
 from jausml.cli.shared.terminal import remark
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from jausml.live.operating.knowledge import Knowledge
     from jausml.live.operating.serving import Operating, Unit
     from jausml.live.operating.unit import Powers
@@ -78,12 +83,12 @@ def command(
 ) -> None:
     """Watch and command components in the browser: those of a model, or of a folder of them.
 
-    Serves a page to this computer only, and opens the browser. Nothing is commanded without
-    --stop-all. A guardian process says the stops when this one is killed or stands still. Needs
-    the extra `studio`.
+    Serves a page to this computer only, and opens the browser to look. Nothing is commanded without
+    --stop-all, which prints the address to do so. A guardian process says the stops when this one
+    is killed or stands still. Needs the extra `studio`.
 
-    Exit status: 0 ended by SIGINT or SIGTERM, 2 usage or environment (the port is in use, the extra
-    or the page is missing), 3 internal error.
+    Exit status: 0 ended by SIGINT, SIGTERM or SIGHUP, 2 usage or environment (the port is in use,
+    the extra or the page is missing), 3 internal error.
     """
     missing = next((module for module in _NEEDED if find_spec(module) is None), None)
     if missing is not None:
@@ -93,8 +98,6 @@ def command(
     from jausml.live.serving.server import PageMissingError, require_page
 
     powers = _powers(stop_all, lease, stops)
-    # Who has no page any more sees faults, and the journal, here.
-    logging.getLogger("jausml").addHandler(logging.StreamHandler())
     if powers is not None:
         logging.getLogger("jausml.operating").setLevel(logging.INFO)
     watched = network_from(None, **network)
@@ -102,7 +105,10 @@ def command(
     try:
         require_page(serving.PAGE)
         operating = _operating(learning.first(), watched, powers)
-        serving.serve(operating, learning, host, page_port, lambda unit: _opened(unit, no_browser))
+        with _logged():
+            serving.serve(
+                operating, learning, host, page_port, lambda unit: _opened(unit, no_browser)
+            )
     except (PageMissingError, ReadingError) as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
@@ -110,6 +116,23 @@ def command(
         raise EnvironmentFault(f"cannot serve at {host} port {page_port}: {reason}") from error
     finally:
         learning.close()
+
+
+@contextmanager
+def _logged() -> Iterator[None]:
+    """Has a thread write the log: who has no page any more sees faults, and the journal, there."""
+    # A terminal that takes nothing, as after Ctrl-S, would hold up the stop that is noted.
+    lines: SimpleQueue[logging.LogRecord] = SimpleQueue()
+    listener = QueueListener(lines, logging.StreamHandler())
+    handler = QueueHandler(lines)
+    logger = logging.getLogger("jausml")
+    logger.addHandler(handler)
+    listener.start()
+    try:
+        yield
+    finally:
+        logger.removeHandler(handler)
+        listener.stop()
 
 
 def _operating(knowledge: Knowledge, network: Network, powers: Powers | None) -> Operating:
@@ -128,7 +151,8 @@ def _opened(unit: Unit, no_browser: bool) -> None:
         click.echo(f"to command: {unit.commanding_address}")
     remark("Ctrl-C ends it.")
     if not no_browser:
-        webbrowser.open(unit.commanding_address or unit.address)
+        # The other one would stand among the processes, which every user of the computer sees.
+        webbrowser.open(unit.address)
 
 
 def _powers(stop_all: str | None, lease: float | None, stops: tuple[str, ...]) -> Powers | None:

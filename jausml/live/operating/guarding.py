@@ -5,26 +5,24 @@ from __future__ import annotations
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from jausml.live.operating.stops import stop_of
 from jausml.runtime.guardian.ward import PERIOD, Ward
-from jausml.runtime.messages import SetEmergency, Standby
 from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Sequence
 
     from jausml.live.peers.operator import Operator
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.wire.message import Message
-
-_EMERGENCY_STOP = 1
-"""Code of the only emergency (AS5710, SetEmergency)."""
 
 
 class Guarding:
     """The guardian, from the first control of a component to `close`.
 
     It is the process that stands beside bridges too: it was handed what it says before that is
-    needed, as octets. Behind a node manager or TCP there is nothing that it could send.
+    needed, as octets. Behind a node manager or TCP there is nothing that it could send, which
+    `failure` says.
     """
 
     def __init__(
@@ -41,12 +39,10 @@ class Guarding:
         transport = operator.transport
         self._lock = transport.loop.lock
         self._lease = lease
-        emergency = word == "emergency"
-        self._stop: Message = (
-            SetEmergency(emergency_code=_EMERGENCY_STOP) if emergency else Standby()
-        )
+        self._stop = stop_of(word)
         self._stick: tuple[JausAddress, Message, float] | None = None
         self._controlled: Sequence[JausAddress] = ()
+        self._unreached: list[str] = []
         with self._lock:
             self._ward = Ward(transport.loop, dict, lambda: 0, spoke)
             self._of_stick = self._ward.guard(self._stick_stops)
@@ -77,7 +73,8 @@ class Guarding:
     def failure(self) -> str:
         """What the guardian cannot do, to be said of it; empty while all is well."""
         with self._lock:
-            return self._ward.failure
+            missing = f"has no datagram for {', '.join(self._unreached)}" if self._unreached else ""
+            return ", ".join(filter(None, (self._ward.failure, missing)))
 
     def close(self) -> None:
         """Ends it: all stops were said."""
@@ -88,24 +85,27 @@ class Guarding:
         if self._stick is None:
             return _stops(self._lease, ())
         target, message, seconds = self._stick
-        return _stops(seconds, self._datagrams([target], message))
+        return _stops(seconds, [self._datagram(target, message)])
 
     def _controlled_stops(self) -> dict[str, Any]:
-        return _stops(self._lease, self._datagrams(self._controlled, self._stop))
+        # The stick is of one of them.
+        reached = {target: self._datagram(target, self._stop) for target in self._controlled}
+        self._unreached = [str(target) for target, datagram in reached.items() if datagram is None]
+        return _stops(self._lease, reached.values())
 
-    def _datagrams(
-        self, targets: Sequence[JausAddress], message: Message
-    ) -> Iterator[dict[str, Any]]:
+    def _datagram(self, target: JausAddress, message: Message) -> dict[str, Any] | None:
+        """Returns what it would send to a component; None where there is nothing that it could."""
         transport, own = self._operator.transport, self._operator.own
-        for target in targets:
-            datagram = transport.datagram(own, target, message.encode(), Priority.SAFETY_CRITICAL)
-            number = partial(transport.next_number, own, target)
-            slot = self._ward.slots.take(self, (own, target), number)
-            if datagram is not None and slot is not None:
-                data, endpoint = datagram
-                yield {"data": data.hex(), "endpoint": endpoint, "slot": slot}
+        datagram = transport.datagram(own, target, message.encode(), Priority.SAFETY_CRITICAL)
+        number = partial(transport.next_number, own, target)
+        slot = self._ward.slots.take(self, (own, target), number)
+        if datagram is None or slot is None:
+            return None
+        data, endpoint = datagram
+        return {"data": data.hex(), "endpoint": endpoint, "slot": slot}
 
 
-def _stops(seconds: float, datagrams: Iterator[dict[str, Any]] | tuple[()]) -> dict[str, Any]:
+def _stops(seconds: float, datagrams: Iterable[dict[str, Any] | None]) -> dict[str, Any]:
     # Its looks at the beat, and the beats, are that far apart: it speaks so much sooner.
-    return {"patience": seconds - PERIOD, "topics": [], "datagrams": list(datagrams)}
+    known = [datagram for datagram in datagrams if datagram is not None]
+    return {"patience": seconds - PERIOD, "topics": [], "datagrams": known}

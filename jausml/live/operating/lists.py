@@ -11,6 +11,7 @@ from jausml.runtime.services.definitions import ELEMENTS_OF_DRIVERS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from contextlib import AbstractContextManager
 
     from jausml.live.messages import MessageEntry
     from jausml.live.operating.journal import Journal
@@ -30,8 +31,18 @@ class Lists:
         """Sets none."""
         self._system, self._journal = system, journal
 
-    def set(self, name: str, target: JausAddress, message: str, drawn: Drawn) -> None:
+    def set(
+        self,
+        name: str,
+        target: JausAddress,
+        message: str,
+        drawn: Drawn,
+        gate: AbstractContextManager[None],
+    ) -> None:
         """Replaces the list of a component; one that it executes ends with that.
+
+        Args:
+            gate: Is held while it begins, and may refuse it.
 
         Raises:
             CodecError: A value is not one of its field; nothing is sent.
@@ -45,7 +56,7 @@ class Lists:
             for uid, payload in enumerate(payloads, 1)
         )
         self._journal.note(name, f"list of {len(payloads)} {entry.name} to {target}: {shown}")
-        self._change(target, payloads)
+        self._change(target, payloads, gate)
         self._journal.note(str(target), f"has the list of {len(payloads)} {entry.name}")
 
     def check(self, target: JausAddress, message: str, drawn: Drawn) -> None:
@@ -67,9 +78,14 @@ class Lists:
         self._change(target, ())
         self._journal.note(str(target), "has no element in its list")
 
-    def _change(self, target: JausAddress, payloads: Sequence[bytes]) -> None:
+    def _change(
+        self,
+        target: JausAddress,
+        payloads: Sequence[bytes],
+        gate: AbstractContextManager[None] | None = None,
+    ) -> None:
         try:
-            self._system.operator.set_list(target, payloads)
+            self._system.operator.set_list(target, payloads, gate)
         except (NoAnswer, Refused) as error:
             named = self._system.name_of(target)
             self._journal.alarm(named, str(error), f"list of {named}")

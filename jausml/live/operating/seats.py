@@ -24,6 +24,7 @@ from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping
+    from contextlib import AbstractContextManager
 
     from jausml.live.operating.unit import OperatorUnit
     from jausml.live.serving import rpc
@@ -35,6 +36,9 @@ LONGEST_HISTORY = 3600.0
 
 _QUICK = ("renew", "stick.begin", "stick.move", "stick.end")
 """What is answered in its turn, on a thread that waits for nothing else."""
+
+_NOT_AFTER_A_STOP = ("resume", "send", "clear", "list.set", "list.execute")
+"""What is refused if a stop comes before it is sent; it is told how many there were before."""
 
 _PACE_OF_COMMANDS, _PACE_OF_LOOKS = 200.0, 20.0
 """Requests each second: a stick says 25 words, plots ask for values once in a second."""
@@ -54,6 +58,7 @@ class Seat:
     """
 
     revision = 0
+    urgent = ("renew", "stop", "stick.end")
 
     def __init__(self, unit: OperatorUnit, subscribers: Subscribers, number: int) -> None:
         """Begins as one that looks."""
@@ -126,7 +131,9 @@ class Seat:
         if request.method not in self._looking and not self.may_command:
             raise RpcError(UNAUTHORIZED, "this page may look, and not command")
         is_quick = request.method in _QUICK or request.method == "stop"
-        return await (self._quick if is_quick else self._slow).answer(request)
+        # Now, as it may wait for a thread, and then for its component.
+        before = (self._unit.stop_count,) if request.method in _NOT_AFTER_A_STOP else ()
+        return await (self._quick if is_quick else self._slow).answer(request, *before)
 
     # ---- looking ----------------------------------------------------------------------------
 
@@ -212,13 +219,20 @@ class Seat:
         target = component_address(component)
         return {"confirmed": self._unit.release(self._number, self._name, target)}
 
-    def _resume(self, component: str) -> dict[str, Any]:
-        return self._change(component, Resume(), Status.READY)
+    def _resume(self, before: int, component: str) -> dict[str, Any]:
+        gate = self._unit.unless_stopped(before)
+        return self._change(component, Resume(), Status.READY, gate)
 
     def _standby(self, component: str) -> dict[str, Any]:
         return self._change(component, Standby(), Status.STANDBY)
 
-    def _change(self, component: str, message: Resume | Standby, wanted: Status) -> dict[str, Any]:
+    def _change(
+        self,
+        component: str,
+        message: Resume | Standby,
+        wanted: Status,
+        gate: AbstractContextManager[None] | None = None,
+    ) -> dict[str, Any]:
         target = component_address(component)
         self._unit.require_commander(self._number)
         if not self._unit.operator.controls(target):
@@ -226,10 +240,12 @@ class Seat:
         if wanted is Status.STANDBY:
             self._unit.act(target)
         self._unit.journal.note(self._name, f"{message.NAME} to {target}")
-        state = self._unit.operator.change(target, message, wanted)
+        state = self._unit.operator.change(target, message, wanted, gate=gate)
         return {"state": state.name if state is not None else ""}
 
-    def _send(self, component: str, message: str, fields: dict[str, object]) -> dict[str, Any]:
+    def _send(
+        self, before: int, component: str, message: str, fields: dict[str, object]
+    ) -> dict[str, Any]:
         """Sends a command, and returns what came back."""
         target, unit = component_address(component), self._unit
         unit.require_commander(self._number)
@@ -238,8 +254,11 @@ class Seat:
         entry.encode(completed_fields)
         shown = shown_fields(entry, entry.decode(entry.encode(completed_fields)))
         unit.journal.note(self._name, f"{entry.name} to {target}: {printable(shown)}")
+        gate = unit.unless_stopped(before)
         try:
-            answer, answer_fields = request(unit.operator, target, entry.name, completed_fields)
+            answer, answer_fields = request(
+                unit.operator, target, entry.name, completed_fields, gate=gate
+            )
         except (NoAnswer, Refused) as error:
             unit.journal.note(str(target), f"{entry.name}: {error}")
             raise
@@ -251,11 +270,11 @@ class Seat:
         targets = [component_address(component) for component in components]
         return {"stopped": self._unit.stop_all(self._name, targets)}
 
-    def _clear(self, component: str) -> dict[str, Any]:
+    def _clear(self, before: int, component: str) -> dict[str, Any]:
         target = component_address(component)
         self._unit.act(target)
         self._unit.journal.note(self._name, f"clears our emergency of {target}")
-        state = self._unit.operator.clear(target)
+        state = self._unit.operator.clear(target, self._unit.unless_stopped(before))
         return {"state": state.name if state is not None else ""}
 
     def _silence(self, numbers: tuple[int, ...], reason: str) -> dict[str, Any]:
@@ -282,20 +301,23 @@ class Seat:
 
     # ---- lists ------------------------------------------------------------------------------
 
-    def _set_list(self, component: str, message: str, elements: Drawn) -> dict[str, Any]:
+    def _set_list(
+        self, before: int, component: str, message: str, elements: Drawn
+    ) -> dict[str, Any]:
         target, unit = component_address(component), self._unit
         unit.require_commander(self._number)
-        unit.lists.set(self._name, target, message, elements)
+        unit.lists.set(self._name, target, message, elements, unit.unless_stopped(before))
         return {}
 
     def _execute_list(
-        self, component: str, message: str, elements: Drawn, speed: float, first: int
+        self, before: int, component: str, message: str, elements: Drawn, speed: float, first: int
     ) -> dict[str, Any]:
         """Has a component execute what is drawn, which must be what it has."""
         self._unit.require_commander(self._number)
         self._unit.lists.check(component_address(component), message, elements)
         begin = {"time": time.time()}
-        return begin | self._send(component, "ExecuteList", {"Speed": speed, "ElementUID": first})
+        fields: dict[str, object] = {"Speed": speed, "ElementUID": first}
+        return begin | self._send(before, component, "ExecuteList", fields)
 
     def _end_list(self, component: str) -> dict[str, Any]:
         self._unit.require_commander(self._number)

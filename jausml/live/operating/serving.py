@@ -146,7 +146,7 @@ def serve(
     port: int,
     opened: Callable[[Unit], None],
 ) -> None:
-    """Serves the unit until SIGINT or SIGTERM comes; the main thread calls it.
+    """Serves the unit until SIGINT, SIGTERM or SIGHUP comes; the main thread calls it.
 
     Args:
         opened: Is called as soon as the addresses can be opened.

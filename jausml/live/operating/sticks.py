@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from threading import Condition, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
+from jausml.live.operating.stops import deliver
 from jausml.live.peers.query_client import Refused
 from jausml.runtime.base.standstill import steady
 
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from jausml.live.operating.watching import WatchedSystem
     from jausml.runtime.base.address import JausAddress
     from jausml.runtime.wire.message import Message
+
+_LOOK = 0.25
+"""Seconds between two looks at the time of a lease."""
 
 
 class Lease:
@@ -55,7 +59,8 @@ class Lease:
     def _run(self) -> None:
         with self._news:
             while not self._is_over and (left := self._due - steady()) > 0:
-                self._news.wait(left)
+                # A wait does not count the time of a suspended computer, as the lease does.
+                self._news.wait(min(left, _LOOK))
             if self._is_over:
                 return
             self._is_over = True
@@ -110,9 +115,6 @@ class Stick:
 
 RELEASED, STOPPED, GIVEN_UP = "released", "stop", "control is given up"
 """Why a stick ends because a person wants it."""
-
-_TRIES = 5
-"""How often a stop is sent that nobody acknowledges, each time with its repetitions."""
 
 
 @dataclass(frozen=True)
@@ -203,18 +205,17 @@ class Sticks:
         named = self._system.name_of(target)
         self._journal.alarm(named, text, f"stick of {named}")
 
-    def _deliver(self, number: int, target: JausAddress, message: Message, tries: int = 1) -> None:
+    def _deliver(self, number: int, target: JausAddress, message: Message) -> None:
         """Sends a stop until it is acknowledged, or a newer stick of the component is held."""
         operator = self._system.running
         if operator is None:
             return
 
-        def arrived(is_acknowledged: bool) -> None:  # noqa: FBT001
-            if is_acknowledged or self._latest[target] != number:
-                return
-            if tries < _TRIES:
-                self._deliver(number, target, message, tries + 1)
-            else:
+        def is_wanted() -> bool:
+            return self._latest[target] == number
+
+        def ended(is_acknowledged: bool) -> None:  # noqa: FBT001
+            if not is_acknowledged and is_wanted():
                 self._alarm(target, "the stop was never acknowledged")
 
-        operator.deliver(target, message, arrived)
+        deliver(operator, target, message, is_wanted, ended)

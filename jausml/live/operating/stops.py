@@ -14,18 +14,56 @@ from jausml.live.messages.entries import by_name, parse_fields
 from jausml.live.messages.text import sample
 from jausml.live.operating.knowledge import DeclaredStop
 from jausml.live.peers.query_client import Refused
+from jausml.runtime.messages import SetEmergency, Standby
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Callable, Iterable, Mapping
 
     from jausml.live.messages import Catalogue, MessageEntry
     from jausml.live.operating.knowledge import Declarations
+    from jausml.live.peers.operator import Operator
+    from jausml.runtime.base.address import JausAddress
+    from jausml.runtime.wire.message import Message
 
 WORDS = ("standby", "emergency")
 """What the stop of everything may be (AS5710, Management)."""
 
 SHORTEST, LONGEST = 0.3, 60.0
 """Seconds that a time-out may have; within shorter ones a busy moment would look like a halt."""
+
+_EMERGENCY_STOP = 1
+"""Code of the only emergency (AS5710, SetEmergency)."""
+
+TRIES = 5
+"""How often a stop is sent that nobody acknowledges, each time with its repetitions."""
+
+
+def stop_of(word: str) -> Message:
+    """Returns the message of a stop of everything, by its word among `WORDS`."""
+    return SetEmergency(emergency_code=_EMERGENCY_STOP) if word == "emergency" else Standby()
+
+
+def deliver(
+    operator: Operator,
+    target: JausAddress,
+    message: Message,
+    is_wanted: Callable[[], bool],
+    ended: Callable[[bool], None],
+    tries: int = TRIES,
+) -> None:
+    """Sends a stop until it is acknowledged, or wanted no more.
+
+    Args:
+        ended: Is told at the end whether it was acknowledged.
+    """
+
+    def arrived(is_acknowledged: bool) -> None:  # noqa: FBT001
+        if is_acknowledged or tries == 1 or not is_wanted():
+            ended(is_acknowledged)
+        else:
+            deliver(operator, target, message, is_wanted, ended, tries - 1)
+
+    operator.deliver(target, message, arrived)
 
 
 def told_stop(text: str, catalogue: Catalogue) -> DeclaredStop:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gc
 import time
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
@@ -15,18 +16,17 @@ from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.journal import Journal
 from jausml.live.operating.lists import Lists
 from jausml.live.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
-from jausml.live.operating.stops import Stops, told_stop
+from jausml.live.operating.stops import Stops, deliver, stop_of, told_stop
 from jausml.live.operating.values import Values
 from jausml.live.operating.watching import WatchedSystem
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.serving.rpc import UNAUTHORIZED, RpcError
 from jausml.live.serving.security import Token
-from jausml.runtime import HandoffDecision
-from jausml.runtime.messages import Standby
+from jausml.runtime import ControlState, HandoffDecision
 from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from jausml.live.operating.knowledge import Knowledge
     from jausml.live.peers.control import Hold
@@ -105,9 +105,12 @@ class OperatorUnit:
         self._collected = time.monotonic()
         self._guarding: Guarding | None = None
         self._commander: Commander | None = None
+        self._stopping: dict[JausAddress, Event] = {}
         self._is_settled = Event()  # nothing of a lost page is being stopped
         self._is_settled.set()
         self._turn = RLock()
+        self._stop_count = 0
+        self._sending = Lock()
         self._state = Lock()
 
     # ---- life -------------------------------------------------------------------------------
@@ -145,11 +148,15 @@ class OperatorUnit:
         operator, powers = self._system.running, self.powers
         if operator is None or powers is None:
             return
-        if self._guarding is None:
-            spoke = self._guardian_spoke
-            self._guarding = Guarding(operator, powers.lease, powers.stop, spoke)
-            self.sticks.guarding = self._guarding
-        self._guarding.control([hold.target for hold in operator.holds])
+        with self._turn:
+            controlled = _obeying(operator)
+            if self._guarding is None and not controlled:
+                return
+            if self._guarding is None:
+                spoke = self._guardian_spoke
+                self._guarding = Guarding(operator, powers.lease, powers.stop, spoke)
+                self.sticks.guarding = self._guarding
+            self._guarding.control(controlled)
 
     def _guardian_spoke(self) -> None:
         """Takes that this process stood still for so long that its guardian has stopped all."""
@@ -201,8 +208,9 @@ class OperatorUnit:
         if last is None or content != last[1] or now - last[0] >= WORD:
             self._told_last = now, content
             self._notify("operate.state", {**content, "ages": _ages(state)})
-        # The collector is off: in full it would stop the process, which nobody may who commands.
-        if self._commander is None and now - self._collected > _COLLECTION:
+        # The collector is off: in full it would stop the process, also in the midst of a stop.
+        is_idle = self._commander is None and self._is_settled.is_set()
+        if is_idle and now - self._collected > _COLLECTION:
             self._collected = now
             gc.collect()
 
@@ -211,7 +219,7 @@ class OperatorUnit:
     def take(self, page: int, name: str, target: JausAddress, authority: int) -> None:
         """Takes control of a component for a page, which commands from then on."""
         with self._turn:
-            self._begin(page, name)
+            self._begin(page, name, target)
             self._try_holding(
                 page,
                 target,
@@ -225,7 +233,7 @@ class OperatorUnit:
         self, page: int, name: str, target: JausAddress, authority: int, reason: str
     ) -> None:
         """Asks whoever controls a component for control, and waits for the decision."""
-        self._begin(page, name)
+        self._begin(page, name, target)
         self.journal.note(name, f"asks for control of {target}: {reason!a}")
         self._try_holding(
             page,
@@ -236,11 +244,11 @@ class OperatorUnit:
         )
         self.journal.note(name, f"was given control of {target}")
 
-    def _begin(self, page: int, name: str) -> None:
+    def _begin(self, page: int, name: str, target: JausAddress) -> None:
         powers = self.powers
         if powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
-        self.operator  # noqa: B018 - it must be there
+        operator = self.operator
         with self._state:
             if not self._is_settled.is_set():
                 raise Refused("what the page before commanded is being stopped; try again")
@@ -248,12 +256,15 @@ class OperatorUnit:
                 lease = Lease(powers.lease, lambda: self._silent(page))
                 self._commander = Commander(page, name, lease)
         self.require_commander(page)
+        if operator.controls(target):
+            raise Refused(f"{target} is controlled already")  # to ask anew would give it up
 
     def _try_holding(self, page: int, target: JausAddress, work: Callable[[], Hold]) -> None:
         try:
             work()
         except BaseException as error:
             self.journal.note("unit", f"control of {target} was not given: {error}")
+            self._guard()
             self._end_commander_without_holds()
             raise
         commander = self._commander
@@ -317,10 +328,33 @@ class OperatorUnit:
             self.journal.note(name, f"{news}, after what this unit did")
         else:
             self.journal.alarm(name, news, f"control of {name}")
+        Thread(target=self._follow, args=(target, news)).start()
+
+    def _follow(self, target: JausAddress, news: str) -> None:
+        """Ends the stick of what is controlled no more, and tells the guardian what still is."""
+        operator = self._system.running
         if operator is not None and not operator.controls(target):
-            Thread(target=self.sticks.end, args=(f"{target} {news}", target)).start()
+            self.sticks.end(f"{target} {news}", target)
+        self._guard()
 
     # ---- stops ------------------------------------------------------------------------------
+
+    @property
+    def stop_count(self) -> int:
+        """How many stops of everything there were."""
+        return self._stop_count
+
+    @contextmanager
+    def unless_stopped(self, before: int) -> Iterator[None]:
+        """Has a stop wait while something is sent, which is refused after one.
+
+        Args:
+            before: How many stops there were when that was asked for.
+        """
+        with self._sending:
+            if self._stop_count != before:
+                raise Refused("it was not sent, as a stop came before")
+            yield
 
     def stop_all(self, name: str, targets: Iterable[JausAddress]) -> list[dict[str, str]]:
         """Stops components, and all that are controlled, by the word of who started the unit.
@@ -330,19 +364,21 @@ class OperatorUnit:
         if self.powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
         operator = self.operator
+        with self._sending:
+            self._stop_count += 1
         self.sticks.end(STOPPED)
         operator.drop_list_changes()
-        stopped = list(dict.fromkeys((*(hold.target for hold in operator.holds), *targets)))
+        stopped = list(dict.fromkeys((*_obeying(operator), *targets)))
         for address in stopped:
             self._system.act(address)
-        shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
-        self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
         outcomes = {str(address): "" for address in stopped}
         threads = [
             Thread(target=self._stop_one, args=(operator, address, outcomes)) for address in stopped
         ]
         for thread in threads:
             thread.start()
+        shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
+        self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
         for thread in threads:
             thread.join()
         for target, outcome in outcomes.items():
@@ -354,19 +390,7 @@ class OperatorUnit:
 
     def _stop_one(self, operator: Operator, target: JausAddress, outcomes: dict[str, str]) -> None:
         try:
-            if self.powers is not None and self.powers.stop == "emergency":
-                state = operator.emergency(target)
-            elif operator.controls(target):
-                for hold in operator.holds:
-                    if hold.target == target:
-                        hold.expect_standby()
-                # With acknowledgement, and before all that waits; then it is asked for its state.
-                operator.deliver(target, Standby(), lambda _: None)
-                state = operator.change(target, Standby(), Status.STANDBY)
-            else:
-                raise Refused(
-                    "it is not controlled by us, and obeys Standby of its controller alone"
-                )
+            state = self._stopped(operator, target)
         except (NoAnswer, Refused) as error:
             outcomes[str(target)] = str(error)
             self.journal.alarm(self._system.name_of(target), f"the stop is not confirmed: {error}")
@@ -374,6 +398,37 @@ class OperatorUnit:
         outcomes[str(target)] = state.name if state is not None else "its state is not told"
         if state is None:
             self.journal.alarm(self._system.name_of(target), "the stop is not confirmed")
+
+    def _stopped(self, operator: Operator, target: JausAddress) -> Status | None:
+        """Sends the stop until it is acknowledged, and returns the state that follows."""
+        word = self.powers.stop if self.powers is not None else ""
+        is_emergency = word == "emergency"
+        if not (is_emergency or target in _obeying(operator)):
+            raise Refused("it is not controlled by us, and obeys Standby of its controller alone")
+        for hold in operator.holds:
+            if hold.target == target:
+                hold.expect_standby()
+        message, is_over = stop_of(word), Event()
+        self._stopping[target] = is_over
+        # With acknowledgement, and before all that waits; then it is asked for its state.
+        deliver(
+            operator,
+            target,
+            message,
+            lambda: self._stopping[target] is is_over,  # and no later stop is sent
+            lambda _: is_over.set(),
+        )
+        state = None
+        try:
+            state = operator.change(
+                target, message, Status.EMERGENCY if is_emergency else Status.STANDBY
+            )
+        finally:
+            if state is not None:
+                operator.answered(target, message)
+            # Who released it before that would have it heed the stop no more.
+            is_over.wait(_LONGEST_STOP)
+        return state
 
     def act(self, target: JausAddress) -> None:
         """Takes that a person has something done to a component: what follows is no alarm."""
@@ -408,14 +463,28 @@ class OperatorUnit:
         operator = self._system.running
         if operator is None:
             return
-        self.sticks.end(f"its page {why}")
-        self.journal.alarm(commander.name, f"it commanded, and {why}")
-        self.stop_all("unit", ())
-        with self._turn:
-            for hold in operator.holds:
-                operator.release(hold.target)
-                self.journal.note("unit", f"released {hold.target}")
-            self._guard()
+        try:
+            self.sticks.end(f"its page {why}")
+            self.journal.alarm(commander.name, f"it commanded, and {why}")
+            self.stop_all("unit", ())
+        finally:
+            with self._turn:
+                for hold in operator.holds:
+                    operator.release(hold.target)
+                    self.journal.note("unit", f"released {hold.target}")
+                self._guard()
+
+
+def _obeying(operator: Operator) -> list[JausAddress]:
+    """Returns whom a stop is for: who was ours, and has not said that it is another one's.
+
+    Who is lost to us may still take us for its controller.
+    """
+    return [
+        hold.target
+        for hold in operator.holds
+        if hold.session is not None and hold.session.state is not ControlState.REFUSED
+    ]
 
 
 def _hold(hold: Hold) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from itertools import count
 from queue import Empty, SimpleQueue
@@ -131,20 +131,30 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             self._forget(target)
         return str(request.client)
 
-    def change(self, target: JausAddress, message: Message, *states: Status) -> Status | None:
+    def change(
+        self,
+        target: JausAddress,
+        message: Message,
+        *states: Status,
+        gate: AbstractContextManager[None] | None = None,
+    ) -> Status | None:
         """Sends a command of Management and returns the state that follows; None without any.
 
         It is repeated until it is acknowledged; a Resume is not, which could come after a stop.
+
+        Args:
+            gate: Is held while it is sent, and may refuse it.
         """
         if Status.READY not in states and target in self._holds:
             self._holds[target].expect_standby()
         is_urgent = isinstance(message, core_messages.SetEmergency | core_messages.ClearEmergency)
-        self._component.send(
-            message,
-            target,
-            priority=Priority.SAFETY_CRITICAL if is_urgent else Priority.STANDARD,
-            acknowledge=not isinstance(message, core_messages.Resume),
-        )
+        with gate or nullcontext():
+            self._component.send(
+                message,
+                target,
+                priority=Priority.SAFETY_CRITICAL if is_urgent else Priority.STANDARD,
+                acknowledge=not isinstance(message, core_messages.Resume),
+            )
         end = time.monotonic() + self.timeout
         while True:
             try:
@@ -166,10 +176,13 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
             target, core_messages.SetEmergency(emergency_code=_STOP), Status.EMERGENCY
         )
 
-    def clear(self, target: JausAddress) -> Status | None:
+    def clear(
+        self, target: JausAddress, gate: AbstractContextManager[None] | None = None
+    ) -> Status | None:
         """Ends an emergency that we have set (`Refused`: it lasts: somebody else has set it)."""
         after = [status for status in Status if status is not Status.EMERGENCY]
-        return self.change(target, core_messages.ClearEmergency(emergency_code=_STOP), *after)
+        message = core_messages.ClearEmergency(emergency_code=_STOP)
+        return self.change(target, message, *after, gate=gate)
 
     def send(self, target: JausAddress, message: Message, *, acknowledge: bool = False) -> None:
         """Sends a message, once and without waiting."""

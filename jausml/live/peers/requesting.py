@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from contextlib import nullcontext
 from dataclasses import dataclass
 from queue import Empty
 from typing import TYPE_CHECKING, Any
@@ -17,6 +18,7 @@ from jausml.runtime.services.definitions import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator
+    from contextlib import AbstractContextManager
 
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.control import Hold
@@ -117,11 +119,15 @@ def request(
     name: str,
     fields: dict[str, Any] | None = None,
     timeout: float | None = None,
+    gate: AbstractContextManager[None] | None = None,
 ) -> Outcome:
     """Sends a command and returns what came back: its confirmation, or the report of what it sets.
 
     A command that has neither is followed by QueryStatus: its answer comes after a rejection. A
     query is answered by its report, as with `Operator.query`.
+
+    Args:
+        gate: Is held while the command is sent, and may refuse it.
 
     Raises:
         Refused: It was rejected, has no effect, or cannot have any: the text says why.
@@ -138,9 +144,8 @@ def request(
         sent_fields = _numbered(entry.record, sent_fields, operator.next_request_id())
     operator.check_obeyed(target, entry)
     end = time.monotonic() + (operator.timeout if timeout is None else timeout)
-    if all(answer.is_rejection for answer in answers):
-        return _report(operator, target, entry, sent_fields, answers, end)
-    return _answer(operator, target, entry, sent_fields, answers, end)
+    outcome_of = _report if all(answer.is_rejection for answer in answers) else _answer
+    return outcome_of(operator, target, entry, sent_fields, answers, end, gate or nullcontext())
 
 
 def _exchange(
@@ -160,13 +165,15 @@ def _answer(
     fields: dict[str, Any],
     answers: tuple[MessageEntry, ...],
     end: float,
+    gate: AbstractContextManager[None],
 ) -> Outcome:
     """Sends a command and returns the answer that belongs to it."""
     by_code = {answer_entry.code: answer_entry for answer_entry in answers}
     message = operator.message(entry, fields)
     wanted = _request_id(entry.decode(message.encode()))
     with operator.awaiting(target, by_code) as queue:
-        operator.send(target, message, acknowledge=True)
+        with gate:
+            operator.send(target, message, acknowledge=True)
         while True:
             try:
                 payload = queue.get(timeout=max(0.0, end - time.monotonic()))
@@ -245,6 +252,7 @@ def _report(
     fields: dict[str, Any],
     rejections: tuple[MessageEntry, ...],
     end: float,
+    gate: AbstractContextManager[None],
 ) -> Outcome:
     """Sends a command and returns the first report that shows what it sets."""
     query, report = _exchange(operator, target, entry)
@@ -254,7 +262,8 @@ def _report(
     wanted = _wanted(entry, report, sent)
     by_code = {rejection.code: rejection for rejection in rejections}
     with operator.awaiting(target, by_code) as rejected:
-        operator.send(target, message, acknowledge=True)
+        with gate:
+            operator.send(target, message, acknowledge=True)
         while True:
             left = max(_PAUSE, end - time.monotonic())
             report_fields, unanswered = _asked(operator, target, question, report, left)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ from jausml.runtime.transports.packets.packet import Priority
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from contextlib import AbstractContextManager
 
     from jausml.live.messages import MessageEntry
     from jausml.runtime import EventSubscription, ListElement, ListRequest
@@ -99,7 +101,10 @@ class WatchingClient(QueryClient):
     def deliver(
         self, target: JausAddress, message: Message, arrived: Callable[[bool], None]
     ) -> None:
-        """Sends a message before others that wait, and tells whether it was acknowledged."""
+        """Sends a stop before all that waits, and tells whether it was acknowledged.
+
+        What was sent before with its code is repeated no more.
+        """
         self._component.transport.send(
             self.own,
             target,
@@ -107,6 +112,7 @@ class WatchingClient(QueryClient):
             priority=Priority.SAFETY_CRITICAL,
             acknowledge=True,
             on_result=arrived,
+            supersedes=True,
         )
 
     def _confirmed(
@@ -185,8 +191,16 @@ class ListingClient(QueryClient):
         super().__init__(*others)
         self._changes: dict[JausAddress, tuple[ListRequest, SimpleQueue[str]]] = {}
 
-    def set_list(self, target: JausAddress, payloads: Sequence[bytes]) -> None:
+    def set_list(
+        self,
+        target: JausAddress,
+        payloads: Sequence[bytes],
+        gate: AbstractContextManager[None] | None = None,
+    ) -> None:
         """Replaces the list of a component by messages, whose UIDs are counted from 1.
+
+        Args:
+            gate: Is held while it begins, and may refuse it.
 
         Raises:
             NoAnswer: It does not confirm; the list may be set in part.
@@ -194,7 +208,7 @@ class ListingClient(QueryClient):
         """
         ends: SimpleQueue[str] = SimpleQueue()
         unanswered = "no answer"
-        with self._component.loop.lock:
+        with gate or nullcontext(), self._component.loop.lock:
             if target in self._changes:
                 raise Refused(f"the list of {target} is being changed")
             request = self._component.set_list(

@@ -241,7 +241,7 @@ def parsed(text: str) -> Request:
     id_ = message.get("id")
     if isinstance(id_, bool) or not isinstance(id_, str | int | float | None):
         raise RpcError(INVALID_REQUEST, "the id of a request is a text or a number")
-    if isinstance(id_, int) and abs(id_) > _LARGEST:
+    if isinstance(id_, int | float) and abs(id_) > _LARGEST:
         raise RpcError(INVALID_REQUEST, "the id of a request is too large")
     method, params = message.get("method"), message.get("params", {})
     if message.get("jsonrpc") != "2.0" or not isinstance(method, str):
@@ -308,13 +308,13 @@ class Answering:
         self._threads = ThreadPoolExecutor(_THREADS, "answer")
         self._changes = ThreadPoolExecutor(1, "change")
 
-    async def answer(self, request: Request) -> object:
-        """Returns the result of a request."""
+    async def answer(self, request: Request, *context: object) -> object:
+        """Returns the result of a request (`context`: what its function takes before that)."""
         method = self._methods.get(request.method)
         if method is None:
             raise RpcError(METHOD_NOT_FOUND, f"there is no method {request.method[:80]!a}")
         try:
-            call = typed(method.answer, dict(request.params))
+            call = typed(partial(method.answer, *context), dict(request.params))
             if method.in_turn:
                 return await self.in_turn(call)
             return await asyncio.get_running_loop().run_in_executor(self._threads, call)

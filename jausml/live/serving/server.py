@@ -49,7 +49,7 @@ def require_page(page: Path) -> None:
 def serve(
     host: str, port: int, app: Callable[[Served], ASGIApp], opened: Callable[[], None]
 ) -> None:
-    """Serves until SIGINT or SIGTERM comes; the main thread calls it.
+    """Serves until SIGINT, SIGTERM or SIGHUP comes; the main thread calls it.
 
     Args:
         app: Makes what is served, once it is known where.
@@ -129,7 +129,11 @@ def _ended_by_signals(server: uvicorn.Server) -> Iterator[None]:
     def end(*_: object) -> None:
         server.should_exit = True
 
-    signals = (signal.SIGINT, signal.SIGTERM)
+    signals = [signal.SIGINT, signal.SIGTERM]
+    # It comes when the terminal goes, unless that is to be ignored, as `nohup` has it.
+    hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
+    if hang_up is not None and signal.getsignal(hang_up) != signal.SIG_IGN:
+        signals.append(hang_up)
     before = [signal.signal(signal_number, end) for signal_number in signals]
     try:
         yield

@@ -15,7 +15,7 @@ from jausml.live.serving import rpc
 from jausml.live.serving.rpc import Request, RpcError, TypedError, typed
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Coroutine
+    from collections.abc import AsyncIterator, Callable, Collection, Coroutine
     from contextlib import AbstractContextManager
 
     from starlette.websockets import WebSocket
@@ -86,6 +86,10 @@ class Asked(Protocol):
     def revision(self) -> int:
         """The revision of what answers are about."""
 
+    @property
+    def urgent(self) -> Collection[str]:
+        """Methods that are answered however many requests wait."""
+
     def subscribed(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
         """Tells a listener what happens as long as the context lasts."""
 
@@ -152,7 +156,8 @@ class PageSocket:
             if text is None:
                 raise RpcError(rpc.PARSE_ERROR, "messages are text")
             request = rpc.parsed(text)
-            if len(self._answering) >= _MOST_AT_ONCE:
+            is_urgent = request.method in self._session.urgent
+            if len(self._answering) >= _MOST_AT_ONCE and not is_urgent:
                 raise RpcError(rpc.BUSY, "too many requests wait", id_=request.id)
         except RpcError as error:
             self._outgoing.send(rpc.refusal(error))

@@ -69,6 +69,7 @@ class Guardian:
         self._stops: dict[int, Stops] = {}
         self._goals: dict[bytes, str] = {}
         self._said: set[int] = set()
+        self._numbered: dict[int, tuple[int, list[bytes]]] = {}
         self._are_goals_said = False
         self._ros: Rcl | None = None
         self._cancel: Any = None
@@ -233,6 +234,7 @@ class Guardian:
         *,
         is_halted: bool,
     ) -> None:
+        self._number(datagrams)
         begun = time.monotonic()
         sent = 0
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as outlet:
@@ -272,10 +274,20 @@ class Guardian:
         for announcement in announcements:
             self._tried(announcement.topic.name, self._known_ros.destroy, announcement.publisher)
 
+    def _number(self, datagrams: list[Datagram]) -> None:
+        """Numbers datagrams from where the bridge has counted to: those of one way differently."""
+        for datagram in datagrams:
+            first, content = self._page.sequence(datagram.slot), bytes(datagram.data[:-2])
+            begun, contents = self._numbered.get(datagram.slot, (first, []))
+            contents = contents if begun == first else []
+            self._numbered[datagram.slot] = first, contents
+            if content not in contents:
+                contents.append(content)
+            # A datagram ends with its sequence number (AS5669A).
+            datagram.data[-2:] = struct.pack("<H", (first + contents.index(content)) & 0xFFFF)
+
     def _send(self, outlet: socket.socket, datagrams: list[Datagram]) -> None:
         for datagram in datagrams:
-            # A datagram ends with its sequence number (AS5669A), which the bridge has counted on.
-            datagram.data[-2:] = struct.pack("<H", self._page.sequence(datagram.slot))
             try:
                 outlet.sendto(datagram.data, datagram.endpoint)
             except OSError as error:

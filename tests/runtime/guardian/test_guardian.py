@@ -33,7 +33,10 @@ with Loop() as loop:
     with loop.lock:
         slot = ward.slots.take("drive", ("own", "vehicle"), lambda: 4660)
         content = {"data": b"stop..".hex(), "endpoint": ("127.0.0.1", port), "slot": slot}
-        guarded = ward.guard(lambda: stops(patience, [], [content]))
+        contents = [content]
+        if life == "under two commands":
+            contents.append({**content, "data": b"halt..".hex()})
+        guarded = ward.guard(lambda: stops(patience, [], contents))
         if life != "at rest":
             guarded.arm(True)
         print("runs", flush=True)
@@ -124,6 +127,12 @@ def test_the_stop_is_said_thrice_when_the_bridge_dies(bridge, number):
     assert [dying.stop(), dying.stop(), dying.stop()] == [STOP] * 3
     dying.wait_alone()
     assert dying.stop(0.0) is None
+
+
+def test_each_stop_to_a_component_has_a_number_of_its_own_and_keeps_it(bridge):
+    dying = bridge("under two commands")
+    dying.process.kill()
+    assert [dying.stop() for _ in range(6)] == [STOP, b"halt\x35\x12"] * 3
 
 
 def test_the_stop_is_said_when_the_bridge_died_before_its_guardian_ran(bridge):
