@@ -102,8 +102,9 @@ class Desktop:
 
     def draw(self, source, target):
         """Draws a line from a box to another, or row to row, by the pointer."""
-        # Near its corner: at the middle of its lower border another handle may lie over it.
-        source.hover(position={"x": 6, "y": 4})
+        # Between its handles: at its corners and in the middle of its lower border is one.
+        place = source.bounding_box()
+        source.hover(position={"x": place["width"] / 4, "y": place["height"] / 2})
         start = source.locator("xpath=self::*").evaluate(_SOURCE)
         end = target.bounding_box()
         mouse = self.page.mouse

@@ -269,8 +269,8 @@ class _Applying:
         for owner in dict.fromkeys(self._home[carrier] for carrier in self._moved):
             for used in owner.maps:
                 users = [carrier for carrier in self._home if used in maps_of(carrier)]
-                targets = [self._moved.get(carrier) for carrier in users]
-                if not targets or None in targets:
+                targets = [self._moved[carrier] for carrier in users if carrier in self._moved]
+                if not targets or len(targets) < len(users):
                     continue
                 if owner in self._plan.gone or all(target is targets[0] for target in targets):
                     going[used] = targets[0]
