@@ -217,6 +217,7 @@ def test_a_stop_ends_what_is_being_set(
         for transport in lossy:
             transport.share = 0.0
         take(commanding)
+        commanding.ask("messages", component=VEHICLE)  # what it provides is known from now on
         for transport in lossy:
             transport.share = 1.0
         asked = {"component": VEHICLE, "message": LOCAL, "elements": ROUTE}
