@@ -78,8 +78,9 @@ class Guarding:
 
     def close(self) -> None:
         """Ends it: all stops were said."""
-        self._ward.release()
-        self._ward.close()
+        with self._lock:
+            self._ward.release()
+            self._ward.close()
 
     def _stick_stops(self) -> dict[str, Any]:
         if self._stick is None:
@@ -97,9 +98,11 @@ class Guarding:
         """Returns what it would send to a component; None where there is nothing that it could."""
         transport, own = self._operator.transport, self._operator.own
         datagram = transport.datagram(own, target, message.encode(), Priority.SAFETY_CRITICAL)
+        if datagram is None:
+            return None
         number = partial(transport.next_number, own, target)
         slot = self._ward.slots.take(self, (own, target), number)
-        if datagram is None or slot is None:
+        if slot is None:
             return None
         data, endpoint = datagram
         return {"data": data.hex(), "endpoint": endpoint, "slot": slot}

@@ -132,7 +132,7 @@ class Seat:
             raise RpcError(UNAUTHORIZED, "this page may look, and not command")
         is_quick = request.method in _QUICK or request.method == "stop"
         # Now, as it may wait for a thread, and then for its component.
-        before = (self._unit.stop_count,) if request.method in _NOT_AFTER_A_STOP else ()
+        before = (self._unit.gate.count,) if request.method in _NOT_AFTER_A_STOP else ()
         return await (self._quick if is_quick else self._slow).answer(request, *before)
 
     # ---- looking ----------------------------------------------------------------------------
@@ -220,7 +220,7 @@ class Seat:
         return {"confirmed": self._unit.release(self._number, self._name, target)}
 
     def _resume(self, before: int, component: str) -> dict[str, Any]:
-        gate = self._unit.unless_stopped(before)
+        gate = self._unit.gate.unless_stopped(before)
         return self._change(component, Resume(), Status.READY, gate)
 
     def _standby(self, component: str) -> dict[str, Any]:
@@ -254,7 +254,7 @@ class Seat:
         entry.encode(completed_fields)
         shown = shown_fields(entry, entry.decode(entry.encode(completed_fields)))
         unit.journal.note(self._name, f"{entry.name} to {target}: {printable(shown)}")
-        gate = unit.unless_stopped(before)
+        gate = unit.gate.unless_stopped(before)
         try:
             answer, answer_fields = request(
                 unit.operator, target, entry.name, completed_fields, gate=gate
@@ -274,7 +274,7 @@ class Seat:
         target = component_address(component)
         self._unit.act(target)
         self._unit.journal.note(self._name, f"clears our emergency of {target}")
-        state = self._unit.operator.clear(target, self._unit.unless_stopped(before))
+        state = self._unit.operator.clear(target, self._unit.gate.unless_stopped(before))
         return {"state": state.name if state is not None else ""}
 
     def _silence(self, numbers: tuple[int, ...], reason: str) -> dict[str, Any]:
@@ -306,7 +306,7 @@ class Seat:
     ) -> dict[str, Any]:
         target, unit = component_address(component), self._unit
         unit.require_commander(self._number)
-        unit.lists.set(self._name, target, message, elements, unit.unless_stopped(before))
+        unit.lists.set(self._name, target, message, elements, unit.gate.unless_stopped(before))
         return {}
 
     def _execute_list(

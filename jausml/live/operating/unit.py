@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import gc
 import time
-from contextlib import contextmanager
 from dataclasses import dataclass, field
 from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
@@ -16,17 +15,17 @@ from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.journal import Journal
 from jausml.live.operating.lists import Lists
 from jausml.live.operating.sticks import GIVEN_UP, STOPPED, Lease, Sticks
-from jausml.live.operating.stops import Stops, deliver, stop_of, told_stop
+from jausml.live.operating.stopping import LONGEST_STOP, Gate, Stopping, obeying
+from jausml.live.operating.stops import Stops, told_stop
 from jausml.live.operating.values import Values
 from jausml.live.operating.watching import WatchedSystem
-from jausml.live.peers.query_client import NoAnswer, Refused
+from jausml.live.peers.query_client import Refused
 from jausml.live.serving.rpc import UNAUTHORIZED, RpcError
 from jausml.live.serving.security import Token
-from jausml.runtime import ControlState, HandoffDecision
-from jausml.runtime.services.definitions import Status
+from jausml.runtime import HandoffDecision
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable
 
     from jausml.live.operating.knowledge import Knowledge
     from jausml.live.peers.control import Hold
@@ -37,9 +36,6 @@ if TYPE_CHECKING:
 
 WORD = 0.5
 """Seconds from one word to pages to the next: who misses one shows nothing as current."""
-
-_LONGEST_STOP = 30.0
-"""Seconds that the end of the unit waits for what stops a lost page's components."""
 
 _COLLECTION = 60.0
 """Seconds between two collections of garbage while nobody commands."""
@@ -105,12 +101,11 @@ class OperatorUnit:
         self._collected = time.monotonic()
         self._guarding: Guarding | None = None
         self._commander: Commander | None = None
-        self._stopping: dict[JausAddress, Event] = {}
+        self.gate = Gate()
+        self._stopping = Stopping(self._system, self.journal)
         self._is_settled = Event()  # nothing of a lost page is being stopped
         self._is_settled.set()
         self._turn = RLock()
-        self._stop_count = 0
-        self._sending = Lock()
         self._state = Lock()
 
     # ---- life -------------------------------------------------------------------------------
@@ -134,7 +129,7 @@ class OperatorUnit:
         if commander is not None:
             self._lose(commander, "the unit ends")
         # Who still waits for a component would wait for ever once ours has ended.
-        self._is_settled.wait(_LONGEST_STOP)
+        self._is_settled.wait(LONGEST_STOP)
         if self._guarding is not None:
             self._guarding.close()
 
@@ -149,7 +144,7 @@ class OperatorUnit:
         if operator is None or powers is None:
             return
         with self._turn:
-            controlled = _obeying(operator)
+            controlled = obeying(operator)
             if self._guarding is None and not controlled:
                 return
             if self._guarding is None:
@@ -339,23 +334,6 @@ class OperatorUnit:
 
     # ---- stops ------------------------------------------------------------------------------
 
-    @property
-    def stop_count(self) -> int:
-        """How many stops of everything there were."""
-        return self._stop_count
-
-    @contextmanager
-    def unless_stopped(self, before: int) -> Iterator[None]:
-        """Has a stop wait while something is sent, which is refused after one.
-
-        Args:
-            before: How many stops there were when that was asked for.
-        """
-        with self._sending:
-            if self._stop_count != before:
-                raise Refused("it was not sent, as a stop came before")
-            yield
-
     def stop_all(self, name: str, targets: Iterable[JausAddress]) -> list[dict[str, str]]:
         """Stops components, and all that are controlled, by the word of who started the unit.
 
@@ -364,71 +342,11 @@ class OperatorUnit:
         if self.powers is None:
             raise RpcError(UNAUTHORIZED, "this unit was started without --stop-all")
         operator = self.operator
-        with self._sending:
-            self._stop_count += 1
+        self.gate.stop()
         self.sticks.end(STOPPED)
         operator.drop_list_changes()
-        stopped = list(dict.fromkeys((*_obeying(operator), *targets)))
-        for address in stopped:
-            self._system.act(address)
-        outcomes = {str(address): "" for address in stopped}
-        threads = [
-            Thread(target=self._stop_one, args=(operator, address, outcomes)) for address in stopped
-        ]
-        for thread in threads:
-            thread.start()
-        shown = ", ".join(map(str, stopped)) or "nothing that is controlled"
-        self.journal.note(name, f"STOP ({self.powers.stop}) of {shown}")
-        for thread in threads:
-            thread.join()
-        for target, outcome in outcomes.items():
-            self.journal.note("unit", f"after STOP, {self._system.name_of(target)}: {outcome}")
-        return [
-            {"component": target, "outcome": outcome_text}
-            for target, outcome_text in outcomes.items()
-        ]
-
-    def _stop_one(self, operator: Operator, target: JausAddress, outcomes: dict[str, str]) -> None:
-        try:
-            state = self._stopped(operator, target)
-        except (NoAnswer, Refused) as error:
-            outcomes[str(target)] = str(error)
-            self.journal.alarm(self._system.name_of(target), f"the stop is not confirmed: {error}")
-            return
-        outcomes[str(target)] = state.name if state is not None else "its state is not told"
-        if state is None:
-            self.journal.alarm(self._system.name_of(target), "the stop is not confirmed")
-
-    def _stopped(self, operator: Operator, target: JausAddress) -> Status | None:
-        """Sends the stop until it is acknowledged, and returns the state that follows."""
-        word = self.powers.stop if self.powers is not None else ""
-        is_emergency = word == "emergency"
-        if not (is_emergency or target in _obeying(operator)):
-            raise Refused("it is not controlled by us, and obeys Standby of its controller alone")
-        for hold in operator.holds:
-            if hold.target == target:
-                hold.expect_standby()
-        message, is_over = stop_of(word), Event()
-        self._stopping[target] = is_over
-        # With acknowledgement, and before all that waits; then it is asked for its state.
-        deliver(
-            operator,
-            target,
-            message,
-            lambda: self._stopping[target] is is_over,  # and no later stop is sent
-            lambda _: is_over.set(),
-        )
-        state = None
-        try:
-            state = operator.change(
-                target, message, Status.EMERGENCY if is_emergency else Status.STANDBY
-            )
-        finally:
-            if state is not None:
-                operator.answered(target, message)
-            # Who released it before that would have it heed the stop no more.
-            is_over.wait(_LONGEST_STOP)
-        return state
+        stopped = list(dict.fromkeys((*obeying(operator), *targets)))
+        return self._stopping.stop(name, self.powers.stop, stopped)
 
     def act(self, target: JausAddress) -> None:
         """Takes that a person has something done to a component: what follows is no alarm."""
@@ -473,18 +391,6 @@ class OperatorUnit:
                     operator.release(hold.target)
                     self.journal.note("unit", f"released {hold.target}")
                 self._guard()
-
-
-def _obeying(operator: Operator) -> list[JausAddress]:
-    """Returns whom a stop is for: who was ours, and has not said that it is another one's.
-
-    Who is lost to us may still take us for its controller.
-    """
-    return [
-        hold.target
-        for hold in operator.holds
-        if hold.session is not None and hold.session.state is not ControlState.REFUSED
-    ]
 
 
 def _hold(hold: Hold) -> dict[str, Any]:

@@ -60,7 +60,6 @@ class Component(Host):
     ``EventSubscriber``. It calls ``handle``, ``provide``, ``subscribe`` and ``control`` in its
     constructor, and overrides the ``on_...`` hooks.
 
-
     Attributes:
         core_services: The core services that it may provide; ``services`` says which it does.
         clients: Clients of others that it has from the start, used or not.
