@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import fcntl
 import signal
 import socket
 import subprocess
 import time
-import webbrowser
 from contextlib import ExitStack, suppress
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -19,24 +16,16 @@ from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, Vehicle, take, unti
 from studio_client import LONGEST, RefusedError, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from jausml.cli.live.operate import _opened
-from jausml.live.messages import load_catalogue
-from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.reading import read
-from jausml.live.operating.seats import Seat
 from jausml.live.operating.serving import KEPT_SOCKETS
 from jausml.live.operating.stops import TRIES
 from jausml.live.operating.unit import OperatorUnit, Powers
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
-from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.recording.mcap_reading import McapRecording
-from jausml.live.serving.rpc import Request, RpcError, parsed
 from jausml.live.serving.server import MOST_SOCKETS
-from jausml.live.serving.subscribers import Subscribers
 from jausml.runtime import (
     ComponentSettings,
-    ControlState,
     HandoffAnswer,
     JausComponent,
     ServiceIdentity,
@@ -53,8 +42,6 @@ if TYPE_CHECKING:
 
     from studio_client import Page, Server
 
-    from jausml.live.peers.control import Hold
-    from jausml.live.peers.operator import Operator
     from jausml.runtime.transports.transport import Transport
 
 pytestmark = [pytest.mark.ports, pytest.mark.live]
@@ -446,6 +433,16 @@ def test_half_of_a_decision_is_none(
     assert said in told
 
 
+def test_a_model_that_cannot_be_read_is_told_at_the_start(folder: Path, built: Path) -> None:
+    """Its stops are those of the start, so it must be there."""
+    model = folder / "rover.ros2jaus"
+    model.write_text("system rover {", encoding="utf-8")
+    process = begun(model, built, "--stop-all", "standby", "--lease", "2", verb="operate")
+    _, told = process.communicate(timeout=LONGEST)
+    assert process.returncode == 2
+    assert "rover.ros2jaus:1:" in told
+
+
 # ---- others --------------------------------------------------------------------------------------
 
 
@@ -573,140 +570,3 @@ def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
         assert [str(hold.target) for hold in unit.operator.holds] == [VEHICLE]
     finally:
         unit.stop()
-
-
-# ---- in one process ------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def unit(tmp_path: Path, port: int) -> Iterator[OperatorUnit]:
-    """A unit, of which page 1 may take control."""
-    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
-    unit = OperatorUnit(read(tmp_path), network, Powers("standby", 60.0), lambda *_: None)
-    unit.start()
-    yield unit
-    unit.stop()
-
-
-ADDRESS = JausAddress.parse(VEHICLE)
-
-
-def take_in(unit: OperatorUnit) -> Hold:
-    def taken() -> bool:
-        with suppress(Refused, NoAnswer):
-            unit.take(1, "anna", ADDRESS, 205)
-        return bool(unit.operator.holds)
-
-    until(taken)
-    return unit.operator.holds[0]
-
-
-def guarded(unit: OperatorUnit) -> list[JausAddress]:
-    assert unit.sticks.guarding is not None
-    return list(unit.sticks.guarding._controlled)
-
-
-@pytest.mark.usefixtures("vehicle")
-def test_what_a_higher_authority_has_taken_is_not_stopped(unit: OperatorUnit, port: int) -> None:
-    hold = take_in(unit)
-    assert guarded(unit) == [ADDRESS]
-    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
-    with running_operator(network, load_catalogue()) as other:
-        until(lambda: controlled_by(other))
-        until(lambda: hold.session and hold.session.state is ControlState.REFUSED)
-        assert unit.stop_all("anna", ()) == []
-        until(lambda: guarded(unit) == [])
-        other.release(ADDRESS)
-
-
-def controlled_by(other: Operator) -> bool:
-    with suppress(Refused, NoAnswer):
-        other.control(ADDRESS, 220)
-    return other.controls(ADDRESS)
-
-
-@pytest.mark.usefixtures("vehicle")
-def test_what_is_controlled_is_not_taken_again(unit: OperatorUnit) -> None:
-    hold = take_in(unit)
-    with pytest.raises(Refused, match="is controlled already"):
-        unit.take(1, "anna", ADDRESS, 210)
-    assert (unit.operator.holds, hold.is_held) == ((hold,), True)
-
-
-def test_what_does_not_answer_any_more_is_stopped_all_the_same(
-    unit: OperatorUnit, port: int
-) -> None:
-    with Vehicle(port):
-        hold = take_in(unit)
-    until(lambda: hold.session and hold.session.state is ControlState.SEEKING)
-    assert guarded(unit) == [ADDRESS]
-    stopped = {"component": VEHICLE, "outcome": "its state is not told"}
-    assert unit.stop_all("anna", ()) == [stopped]
-
-
-def test_the_guardian_says_whom_it_could_not_stop(port: int) -> None:
-    network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
-    with running_operator(network, load_catalogue()) as operator:
-        guarding = Guarding(operator, 2.0, "standby", lambda: None)
-        assert guarding.failure == ""
-        guarding.control([JausAddress(100, 1, 99)])  # of which nothing was heard
-        assert guarding.failure == "has no datagram for 100.1.99"
-        guarding.close()
-
-
-def test_what_was_asked_before_a_stop_is_not_sent_after_it(
-    unit: OperatorUnit, vehicle: Vehicle
-) -> None:
-    take_in(unit)
-
-    async def ask() -> None:
-        seat = Seat(unit, Subscribers(), 1)
-        seat.may_command = True
-        with seat.subscribed(lambda _: None):
-            # As many as there are threads, of components that nobody answers for.
-            slow = [asked(seat, "messages", component=f"100.2.{number}") for number in range(1, 9)]
-            late = asked(seat, "resume", component=VEHICLE)
-            await asyncio.sleep(0)  # so far all have begun
-            await asked(seat, "stop")
-            with pytest.raises(RpcError, match="a stop came before"):
-                await late
-            await asyncio.gather(*slow, return_exceptions=True)
-
-    asyncio.run(ask())
-    assert vehicle.status == "STANDBY"
-
-
-def asked(seat: Seat, method: str, **params: Any) -> asyncio.Task[object]:
-    return asyncio.create_task(seat.answer(Request(method, params, 1)))
-
-
-@pytest.mark.usefixtures("vehicle")
-def test_control_is_released_also_where_a_stop_fails(
-    unit: OperatorUnit, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def stop_all(*_: object) -> None:
-        raise RuntimeError("a fault of ours")
-
-    take_in(unit)
-    monkeypatch.setattr(unit, "stop_all", stop_all)
-    with pytest.raises(RuntimeError):
-        unit.leave(1)
-    assert unit.operator.holds == ()
-    monkeypatch.undo()
-
-
-@pytest.mark.parametrize("number", ["1e999", "-1e999", "1e300"])
-def test_an_id_that_no_answer_could_have_is_refused(number: str) -> None:
-    with pytest.raises(RpcError, match="too large"):
-        parsed(f'{{"jsonrpc": "2.0", "id": {number}, "method": "renew"}}')
-
-
-def test_the_browser_is_not_told_the_right_to_command(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    opened: list[str] = []
-    monkeypatch.setattr(webbrowser, "open", opened.append)
-    unit: Any = SimpleNamespace(address="looking", commanding_address="commanding")
-    _opened(unit, no_browser=False)
-    assert opened == ["looking"]
-    assert "to command: commanding\n" in capsys.readouterr().out

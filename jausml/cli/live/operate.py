@@ -88,7 +88,7 @@ def command(
     is killed or stands still. Needs the extra `studio`.
 
     Exit status: 0 ended by SIGINT, SIGTERM or SIGHUP, 2 usage or environment (the port is in use,
-    the extra or the page is missing), 3 internal error.
+    the extra or the page is missing, the model cannot be read), 3 internal error.
     """
     missing = next((module for module in _NEEDED if find_spec(module) is None), None)
     if missing is not None:
@@ -104,7 +104,11 @@ def command(
     learning = Learning(path)
     try:
         require_page(serving.PAGE)
-        operating = _operating(learning.first(), watched, powers)
+        knowledge = learning.first()
+        if knowledge.fault:
+            # The stops of a model are those of the start: it must be there to be read.
+            raise EnvironmentFault(knowledge.fault)
+        operating = _operating(knowledge, watched, powers)
         with _logged():
             serving.serve(
                 operating, learning, host, page_port, lambda unit: _opened(unit, no_browser)
