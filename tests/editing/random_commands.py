@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.authoring.editing.commands import Add, Child, Move, Remove, Rename, Set
+from jausml.authoring.editing.commands import Add, Child, Move, Movement, Remove, Rename, Set
 from jausml.language.metamodel import FeatureKind, ValueKind
 from jausml.language.metamodel.filling import contents
 
@@ -88,7 +88,15 @@ class Commands:
         owners += [e for e in self.own if feature in self.table(e).features.values()]
         owner = self.random.choice(owners)
         position = self.random.choice([None, 0, 1, 2]) if feature.many else None
-        return Move(self.ref(obj), self.ref(owner), feature.name, position)
+        # Sometimes another one goes at the same time.
+        others = [
+            e for e in moving if e.eContainmentFeature().name == feature.name and e is not obj
+        ]
+        also = ()
+        if others and self.random.random() < 0.3:
+            other, there = self.random.choice(others), self.random.choice(owners)
+            also = (Movement(self.ref(other), self.ref(there), feature.name, position),)
+        return Move(self.ref(obj), self.ref(owner), feature.name, position, also)
 
     def child(self, feature, depth):
         kinds = [subtype for subtype in feature.target.subtypes if not subtype.abstract]

@@ -46,12 +46,17 @@ def with_comments(text):
     return re.sub(r'" (\w+="[^"]*"/>)', r'"\n      \1', text)
 
 
-VARIANTS = {
-    "canonical": lambda text: text.encode(),
-    "commented": lambda text: with_comments(text).encode(),
-    "crlf": lambda text: with_comments(text).replace("\n", "\r\n").encode(),
-    "one line": lambda text: re.sub(r">\s+<", "><", text).encode(),
-    "tabs": lambda text: re.sub(r"(?m)^ +", lambda m: "\t" * (len(m[0]) // 2), text).encode(),
+LAYOUTS = {
+    "canonical": lambda text: text,
+    "commented": with_comments,
+    "one line": lambda text: re.sub(r">\s+<", "><", text),
+    "tabs": lambda text: re.sub(r"(?m)^ +", lambda m: "\t" * (len(m[0]) // 2), text),
+}
+"""How a file may be laid out; an edit lays it out anew."""
+
+WRITINGS = {
+    "utf-8": lambda text: text.encode(),
+    "crlf": lambda text: text.replace("\n", "\r\n").encode(),
     "utf-8 with bom": lambda text: text.encode("utf-8-sig"),
     "utf-16": lambda text: text.replace("UTF-8", "UTF-16").encode("utf-16"),
     "utf-16 big endian": lambda text: ("\ufeff" + text.replace("UTF-8", "UTF-16")).encode(
@@ -61,18 +66,20 @@ VARIANTS = {
         "latin-1", "xmlcharrefreplace"
     ),
 }
+"""How its characters and line ends may be written; an edit keeps that."""
 
 
 @pytest.mark.parametrize("path", sweep(MODELS, every=8), ids=str)
 @given(data=st.data())
 @settings(max_examples=max(1, settings().max_examples // 25))
 def test_what_random_commands_do_is_undone_to_the_byte(path, data):
-    variant = data.draw(st.sampled_from(sorted(VARIANTS)), label="variant")
+    layout = LAYOUTS[data.draw(st.sampled_from(sorted(LAYOUTS)), label="layout")]
+    writing = WRITINGS[data.draw(st.sampled_from(sorted(WRITINGS)), label="writing")]
     chance = random.Random(data.draw(st.integers(0, 2**32), label="seed"))
     text = with_library(path.read_text(encoding="utf-8"), path)
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "model.xmi"
-        file.write_bytes(VARIANTS[variant](text))
+        file.write_bytes(writing(layout(text)))
         before = file.read_bytes()
         project = Project(folder)
         states = [before]
@@ -81,7 +88,7 @@ def test_what_random_commands_do_is_undone_to_the_byte(path, data):
             if entry is not None and entry.number:
                 states.append(file.read_bytes())
                 if "model.xmi" in entry.files:
-                    check_print(project, VARIANTS[variant])
+                    check_print(project, writing)
                     check_comments(states[-2], states[-1], command)
         for state in reversed(states):
             assert file.read_bytes() == state
@@ -91,12 +98,12 @@ def test_what_random_commands_do_is_undone_to_the_byte(path, data):
             project.redo()
 
 
-def check_print(project, variant):
+def check_print(project, writing):
     """Sees to it that a model is printed as EMF saves it, but for comments and encoding."""
     model = project.model("model.xmi").model
     if model.unread:
         return  # EMF would lose what we keep
-    saved = variant(to_xmi(model.documents[0].roots, model, project.root / "model.xmi"))
+    saved = writing(to_xmi(model.documents[0].roots, model, project.root / "model.xmi"))
     data = project.text("model.xmi")
     encoding = model.documents[0].encoding
     assert (b"\r\n" in data) == (b"\r\n" in saved)

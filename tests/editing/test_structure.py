@@ -10,6 +10,7 @@ from jausml.authoring.editing.commands import (
     Create,
     EditError,
     Move,
+    Movement,
     Remove,
     Rename,
     Set,
@@ -173,6 +174,17 @@ def test_elements_move_with_their_comments(project):
         '<nodes name="idle"/>',
     ]
     assert "@nodes.0" in text(project, "places.xmi")
+
+
+def test_several_elements_move_at_once(project):
+    """Their refs are those before all of it, so the order among them does not matter."""
+    also = (Movement("robot.xmi#//@nodes.1", "robot.xmi#/", "nodes", 0),)
+    project.do([Move("robot.xmi#//@nodes.0", "robot.xmi#/", "nodes", None, also)], "move")
+    at_once = text(project)
+    project.undo()
+    project.do([Move("robot.xmi#//@nodes.1", "robot.xmi#/", "nodes", 0)], "move")
+    project.do([Move("robot.xmi#//@nodes.1", "robot.xmi#/", "nodes")], "move")
+    assert text(project) == at_once
 
 
 def test_elements_move_to_another_file_and_references_follow(project):

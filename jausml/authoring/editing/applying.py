@@ -79,7 +79,8 @@ class Applying:
         elif isinstance(command, Add):
             self._add(command)
         elif isinstance(command, Move):
-            self._move(command)
+            for move in command.single_moves:
+                self._move(move)
 
     def _copy(self, ref: Ref) -> ElementCopy:
         copy, _ = self._find(ref)

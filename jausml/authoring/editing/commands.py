@@ -94,8 +94,22 @@ class Remove:
 
 
 @dataclass(frozen=True, slots=True)
+class Movement:
+    """An element that goes elsewhere with another one, as `Move` says it."""
+
+    element: Ref
+    owner: Ref
+    feature: str
+    position: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Move:
-    """Gives an element another owner, or another position; what refers to it follows."""
+    """Gives an element another owner, or another position; what refers to it follows.
+
+    `also`: what moves with it. All refs are those before, each position is that after the moves
+    before it.
+    """
 
     NAME: ClassVar = "move"
 
@@ -103,6 +117,16 @@ class Move:
     owner: Ref
     feature: str
     position: int | None = None
+    also: tuple[Movement, ...] = ()
+
+    @property
+    def single_moves(self) -> tuple[Move, ...]:
+        """The moves that it is, one for each element."""
+        others = (
+            Move(movement.element, movement.owner, movement.feature, movement.position)
+            for movement in self.also
+        )
+        return replace(self, also=()), *others
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +179,12 @@ def with_created(command: ElementCommand, known: Callable[[Ref], Ref]) -> Elemen
     if isinstance(command, Rename | Remove):
         return replace(command, element=known(command.element))
     if isinstance(command, Move):
-        return replace(command, element=known(command.element), owner=known(command.owner))
+        also = tuple(
+            replace(movement, element=known(movement.element), owner=known(movement.owner))
+            for movement in command.also
+        )
+        element, owner = known(command.element), known(command.owner)
+        return replace(command, element=element, owner=owner, also=also)
     return replace(_inside(command, known), owner=known(command.owner))
 
 

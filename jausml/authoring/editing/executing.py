@@ -235,6 +235,8 @@ class _Work:
         """Returns the files that a command may change, that of its element first."""
         named = [] if isinstance(command, Add) else [command.element]
         named += [command.owner] if isinstance(command, Add | Move) else []
+        if isinstance(command, Move):
+            named += [ref for move in command.also for ref in (move.element, move.owner)]
         for reference in named:
             self._draft.element(reference)
         files = [self._draft.editable(reference) for reference in named]

@@ -8,7 +8,17 @@ from __future__ import annotations
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
-from jausml.authoring.editing.commands import NEW, Add, Child, Command, Move, Remove, Rename, Set
+from jausml.authoring.editing.commands import (
+    NEW,
+    Add,
+    Child,
+    Command,
+    Move,
+    Movement,
+    Remove,
+    Rename,
+    Set,
+)
 from jausml.authoring.proposals.bridging import has_message
 from jausml.authoring.proposals.elements import AnswerError, Option, Scope, literal
 from jausml.authoring.proposals.new_elements import free_address, free_name
@@ -123,7 +133,13 @@ class _Applying:
                         yield self._set(planned.owner, feature, services)
         for owner in self._plan.gone:
             yield from (self._set(owner, feature, ()) for feature in ("provides", "uses"))
-        yield from self._moves()
+        going = self._going()
+        yield from self._renamed(going)
+        # At once: the files are read again after each command.
+        if moves := tuple(self._moves(going)):
+            first = moves[0]
+            yield Move(first.element, first.owner, first.feature, first.position, moves[1:])
+        yield from self._more_quantities()
         yield from self._placements()
         left = [owner for owner in self._plan.gone if self._is_empty(owner)]
         # The last one first: those behind one that goes have other positions.
@@ -294,10 +310,8 @@ class _Applying:
             if free != name:
                 yield Rename(self._scope.ref(element), free)
 
-    def _moves(self) -> Iterator[Command]:
-        """Yields what moves connections and maps, with the names that they need."""
-        going = self._going()
-        yield from self._renamed(going)
+    def _moves(self, going: Mapping[Any, Planned]) -> Iterator[Movement]:
+        """Yields what moves connections and maps; refs are those before all of it."""
         counts: dict[tuple[str, str], int] = defaultdict(int)
         lists: dict[tuple[Any, str], list[Any]] = defaultdict(list)
         for element in going:
@@ -305,13 +319,16 @@ class _Applying:
         for owner, feature in lists:
             counts[name_of(owner), feature] = len(getattr(owner, feature))
         for (owner, feature), elements in lists.items():
-            # The last one first: so refs of those before it hold, and they arrive in order.
+            # The last one first, each to the same position: they arrive in order.
             order = list(getattr(owner, feature))
             for element in sorted(elements, key=order.index, reverse=True):
                 planned = going[element]
                 at = counts.get((planned.name, feature), len(getattr(planned.owner, feature, ())))
-                yield Move(self._scope.ref(element), self._ref(planned), feature, at)
+                yield Movement(self._scope.ref(element), self._ref(planned), feature, at)
                 counts[name_of(owner), feature] -= 1
+
+    def _more_quantities(self) -> Iterator[Command]:
+        """Yields what bridges that are there have to say of quantities from now on."""
         for planned in self._plan.after:
             if planned.owner is not None:
                 for child in self._quantities(planned):

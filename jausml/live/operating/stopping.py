@@ -95,8 +95,8 @@ class Stopping:
         self._journal.note(name, f"STOP ({word}) of {shown}")
         for thread in threads:
             thread.join()
-        for target, outcome in outcomes.items():
-            self._journal.note("unit", f"after STOP, {self._system.name_of(target)}: {outcome}")
+        for component, outcome in outcomes.items():
+            self._journal.note("unit", f"after STOP, {self._system.name_of(component)}: {outcome}")
         return [
             {"component": target, "outcome": outcome_text}
             for target, outcome_text in outcomes.items()

@@ -7,7 +7,7 @@ import random
 import re
 from typing import TYPE_CHECKING
 
-from jausml.authoring.editing.commands import Add, Child, Move, Remove, Rename, Set
+from jausml.authoring.editing.commands import Add, Child, Move, Movement, Remove, Rename, Set
 from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import NOTATIONS
 from jausml.language.metamodel import FeatureKind, ValueKind
@@ -127,9 +127,13 @@ class Meaning:
         elif isinstance(command, Remove):
             self._take(self._find(command.element))
         elif isinstance(command, Move):
-            obj, owner = self._find(command.element), self._find(command.owner)
-            self._take(obj)
-            self._own(owner, command.feature, obj, command.position)
+            moves = [
+                (self._find(move.element), self._find(move.owner), move)
+                for move in command.single_moves
+            ]
+            for obj, owner, move in moves:
+                self._take(obj)
+                self._own(owner, move.feature, obj, move.position)
         elif isinstance(command, Add):
             owner = self._find(command.owner)
             self._own(owner, command.feature, self._made(command), command.position)
@@ -320,7 +324,12 @@ class Commands:
             return None
         count = len(getattr(owner, feature)) - (owner is obj.eContainer())
         position = self._random.choice((None, self._random.randint(0, count)))
-        return Move(self._edited.ref(obj), self._edited.ref(owner), feature, position)
+        beside = [e for e in getattr(obj.eContainer(), feature) if e is not obj]
+        also = ()
+        if beside and self._random.random() < 0.3:
+            another = self._edited.ref(self._random.choice(beside))
+            also = (Movement(another, self._edited.ref(owner), feature, position),)
+        return Move(self._edited.ref(obj), self._edited.ref(owner), feature, position, also)
 
     def _rename(self):
         obj = self._element()

@@ -42,7 +42,7 @@ class Blocks:
         changed: The features that have other values, and whether they have any.
         touched: Elements in which something changes, by id of what stands for them.
         gone: Ids of what stands for elements that go, or that go elsewhere.
-        placed: The element that is new, or that goes elsewhere.
+        placed: Elements that are new, or that go elsewhere.
         implied: Root elements that the text does not write.
     """
 
@@ -54,7 +54,7 @@ class Blocks:
         self.changed: dict[ElementCopy, dict[str, bool]] = {}
         self.touched: dict[int, ElementCopy] = {}
         self.gone: set[int] = set()
-        self.placed: ElementCopy | None = None
+        self.placed: list[ElementCopy] = []
         roots = context.working_copy.roots[context.file]
         self.implied = [root for root in roots if self.part(root) is None]
 
@@ -81,9 +81,10 @@ class Blocks:
     def top(self, items: Sequence[tree.Item]) -> list[tree.Item]:
         """Returns the items of the text."""
         pieces = self._kept(items)
-        placed = self.placed
-        owner = placed.owner if placed is not None else None
-        if placed is not None and owner is not None and owner in self.implied:
+        for placed in self.placed:
+            owner = placed.owner
+            if owner is None or owner not in self.implied:
+                continue
             if placed.feature not in IMPLIED_PARTS.get(owner.table.qualified_name, ()):
                 raise self.refusal(owner)
             self._put_in(pieces, placed, owner)
@@ -111,8 +112,9 @@ class Blocks:
         pieces = self._kept(items)
         for name, is_said in self.changed.get(copy, {}).items():
             self._say(pieces, copy, name, is_said=is_said)
-        if self.placed is not None and self.placed.owner is copy:
-            self._put_in(pieces, self.placed, copy)
+        for placed in self.placed:
+            if placed.owner is copy:
+                self._put_in(pieces, placed, copy)
         return list_of(pieces)
 
     # What changes where it stands

@@ -134,7 +134,7 @@ class _Plan:
         self._touch(copy)
 
     def _place(self, copy: ElementCopy) -> None:
-        self._blocks.placed = copy
+        self._blocks.placed.append(copy)
         self._touch(cast("ElementCopy", copy.owner))
 
     def _take(self, copy: ElementCopy, obj: EObject) -> None:
