@@ -115,7 +115,7 @@ def comments_gone(text):
     text = re.sub(r"(?m)^ *<!--.*?-->\n", "", text)
     text = re.sub(r"(?m)(?:  <!--.*?-->)+$", "", text)
     # What held comments alone is empty without them.
-    return re.sub(r"(?m)^( *<([\w:]+)\b[^<>]*)>\n *</\2>$", r"\1/>", text)
+    return re.sub(r"(?m)^( *<([\w:]+)\b[^<>]*)(?<!/)>\n *</\2>$", r"\1/>", text)
 
 
 def check_comments(before, after, command):
