@@ -149,7 +149,9 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
         # Made for the first object of the class of ROS: rclpy need not be there before.
         if encode is None:
             encode = ros.codec(message_type).encode
-        return encode(message)
+        # What rclpy serializes is as long as it has estimated: behind an empty sequence of float64,
+        # and where it pads, are octets that nobody has written. They are not for others to read.
+        return message_type.from_cdr(encode(message)).to_cdr()
 
     return encode_either
 
