@@ -121,6 +121,25 @@ def test_the_stop_of_a_copy_has_each_joint_of_the_robot(rover, jausml, notation)
     assert stop == [f"JointVelocityList[{at}].JointVelocity.radianPerSecond" for at in range(2)]
 
 
+def test_the_stop_of_a_copy_tells_each_stabilizer_by_its_number(rover, jausml):
+    """The map numbers them by their places, and so does its stop: none may move on."""
+    model = rover("text")
+    flippers = "flip/cmd:sensor_msgs/JointState:set_stabilizer_efforts"
+    joints = ("--joints", "flip/cmd=a,b,c,d,e")
+    jausml("new", "bridge", "flip", flippers, "--yes", *joints)
+    (made,) = (used for name, used in maps_in(model).items() if "set_stab" in name)
+    stop = [(str(value.target), str(value.value)) for value in made.stopJaus.values]
+    element = "StabilizerEffort[{}].{}".format
+    assert stop == [
+        pair
+        for index in range(5)
+        for pair in (
+            (element(index, "StabilizerID"), str(index + 1)),
+            (element(index, "Effort"), "0"),
+        )
+    ]
+
+
 PAN_TILT = "ptu/cmd:sensor_msgs/JointState"
 
 

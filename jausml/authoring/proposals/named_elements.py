@@ -1,11 +1,10 @@
-"""Maps with names that are others in each robot: of joints, which are elements, and of frames."""
+"""Copies of maps with the names of a robot: of its joints, and of its frames."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TypeGuard
 
 from jausml.authoring.editing.commands import Add, AddedT, Command
 from jausml.authoring.proposals.bridging import copied
@@ -16,7 +15,8 @@ from jausml.language.project import library
 from jausml.language.semantics.assignments.named_places import NamedPlaces, named_by, named_places
 from jausml.language.semantics.names import words
 
-_ELEMENT = re.compile(r"\[[0-9]+\]")
+_ELEMENT = re.compile(r"(?P<list>.*)\[[0-9]+\](?P<member>.*)")
+"""Path of a list element or of a member of it; of lists in lists, the inner one."""
 
 FRAME_IDS = ("frame_id", "child_frame_id")
 """The fields that name a frame."""
@@ -36,7 +36,7 @@ def _names(assignment: bridge.Assignment) -> Iterator[str]:
             yield from _names(inner_assignment)
 
 
-def names_for(used: bridge.AttributeMap, known: Sequence[str]) -> tuple[str, ...]:
+def names_for(used: bridge.AttributeMap, robot_names: Sequence[str]) -> tuple[str, ...]:
     """Returns which of the names of a robot stand for those of a map, in the order of the map.
 
     A list has all of them. The places of a pan-tilt unit have those that say what theirs do, as
@@ -44,34 +44,34 @@ def names_for(used: bridge.AttributeMap, known: Sequence[str]) -> tuple[str, ...
     """
     places = named_places(used)
     if places is None:
-        return tuple(known)
-    bearers = _bearers(places, known)
-    if all(len(name_list) == 1 for name_list in bearers):
-        return tuple(name for (name,) in bearers)
-    return tuple(known) if len(known) == len(places.names) else ()
+        return tuple(robot_names)
+    matching_names = _matching_names(places, robot_names)
+    if all(len(name_list) == 1 for name_list in matching_names):
+        return tuple(name for (name,) in matching_names)
+    return tuple(robot_names) if len(robot_names) == len(places.names) else ()
 
 
-def are_named(used: bridge.AttributeMap, known: Sequence[str]) -> bool:
-    """Tells whether the names of a robot say that they are those of the places of a map."""
+def are_named(used: bridge.AttributeMap, robot_names: Sequence[str]) -> bool:
+    """Tells whether each place of a map has exactly one name of the robot that says so."""
     places = named_places(used)
-    if places is None or len(known) != len(places.names):
+    if places is None or len(robot_names) != len(places.names):
         return False
-    return all(len(bearer) == 1 for bearer in _bearers(places, known))
+    return all(len(name_list) == 1 for name_list in _matching_names(places, robot_names))
 
 
-def _bearers(places: NamedPlaces, known: Sequence[str]) -> list[list[str]]:
-    """Returns for each place the names of a robot that have its name as a word."""
-    words_by_name = {
-        robot_name: [word.lower() for word in words(robot_name)] for robot_name in known
+def _matching_names(places: NamedPlaces, robot_names: Sequence[str]) -> list[list[str]]:
+    """Returns for each place the names of a robot that have the words of its name."""
+    words_of = {
+        name: {word.lower() for word in words(name)} for name in (*robot_names, *places.names)
     }
     return [
-        [robot_name for robot_name, own in words_by_name.items() if name in own]
+        [robot_name for robot_name in robot_names if words_of[name] <= words_of[robot_name]]
         for name in places.names
     ]
 
 
 def are_examples(used: bridge.AttributeMap) -> bool:
-    """Tells whether the names of a map are invented: with them, it would drop every message."""
+    """Tells whether the names of a map are examples: with them, it would drop every message."""
     return bool(names_in(used)) and library().document_of(used) is not None
 
 
@@ -109,31 +109,31 @@ def copied_with_names(
     `frames`: new names by those of the original. `first`: the number of elements that are made
     before.
     """
-    joints = [f"{', '.join(names)}: by these names in ROS, in this order in JAUS."] if names else []
-    said = [f"The frame {old} is {new} here." for old, new in frames.items()]
-    about = "\n\n".join((*joints, *said, f"Made of the ready map {name_of(used)}."))
-    commands = copied(scope, place, used, name, first=first)
-    if names:
-        commands = [
-            _with_names(change, names) if _is_map(change) else change for change in commands
-        ]
-    commands = [
-        _with_frames(change, frames) if isinstance(change, Add) else change for change in commands
-    ]
+    joint_notes = (
+        [f"{', '.join(names)}: by these names in ROS, in this order in JAUS."] if names else []
+    )
+    frame_notes = [f"The frame {old} is {new} here." for old, new in frames.items()]
+    about = "\n\n".join((*joint_notes, *frame_notes, f"Made of the ready map {name_of(used)}."))
     return [
-        replace(change, values={**change.values, "documentation": (about,)})
-        if _is_map(change)
-        else change
-        for change in commands
+        _of_robot(command, names, frames, about) if isinstance(command, Add) else command
+        for command in copied(scope, place, used, name, first=first)
     ]
 
 
-def _is_map(command: Command) -> TypeGuard[Add]:
-    return isinstance(command, Add) and command.kind == "bridge.AttributeMap"
+def _of_robot(addition: Add, names: Sequence[str], frames: Mapping[str, str], about: str) -> Add:
+    """Returns what a copy adds, with names and frames of the robot; a map says what it is of."""
+    is_map = addition.kind == "bridge.AttributeMap"
+    if is_map and names:
+        addition = _with_names(addition, names)
+    addition = _with_frames(addition, frames)
+    if not is_map:
+        return addition
+    return replace(addition, values={**addition.values, "documentation": (about,)})
 
 
 def _with_frames(addition: AddedT, frames: Mapping[str, str]) -> AddedT:
     values = dict(addition.values)
+    # Assignments have a target, values of vectors a path.
     (path,) = values.get("target") or values.get("path") or ("",)
     if _is_frame(path) and "value" in values:
         values["value"] = tuple(frames.get(frame, frame) for frame in values["value"])
@@ -156,26 +156,32 @@ def _with_names(addition: AddedT, names: Sequence[str]) -> AddedT:
 
 
 def _stopping(values: Sequence[AddedT], names: Sequence[str]) -> Iterator[AddedT]:
-    """Yields the values of a stop with an element for each of the names.
-
-    What the original says of its first element, the copy says of each, by its name.
-    """
+    """Yields the values of a stop, those of list elements for each of the names."""
+    elements: dict[tuple[str, str], list[AddedT]] = {}
     for value in values:
         (path,) = value.values["target"]
-        before, is_element, behind = path.partition("[0]")
-        if is_element:
-            is_name = not _is_number(*value.values["value"])
-            for at, name in enumerate(names):
-                overrides = {"target": (f"{before}[{at}]{behind}",)}
-                overrides |= {"value": (name,)} if is_name else {}
-                yield replace(value, values={**value.values, **overrides})
-        elif not _ELEMENT.search(path):
+        element = _ELEMENT.fullmatch(path)
+        if element is None:
             yield value
+        else:
+            elements.setdefault((element["list"], element["member"]), []).append(value)
+    for index, name in enumerate(names):
+        for (list_path, member), originals in elements.items():
+            path = f"{list_path}[{index}]{member}"
+            texts = [text for original in originals for text in original.values["value"]]
+            text = _text_at(index, texts) if named_by(path) is None else name
+            overrides = {"target": (path,), "value": (text,)}
+            yield replace(originals[0], values={**originals[0].values, **overrides})
 
 
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
+def _text_at(index: int, texts: Sequence[str]) -> str:
+    """Returns what the stop of a copy says of an element, by the texts of the original.
+
+    A copy may have more elements: numbers that count them, as StabilizerID does, go on, and else
+    the last one has the value of all further ones.
+    """
+    if index < len(texts):
+        return texts[index]
+    first = int(texts[0]) if texts[0].isdecimal() else 0
+    counts = len(texts) > 1 and list(texts) == [str(first + n) for n in range(len(texts))]
+    return str(first + index) if counts else texts[-1]
