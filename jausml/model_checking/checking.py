@@ -176,16 +176,20 @@ def course_of(subject: Subject, example: CounterExample) -> Course:
     for number, moment in enumerate(example.moments):
         step = moment.step
         time = f"{moment.seconds:g} s"
+        repeats = example.repeats and number >= first
         if not step.is_tick:
             lines.append(Line(time, step.what, step.actor, step.receiver))
             if step.on_to:
                 lines.append(Line(time, step.what, step.receiver, step.on_to))
         elif lines and not lines[-1].sender:
-            lines[-1] = Line(time, lines[-1].text)
+            lines[-1] = _passing(time, for_ever=repeats)
         else:
-            goes_on = example.repeats and number >= first
-            lines.append(Line(time, "time passes, for ever" if goes_on else "time passes"))
+            lines.append(_passing(time, for_ever=repeats))
     return Course(f"{subject.name}: {example.rule}", example.message, tuple(lines))
+
+
+def _passing(time: str, *, for_ever: bool) -> Line:
+    return Line(time, "time passes, for ever" if for_ever else "time passes")
 
 
 def _text(outcomes: Sequence[Outcome], model: Model) -> str:

@@ -416,6 +416,7 @@ def test_the_frequency_goes_to_bridges_before_what_is_said_in_detail(jausml, wor
         ),
         (["--jaus-id=1.1.9"], "name the process that gets this --jaus-id"),
         (["--", "what"], "no process 'what'"),
+        (["front", "--only", "camera"], "name the processes by PROCESS or by --only, not by both"),
         (["--only", "camera", "--jaus-port", "1"], "no process speaks JAUS, which --jaus-port"),
         (["vehicle", "--ros-args", "-r", "a:=b"], "no process is a ROS node, which --ros-args"),
         (["front", "what"], "'what' is no option of a process"),

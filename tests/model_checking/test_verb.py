@@ -16,6 +16,9 @@ from sweeps import sweep
 from workspaces import python_path
 
 from jausml.cli import main
+from jausml.model_checking.checking import CounterExample, Moment, course_of
+from jausml.model_checking.search import TIME
+from jausml.model_checking.systems import Subject
 
 ROOT = Path(__file__).resolve().parents[2]
 CARELESS = Path(__file__).with_name("careless.ros2jaus")
@@ -204,3 +207,11 @@ def test_a_folder_that_is_a_file(tmp_path):
     (tmp_path / "file").write_text("", encoding="utf-8")
     assert run(CARELESS, "-o", tmp_path / "file", status=2)
     assert "cannot write" in run(CARELESS, "-o", tmp_path / "file" / "below", status=2).output
+
+
+def test_time_that_passes_for_ever_says_so_after_time_that_passed_before():
+    """The steps before it are joined with it; what is told is that it goes on."""
+    moments = (Moment(1.0, TIME), Moment(2.0, TIME))
+    subject = Subject("front", element=None, product=None, tick=1.0)
+    (line,) = course_of(subject, CounterExample("JML1", "never ends", moments, repeats=1)).lines
+    assert line.text == "time passes, for ever"

@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import asyncio
 import webbrowser
-from contextlib import suppress
+from contextlib import AsyncExitStack, suppress
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import pytest
 from simulated_vehicle import VEHICLE, Vehicle, until
+from starlette.websockets import WebSocket
 
 from jausml.cli.live.operate import _opened
 from jausml.live.messages import load_catalogue
 from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.reading import read
 from jausml.live.operating.seats import Seat
+from jausml.live.operating.serving import KEPT_SOCKETS, UnitSockets
 from jausml.live.operating.unit import OperatorUnit, Powers
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
 from jausml.live.peers.operator import running_operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.serving.rpc import Request, RpcError, parsed
+from jausml.live.serving.server import MOST_SOCKETS
 from jausml.live.serving.subscribers import Subscribers
 from jausml.runtime import (
     ControlState,
@@ -30,6 +33,8 @@ from jausml.runtime.base.address import JausAddress
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
+
+    from starlette.types import Message
 
     from jausml.live.peers.control import Hold
     from jausml.live.peers.operator import Operator
@@ -101,6 +106,35 @@ def test_what_does_not_answer_any_more_is_stopped_all_the_same(
     assert guarded(unit) == [ADDRESS]
     stopped = {"component": VEHICLE, "outcome": "its state is not told"}
     assert unit.stop_all("anna", ()) == [stopped]
+
+
+@pytest.mark.parametrize("is_closed", [True, False], ids=["closed", "reads nothing"])
+def test_a_page_that_gives_way_does_not_hold_up_the_next_one(
+    unit: OperatorUnit, is_closed: bool
+) -> None:
+    """Places are kept, whatever becomes of the socket that gives way."""
+
+    async def receive() -> dict[str, str]:
+        return {"type": "websocket.connect"}
+
+    async def send(message: Message) -> None:
+        if message["type"] == "websocket.close" and not is_closed:
+            await asyncio.Event().wait()
+
+    async def served() -> list[bool]:
+        sockets = UnitSockets()
+        async with AsyncExitStack() as open_sockets:
+            accepted = []
+            for _ in range(MOST_SOCKETS + KEPT_SOCKETS + 1):
+                page = WebSocket({"type": "websocket"}, receive, send)
+                sockets.seats[page] = looking
+                accepted.append(await open_sockets.enter_async_context(sockets.accepted(page)))
+                if is_closed and len(accepted) == 1:
+                    await page.close()
+            return accepted
+
+    looking = Seat(unit, Subscribers(), 1)
+    assert all(asyncio.run(asyncio.wait_for(served(), 60)))
 
 
 def test_the_guardian_says_whom_it_could_not_stop(port: int) -> None:

@@ -7,12 +7,13 @@ import signal
 import socket
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.component.process import feed_watchdog
+from jausml.runtime.component.watchdog import feed_watchdog
 
 PROCESS = Path(__file__).parent / "plain_process.py"
 TIME_OUT = 0.3
@@ -100,3 +101,26 @@ def test_a_manager_that_is_gone_ends_nothing(tmp_path, caplog):
         feed_watchdog(loop, {"NOTIFY_SOCKET": str(tmp_path / "no"), "WATCHDOG_USEC": "1000"})
         loop.run_once(0.01)
     assert "cannot be told" in caplog.text
+
+
+def test_a_manager_that_comes_back_is_told_again(tmp_path):
+    place = tmp_path / "notify"
+    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as manager, Loop() as loop:
+        feed_watchdog(loop, {"NOTIFY_SOCKET": str(place), "WATCHDOG_USEC": "3000"})
+        manager.bind(str(place))
+        manager.settimeout(0.01)
+        for _ in range(1000):
+            loop.run_once(0.01)
+            with suppress(TimeoutError):
+                assert manager.recv(64) == b"WATCHDOG=1"
+                return
+    pytest.fail("it is told no more")
+
+
+def test_a_manager_that_reads_nothing_does_not_hold_up_the_loop(manager):
+    with Loop() as loop:
+        feed_watchdog(loop, {**watched(manager), "WATCHDOG_USEC": "300"})
+        # More than its socket takes in.
+        for _ in range(1000):
+            loop.run_once(0.01)
+    drain(manager)

@@ -109,9 +109,11 @@ class Recordings:
             ]
             old += list(self._opened)[: max(0, len(self._opened) - len(old) - MOST_OPEN)]
             closed = [self._opened.pop(opened_key) for opened_key in dict.fromkeys(old)]
+            # Another request may push it out as soon as the lock is free.
+            opened = self._opened[key]
         for opened_recording in closed:
             opened_recording.close()
-        return self._opened[key]
+        return opened
 
     def system(self, name: str) -> RecordedSystem:
         """Returns what a recording tells.

@@ -168,6 +168,8 @@ def command(
     """
     folder = workspace_of(out)
     process, arguments = split_arguments(rest)
+    if process and only:
+        raise click.UsageError("name the processes by PROCESS or by --only, not by both")
     entries = _chosen(_entries(folder), (*only, *process))
     passed = process_arguments(entries, arguments, is_named=bool(process))
     if frequency is not None:

@@ -1,11 +1,11 @@
-"""The application of the unit: its page, the places of those who look and command, and its end."""
+"""The web application of the operator unit: its page, its sockets, its start and its end."""
 
 from __future__ import annotations
 
 import asyncio
 import gc
 import sys
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from starlette.applications import Starlette
 from starlette.routing import WebSocketRoute
+from starlette.websockets import WebSocketDisconnect
 
 from jausml.live.operating.seats import Seat
 from jausml.live.operating.unit import OperatorUnit
@@ -42,9 +43,12 @@ KEPT_SOCKETS = 8
 _SWITCH = 0.001
 """Seconds for which a thread keeps the interpreter from others that want it."""
 
+_SECONDS_TO_CLOSE = 0.5
+"""Seconds in which the page that gives way must have taken that it is closed."""
+
 
 class Operating:
-    """The unit and those who have a page of it."""
+    """The operator unit, and a seat for each page."""
 
     def __init__(self, knowledge: Knowledge, network: Network, powers: Powers | None) -> None:
         """Begins with nobody (`ValueError`: a declared stop is none)."""
@@ -58,39 +62,40 @@ class Operating:
         return Seat(self.unit, self.subscribers, next(self._numbers))
 
 
-class _Seats(Sockets):
-    """Sockets of which some are kept for those who may command.
+class UnitSockets(Sockets):
+    """Sockets of pages; some places are kept for pages that may command.
 
-    Who says only then whether it may command gives way to the next one until it has said so, the
-    first one first.
+    Where all places are taken, the page that only looks and came first is closed for the next one.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.seats: dict[WebSocket, Seat] = {}
 
-    async def _has_place(self) -> bool:
-        if len(self._sockets) < MOST_SOCKETS + KEPT_SOCKETS:
+    async def _has_place(self, socket: WebSocket) -> bool:
+        if len(self._sockets) <= MOST_SOCKETS + KEPT_SOCKETS:
             return True
-        looking = (socket for socket in self._sockets if not self.seats[socket].may_command)
-        first = next(looking, None)
+        others = (other for other in self._sockets if other is not socket)
+        first = next((other for other in others if not self.seats[other].may_command), None)
         if first is None:
             return False
         self._sockets.remove(first)
-        await first.close(TRY_AGAIN_LATER)
+        # It may just have closed itself, or read nothing any more: who comes does not wait for it.
+        with suppress(WebSocketDisconnect, RuntimeError, asyncio.TimeoutError):
+            await asyncio.wait_for(first.close(TRY_AGAIN_LATER), _SECONDS_TO_CLOSE)
         return True
 
 
 @dataclass
 class Unit:
-    """What is served."""
+    """The operator unit as an application of a web server."""
 
     operating: Operating
     learning: Learning
     served: Served
     page: Path
     token: Token = field(default_factory=Token)
-    _sockets: _Seats = field(default_factory=_Seats)
+    _sockets: UnitSockets = field(default_factory=UnitSockets)
 
     @property
     def address(self) -> str:
@@ -114,16 +119,20 @@ class Unit:
         unit = self.operating.unit
         unit.start()
         self.learning.follow(unit.learn, self._unlearnt)
-        # What is there stays, and is looked at no more: a collection of it takes long.
+        # What is there stays, and is looked at no more: a collection of it takes long, and a stop
+        # waited for it. `OperatorUnit` collects while nobody commands.
         gc.collect()
         gc.freeze()
         gc.disable()
-        # Who waits for the interpreter, as the loops do, has it so soon.
+        # Loops that wait for the interpreter have it soon.
+        before = sys.getswitchinterval()
         sys.setswitchinterval(_SWITCH)
         try:
             yield
         finally:
             await asyncio.to_thread(unit.stop)
+            sys.setswitchinterval(before)
+            gc.unfreeze()
             gc.enable()
 
     def _unlearnt(self) -> None:

@@ -103,19 +103,20 @@ class Sockets:
     async def accepted(self, socket: WebSocket) -> AsyncIterator[bool]:
         """Accepts a socket unless there are too many; yields whether it did."""
         await socket.accept()
-        if not await self._has_place():
-            await socket.close(TRY_AGAIN_LATER)
-            yield False
-            return
+        # It counts from here on: others may come while one that gives way is closed.
         self._sockets.append(socket)
         try:
-            yield True
+            is_served = await self._has_place(socket)
+            if not is_served:
+                await socket.close(TRY_AGAIN_LATER)
+            yield is_served
         finally:
             if socket in self._sockets:
                 self._sockets.remove(socket)
 
-    async def _has_place(self) -> bool:
-        return len(self._sockets) < MOST_SOCKETS
+    async def _has_place(self, socket: WebSocket) -> bool:  # noqa: ARG002 - of those who keep some
+        """Returns whether the socket that came last can be served."""
+        return len(self._sockets) <= MOST_SOCKETS
 
 
 def _family(host: str) -> socket.AddressFamily:

@@ -14,11 +14,16 @@ if TYPE_CHECKING:
 
 _LONGEST = 90
 _ROW_HEIGHT, _HEAD, _GAP, _TIMES = 26, 58, 30, 40
+_TO_FIRST_LINE, _TO_END = 34, 22
+"""Pixels from the heads to the first line, and from the last line to the end."""
+
+_TITLE = 16
+"""Size of the title, as `opening` writes it."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """One line of a course.
+    """One message between participants, or one event.
 
     `receiver`: whom the text goes to; empty for what one does alone. `sender`: who does it; empty
     for what happens to all.
@@ -32,35 +37,38 @@ class Line:
 
 @dataclass(frozen=True)
 class Course:
-    """What happens one after the other, with a title and how it ends; at least one takes part."""
+    """A sequence of events with a title, and the sentence that ends it."""
 
     title: str
     end: str
     lines: Sequence[Line]
 
     @property
-    def actors(self) -> list[str]:
-        """Who takes part, in the order of appearance."""
+    def participants(self) -> list[str]:
+        """Who sends or receives, in the order of appearance; time, where nobody does."""
         names = (name for line in self.lines for name in (line.sender, line.receiver) if name)
-        return list(dict.fromkeys(names))
+        return list(dict.fromkeys(names)) or ["time"]
 
 
 def mermaid(course: Course) -> str:
     """Returns a sequence in the language of Mermaid, which GitHub and many editors show."""
-    actors = course.actors
-    names = {actor: f"a{number}" for number, actor in enumerate(actors)}
+    participants = course.participants
+    ids = {participant: f"a{number}" for number, participant in enumerate(participants)}
     lines = ["sequenceDiagram", f"  title {as_data(course.title)}"]
-    lines += [f"  participant {names[actor]} as {as_data(actor)}" for actor in actors]
-    everybody = ",".join(dict.fromkeys([names[actors[0]], names[actors[-1]]]))
+    lines += [
+        f"  participant {ids[participant]} as {as_data(participant)}"
+        for participant in participants
+    ]
+    all_ids = ",".join(dict.fromkeys([ids[participants[0]], ids[participants[-1]]]))
     for line in course.lines:
         text = as_data(f"{line.time} {line.text}".strip())
         if not line.sender:
-            lines.append(f"  Note over {everybody}: {text}")
+            lines.append(f"  Note over {all_ids}: {text}")
         elif line.receiver:
-            lines.append(f"  {names[line.sender]}->>{names[line.receiver]}: {text}")
+            lines.append(f"  {ids[line.sender]}->>{ids[line.receiver]}: {text}")
         else:
-            lines.append(f"  Note over {names[line.sender]}: {text}")
-    lines.append(f"  Note over {everybody}: {as_data(course.end)}")
+            lines.append(f"  Note over {ids[line.sender]}: {text}")
+    lines.append(f"  Note over {all_ids}: {as_data(course.end)}")
     return "\n".join(lines) + "\n"
 
 
@@ -71,25 +79,31 @@ def svg(course: Course) -> str:
 
 def _parts(course: Course) -> Iterator[str]:
     texts = [width(cut(course_line.text, _LONGEST), SMALL) for course_line in course.lines]
-    heads = [width(cut(participant, _LONGEST), TITLE, bold=True) for participant in course.actors]
+    heads = [
+        width(cut(participant, _LONGEST), TITLE, bold=True) for participant in course.participants
+    ]
     column = round(max([*texts, *heads]) + _GAP, 1)
     first = MARGIN + _TIMES + column / 2
     places = {
-        participant: round(first + column * n, 1) for n, participant in enumerate(course.actors)
+        participant: round(first + column * n, 1)
+        for n, participant in enumerate(course.participants)
     }
     foot = _HEAD + 20 + _ROW_HEIGHT * len(course.lines)
-    ends = (width(cut(course.title, _LONGEST), 16), width(cut(course.end, _LONGEST), ROW))
-    right = max(first + column * len(heads), *(MARGIN + 1.1 * end for end in ends))
+    ends = (
+        width(cut(course.title, _LONGEST), _TITLE, bold=True),
+        width(cut(course.end, _LONGEST), ROW, bold=True),
+    )
+    right = max(first + column * len(heads), *(MARGIN + end for end in ends))
     size = (round(right + MARGIN, 1), foot + 2 * MARGIN + 10)
     yield from opening(size, cut(course.title, _LONGEST), style("auto"), {"arrow": "head"})
-    for actor, x in places.items():
-        text = cut(actor, _LONGEST)
+    for participant, x in places.items():
+        text = cut(participant, _LONGEST)
         left = x - width(text, TITLE, bold=True) / 2
         yield text_element(left, _HEAD, text, TITLE, "title", bold=True)
         yield f'<path class="edge owns" d="M{x} {_HEAD + 8}V{foot}"/>'
     for number, line in enumerate(course.lines):
-        yield from _line(line, _HEAD + 34 + _ROW_HEIGHT * number, places, size[0])
-    yield text_element(MARGIN, foot + 22, cut(course.end, _LONGEST), ROW, "error", bold=True)
+        yield from _line(line, _HEAD + _TO_FIRST_LINE + _ROW_HEIGHT * number, places, size[0])
+    yield text_element(MARGIN, foot + _TO_END, cut(course.end, _LONGEST), ROW, "error", bold=True)
     yield "</svg>"
 
 
