@@ -29,7 +29,7 @@ VERBS = {
     "validate": ("models.checking:validate", "Check models."),
     "prove": ("models.prove", "Prove the maps of a model: what becomes of every value."),
     "generate": ("models.generate", "Generate a workspace from the system in a model."),
-    "build": ("live.run:build", "Compile the translations of a generated workspace."),
+    "build": ("live.build", "Compile the translations of a generated workspace."),
     "run": ("live.run", "Start the processes of a generated workspace."),
     "mutate": ("models.prove:mutate", "Break a model to see what notices it."),
     "report": ("models.views:report", "Report the load and the worst-case times of a system."),

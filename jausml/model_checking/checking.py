@@ -176,7 +176,7 @@ def course_of(subject: Subject, example: CounterExample) -> Course:
     for number, moment in enumerate(example.moments):
         step = moment.step
         time = f"{moment.seconds:g} s"
-        repeats = example.repeats and number >= first
+        repeats = bool(example.repeats) and number >= first
         if not step.is_tick:
             lines.append(Line(time, step.what, step.actor, step.receiver))
             if step.on_to:

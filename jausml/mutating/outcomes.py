@@ -25,9 +25,9 @@ VERDICTS = {
     EQUAL: "the same code is generated",
     NOTHING: "it survives",
 }
-"""What can become of a mutation, in the order in which it is tried; the first one counts.
+"""Verdicts on a mutation, in the order in which they are tried; the first that fits counts.
 
-The last three are no notice: a rule only warns, the mutation has no effect, or it survives.
+The last three do not count as noticed: a rule only warns, no code changes, or nothing happens.
 """
 
 
@@ -52,7 +52,13 @@ class Outcome:
 
 @dataclass
 class Campaign:
-    """What became of the mutations of a model."""
+    """What became of the mutations of a model.
+
+    Attributes:
+        possible: How many mutations the operators can make.
+        chosen: How many of them were to be tried.
+        remarks: What of the sound model could not be checked.
+    """
 
     model: str
     possible: int = 0

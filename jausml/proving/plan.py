@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import math
-import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -23,60 +22,18 @@ from jausml.proving.layout import (
     Number,
     Usual,
 )
+from jausml.proving.positions import positions_of, spread_positions
 from jausml.proving.round_trips import Input, RoundTrip, inputs
-
-SEED = 5684
-"""Begins the random values, so that each run tries the same ones."""
-
-_NEAR = 64
-"""How many neighbours of an end are tried."""
-
-_USUAL = 400.0
-_REALS = (0.5, 1.0, 1.5, 2.0, 3.141592653589793, 1.5707963267948966, 6.283185307179586, 90.0, 180.0)
-
-
-def directed(number: Number, count: int) -> list[int]:
-    """Returns positions of values in their order: ends, powers of two, halves, and random ones."""
-    total = 1 << number.bits
-    if total <= count:
-        return list(range(total))
-    positions = {index for index in _marked(number, total) if 0 <= index < total}
-    draw = random.Random(SEED)
-    if number.kind == FLOAT:
-        # Of all bits, most are numbers that no quantity has; these are of a usual size.
-        usual = (draw.uniform(-_USUAL, _USUAL) for _ in range(count // 2))
-        positions.update(number.index(number.bits_of(value)) for value in usual)
-    while len(positions) < count:
-        positions.add(draw.getrandbits(number.bits))
-    return sorted(positions)
-
-
-def some(number: Number, count: int) -> list[int]:
-    """Returns about so many of these positions."""
-    positions = directed(number, count)
-    return positions[:: max(1, len(positions) // count)]
-
-
-def _marked(number: Number, total: int) -> Iterator[int]:
-    for end in (0, total // 2, total - 1, total // 4, 3 * total // 4):
-        yield from range(end - _NEAR, end + _NEAR + 1)
-    for power in range(number.bits):
-        for near in (-1, 0, 1):
-            yield (1 << power) + near
-            yield total - (1 << power) + near
-            yield number.index(((1 << power) + near) % total)
-    if number.kind == FLOAT:
-        for magnitude in _REALS:
-            for sign in (1, -1):
-                middle = number.index(number.bits_of(sign * magnitude))
-                yield from range(middle - 2, middle + 3)
-
 
 _WATCHED = 8
 """Of how many numbers of the other message it is followed how they go with one."""
 
 _PROBES, _ALL = 48, 256
+"""Values by which one sees whether anything depends on a scaled number or float, and on others."""
+
 _OPTIONS = 16
+"""Options of variants that are tried at most."""
+
 _LONGEST = 8
 """How many elements usual lists have at most."""
 
@@ -143,7 +100,7 @@ class _Side:
 
 
 @dataclass(frozen=True)
-class _Passing:
+class _Passage:
     """A message that is translated, and what of it comes back, if it does."""
 
     first: Layout
@@ -151,8 +108,8 @@ class _Passing:
     made: int
 
     @property
-    def worth(self) -> tuple[int, int, int]:
-        """Most is worth that of which most comes back, is made, and is taken."""
+    def rank(self) -> tuple[int, int, int]:
+        """Sorts messages: first those of which most comes back, then is made, then is taken."""
         numbers = len(self.settled.numbers) if self.settled is not None else 0
         return numbers, self.made, len(self.first.numbers)
 
@@ -166,7 +123,15 @@ def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
             shortcuts = {path: at for at, path in enumerate(code.shortcuts, 1) if to_ros}
             units = functools.partial(_units, outer_scope(used, to_ros=to_ros))
             has_back = (not to_ros) in code.directions
-            side = _Side(name, taken[to_ros], taken[not to_ros], to_ros, has_back, shortcuts, units)
+            side = _Side(
+                name=name,
+                own=taken[to_ros],
+                other=taken[not to_ros],
+                to_ros=to_ros,
+                has_back=has_back,
+                shortcuts=shortcuts,
+                units=units,
+            )
             _Planner(proof_plan, form, side).run()
     return proof_plan
 
@@ -198,7 +163,8 @@ class _Planner:
         settled = [passage.settled for passage in passages if passage.settled is not None]
         if not settled and self._side.has_back:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values comes back")
-        before, known = len(self._plan.fields), dict[str, bool]()
+        before = len(self._plan.fields)
+        known: dict[str, bool] = {}
         # Messages that come back go first: a number is planned once, and of these more is known.
         layouts = [
             *((settled_layout, True) for settled_layout in settled),
@@ -215,26 +181,26 @@ class _Planner:
             replace(own_field, partners=_partners(own_field, own)) for own_field in own
         ]
 
-    def _messages(self) -> list[_Passing]:
+    def _messages(self) -> list[_Passage]:
         """The messages of usual values that are translated, with each option that they have.
 
         First come those of which most comes back, or at least of which most is made. Lists are made
         longer where nothing comes back: maps may want all of their elements.
         """
-        passages: list[_Passing] = []
+        passages: list[_Passage] = []
         for count in range(1, _LONGEST + 1):
             for candidates in self._candidates(count):
                 for first in candidates:
-                    between = self._there(first.data)
+                    between = self._translated(first.data)
                     if between is None:
                         continue
                     settled = self._settled(first)
-                    passages.append(_Passing(first, settled, len(between)))
+                    passages.append(_Passage(first, settled, len(between)))
                     if settled is not None or not self._side.has_back:
                         break
             if not self._side.has_back or any(passage.settled is not None for passage in passages):
                 break
-        return sorted(passages, key=lambda passage: passage.worth, reverse=True)
+        return sorted(passages, key=lambda passage: passage.rank, reverse=True)
 
     def _candidates(self, count: int) -> Iterator[Iterator[Layout]]:
         """Yields messages of usual values by the options that they choose.
@@ -258,20 +224,20 @@ class _Planner:
 
     def _settled(self, first: Layout) -> Layout | None:
         """A message that comes back with all that it has; as it is, if the map lets it be."""
-        returned = self._around(first.data)
-        again = self._around(returned) if returned is not None else None
+        returned = self._returned(first.data)
+        again = self._returned(returned) if returned is not None else None
         if returned is None or again is None:
             return None
         # The map may change a value at each trip; then the first one is as good as the next.
-        is_stable = self._around(again) == again
+        is_stable = self._returned(again) == again
         return self._side.own.layout(again if is_stable else returned)
 
-    def _there(self, data: bytes) -> bytes | None:
+    def _translated(self, data: bytes) -> bytes | None:
         return self._form.translate(data, to_ros=self._side.to_ros)
 
-    def _around(self, data: bytes) -> bytes | None:
+    def _returned(self, data: bytes) -> bytes | None:
         """What comes back of a message, with what was joined to it."""
-        between, side = self._there(data), self._side
+        between, side = self._translated(data), self._side
         if between is None or not side.has_back:
             return None
         taken = between + side.other.usual_joins
@@ -280,7 +246,7 @@ class _Planner:
 
     def _add(self, message: bytes, number: Number, *, has_back: bool) -> bool:
         """Adds a number if anything depends on it, and tells whether."""
-        between, side = self._there(message), self._side
+        between, side = self._translated(message), self._side
         if between is None:
             return False
         reached = self._reached(message, number, between)
@@ -312,7 +278,7 @@ class _Planner:
         dependents: dict[Number, None] = {}
         is_reached = False
         for index in _probes(number):
-            translation = self._there(number.put(message, number.raw(index)))
+            translation = self._translated(number.put(message, number.raw(index)))
             is_reached = is_reached or translation != between
             # In a message of another length the numbers stand elsewhere.
             if (
@@ -334,7 +300,7 @@ def _probes(number: Number) -> Sequence[int]:
     Of integers, a single one may have a meaning.
     """
     is_plain = number.kind != FLOAT and not number.is_scaled
-    return directed(number, _ALL) if is_plain else some(number, _PROBES)
+    return positions_of(number, _ALL) if is_plain else spread_positions(number, _PROBES)
 
 
 def _partners(planned: Field, others: Sequence[Field]) -> list[Number]:

@@ -26,7 +26,8 @@ from jausml.proving.compiled_form import (
     compiled,
     proof_code,
 )
-from jausml.proving.plan import Field, directed, plan
+from jausml.proving.plan import Field, plan
+from jausml.proving.positions import positions_of
 from jausml.proving.results import MapResult
 from jausml.proving.round_trips import RoundTrip, round_trips
 from jausml.proving.summary import EXAMPLES, Swept, summed_up
@@ -95,7 +96,7 @@ def _swept(form: CompiledForm, planned: Field, jobs: int, deadline: float) -> Sw
     sweep, bits = planned.sweep, planned.number.bits
     total = 1 << bits
     count = _DIRECTED if bits <= WIDEST else _DIRECTED_OF_MORE
-    indices = range(total) if bits <= NARROW else directed(planned.number, count)
+    indices = range(total) if bits <= NARROW else positions_of(planned.number, count)
     most = total if bits <= NARROW else EXAMPLES
     sweep_result = Swept(form.run(sweep, indices, most, jobs))
     if planned.partners:

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 
 from jausml.proving.compiled_form import CompiledForm, PythonForm, Tally, Trip
 from jausml.proving.layout import FLOAT, JAUS, Number
-from jausml.proving.plan import Field, some
+from jausml.proving.plan import Field
+from jausml.proving.positions import spread_positions
 from jausml.proving.results import (
     Extreme,
     FieldResult,
@@ -203,7 +204,11 @@ def _compare(result: FieldResult, planned: Field, python: PythonForm, form: Comp
     sweep = planned.sweep
     number = planned.number
     # What NaN looks like inside is no matter of either form.
-    indices = [e for e in some(number, _COMPARED) if not math.isnan(number.value(number.raw(e)))]
+    indices = [
+        e
+        for e in spread_positions(number, _COMPARED)
+        if not math.isnan(number.value(number.raw(e)))
+    ]
     messages = _messages(planned, indices)
     for message, trip in zip(messages, _trips(planned, indices, python), strict=True):
         between = form.translate(message, to_ros=sweep.to_ros)

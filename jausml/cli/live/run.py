@@ -1,4 +1,4 @@
-"""`jausml build` and `jausml run`: compile a workspace, and start its processes."""
+"""`jausml run`: starts the processes of a generated workspace."""
 
 from __future__ import annotations
 
@@ -6,105 +6,26 @@ import importlib.util
 import os
 import re
 import sys
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from importlib.machinery import PathFinder
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from jausml import installing
+from jausml.cli.live.build import build_before_run, workspace_of
+from jausml.cli.live.message_packages import require_packages
+from jausml.cli.live.process_arguments import (
+    ProcessArguments,
+    process_arguments,
+    split_arguments,
+    with_frequency,
+)
 from jausml.cli.live.supervisor import Command, Supervisor
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.options import FiniteRange
-from jausml.cli.shared.terminal import remark, step, warn
 
-if TYPE_CHECKING:
-    from jausml.generation.native import Built
-
-
-def workspace_of(out: str) -> Path:
-    """Returns the generated folder: OUT itself, or its src when OUT is the colcon workspace."""
-    from jausml.generation.manifest import MANIFEST_PATH
-
-    for folder in (Path(out), Path(out, "src")):
-        if (folder / MANIFEST_PATH).is_file():
-            return folder.resolve()
-    name = click.format_filename(out)
-    raise EnvironmentFault(
-        f"{name} is no generated workspace: it has no {MANIFEST_PATH}; "
-        f"'jausml generate MODEL -o {name}' makes one"
-    )
-
-
-MISSING = (
-    "no compiler: install g++ or clang++, or name one in CXX; until then, Python translates, and a "
-    "scan or path costs 20 to 100 times as much"
-)
-
-
-@click.command("build")
-@click.argument("out", metavar="[OUT]", default=".")
-def build(out: str) -> None:
-    """Compile the translations of the bridges in a generated workspace, by default in this folder.
-
-    Each bridge has the source core/core.cpp, of which a library is made beside its Python module.
-    The usual message is then translated by it, a scan or path in a twentieth of the time or less;
-    Python treats the others as before. A library that was made of the present source stays.
-    `jausml run` builds as well, and `colcon build` does where the workspace is built with it.
-
-    The compiler is the one that the variable CXX names, or g++ or clang++.
-
-    Exit status: 0 every library is there, 1 one could not be built, 2 OUT is no generated
-    workspace, or there is no compiler, 3 internal error.
-    """
-    from jausml.generation import native
-
-    folder = workspace_of(out)
-    sources = native.cores(folder)
-    program = native.compiler()
-    if program is None and not all(map(native.is_current, sources)):
-        raise EnvironmentFault(MISSING)
-    results = _built(sources, program or "")
-    for result in results:
-        reason = f": {result.reason}" if result.reason else ""
-        click.echo(f"{result.state.value} {result.library.relative_to(folder)}{reason}")
-    if not results:
-        remark(f"no bridge in {click.format_filename(out)} has a compiled form")
-    if any(result.reason for result in results):
-        raise click.exceptions.Exit(PROBLEMS)
-
-
-def build_before_run(folder: Path, packages: Sequence[str]) -> None:
-    """Builds what is not built yet of some packages; where that fails, Python translates."""
-    from jausml.generation import native
-
-    sources = [core for core in native.cores(folder) if core.parent.parent.name in packages]
-    stale = [source for source in sources if not native.is_current(source)]
-    if not stale:
-        return
-    program = native.compiler()
-    if program is None:
-        remark(MISSING)
-        return
-    names = ", ".join(path.parent.parent.name for path in stale)
-    remark(f"the translations of {names} are compiled, once, before anything runs")
-    for result in _built(stale, program):
-        if result.reason:
-            warn(
-                f"{result.library.parent.name} is not compiled, Python translates: {result.reason}"
-            )
-
-
-def _built(sources: Sequence[Path], program: str) -> list[Built]:
-    from jausml.generation import native
-
-    with step("compile"):
-        return native.build(sources, program)
-
-
-_MAIN = (
+_RUN_MODULE = (
     "import runpy, sys; sys.path = [folder for folder in sys.path if folder]; "
     "runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
 )
@@ -173,7 +94,7 @@ def command(
     entries = _chosen(_entries(folder), (*only, *process))
     passed = process_arguments(entries, arguments, is_named=bool(process))
     if frequency is not None:
-        passed = _with_frequency(entries, passed, frequency)
+        passed = with_frequency(entries, passed, frequency)
     environment = _environment(folder)
     if any(entry["kind"] in _ROS_KINDS for entry in entries):
         _require_ros()
@@ -251,11 +172,11 @@ def _command(entry: Mapping[str, Any], folder: Path, passed: ProcessArguments) -
     parameters = entry.get("parameters", "")
     if parameters:
         arguments += ["--ros-args", "--params-file", str(folder / parameters)]
-    # What comes later goes before: an argument of the user before the generated file.
+    # The last one wins in ROS: what the user says overrides the generated file.
     arguments += passed.ros
     return Command(
         entry["name"],
-        (sys.executable, "-u", "-c", _MAIN, entry["module"], *arguments),
+        (sys.executable, "-u", "-c", _RUN_MODULE, entry["module"], *arguments),
         {"ROS_DOMAIN_ID": str(entry.get("domain", 0))},
     )
 
@@ -268,119 +189,3 @@ def _environment(folder: Path) -> dict[str, str]:
     inherited = os.environ.get("PYTHONPATH", "")
     path = os.pathsep.join([*packages, *([inherited] if inherited else [])])
     return {**os.environ, "PYTHONPATH": path}
-
-
-_ROS_ARGUMENTS = "--ros-args"
-_IDENTITY = "--jaus-id"
-
-
-@dataclass(frozen=True, slots=True)
-class ProcessArguments:
-    """Arguments for one process.
-
-    `ros`: for ROS, `--ros-args` included; empty when there are none.
-    """
-
-    own: tuple[str, ...] = ()
-    ros: tuple[str, ...] = ()
-
-
-def split_arguments(rest: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Returns the name of the process, if there is one, and the arguments."""
-    number = 1 if rest and not rest[0].startswith("-") else 0
-    return tuple(rest[:number]), tuple(rest[number:])
-
-
-def process_arguments(
-    entries: Sequence[Mapping[str, Any]], arguments: Sequence[str], *, is_named: bool
-) -> list[ProcessArguments]:
-    """Returns what each process gets."""
-    at = arguments.index(_ROS_ARGUMENTS) if _ROS_ARGUMENTS in arguments else len(arguments)
-    own, ros = tuple(arguments[:at]), tuple(arguments[at:])
-    jaus = [entry["name"] for entry in entries if entry["kind"] != "node"]
-    nodes = [entry["name"] for entry in entries if entry["kind"] != "component"]
-    if own and not own[0].startswith("-"):
-        raise click.UsageError(f"'{own[0]}' is no option of a process")
-    if own and not jaus and not is_named:
-        raise click.UsageError(f"no process speaks JAUS, which {own[0]} is for")
-    if ros and not nodes:
-        raise click.UsageError(f"no process is a ROS node, which {_ROS_ARGUMENTS} is for")
-    if len(jaus) > 1 and any(argument.partition("=")[0] == _IDENTITY for argument in own):
-        names = ", ".join(jaus)
-        raise click.UsageError(f"name the process that gets this {_IDENTITY}: one of {names}")
-    return [
-        ProcessArguments(
-            own if is_named or entry["name"] in jaus else (), ros if entry["name"] in nodes else ()
-        )
-        for entry in entries
-    ]
-
-
-def _with_frequency(
-    entries: Sequence[Mapping[str, Any]], passed: Sequence[ProcessArguments], frequency: float
-) -> list[ProcessArguments]:
-    """Returns what each process gets, bridges their frequency before what is said in detail."""
-    if not any(entry["kind"] == "bridge" for entry in entries):
-        raise click.UsageError("no process is a bridge, which --frequency is for")
-    # A number without a point is an integer to ROS, which the parameter is not.
-    said = (_ROS_ARGUMENTS, "-p", f"frequency:={frequency!r}")
-    return [
-        replace(arguments, ros=(*said, *arguments.ros)) if entry["kind"] == "bridge" else arguments
-        for entry, arguments in zip(entries, passed, strict=True)
-    ]
-
-
-_INTERFACES = ("msg", "srv", "action")
-_MESSAGES = "_msgs"
-
-
-def require_packages(entries: Sequence[Mapping[str, Any]], folder: Path, python_path: str) -> None:
-    """Refuses to start processes whose messages nobody has built or installed."""
-    path = [*filter(None, python_path.split(os.pathsep)), *sys.path]
-    for entry in entries:
-        for name in _needed(folder / str(entry.get("package", "")) / "package.xml"):
-            is_own = any((folder / name / kind).is_dir() for kind in _INTERFACES)
-            # Without an __init__ it is the folder of definitions beside us, or nothing at all.
-            spec = PathFinder.find_spec(name, path)
-            if (is_own or name.endswith(_MESSAGES)) and (spec is None or spec.origin is None):
-                raise EnvironmentFault(
-                    f"{entry['name']} needs {name}, {_cure(name, folder, is_own)}"
-                )
-
-
-def _cure(name: str, folder: Path, is_own: bool) -> str:
-    from jausml.language.model.library import has_package
-    from jausml.live.machine import package_cure
-
-    if not (is_own or has_package(name)):
-        return (
-            "which Python does not find: it is a package of yours, or was imported: run"
-            f" `colcon build` where the sources of {name} are, source install/setup.bash,"
-            " then run this again"
-        )
-    if not is_own:
-        return (
-            "which Python does not find: source a ROS 2 installation that has it, or"
-            f" {package_cure(name)}"
-        )
-    root = folder.parent if folder.name == "src" else folder
-    return (
-        "whose messages are not built yet: in a shell with ROS 2, run `colcon build` in"
-        f" {root} and source install/setup.bash, then run this again"
-    )
-
-
-def _needed(file: Path) -> Iterator[str]:
-    """Yields the names of packages that a package.xml says its package needs to run."""
-    from lxml import etree
-
-    if not file.is_file():
-        return
-    parser = etree.XMLParser(resolve_entities=False, no_network=True)
-    try:
-        root = etree.parse(file, parser).getroot()
-    except etree.XMLSyntaxError:
-        return
-    for element in root.iter("depend", "exec_depend"):
-        if element.text:
-            yield element.text.strip()

@@ -35,6 +35,7 @@ class _Requests:
         self._context = context
         self._recordings = context.recordings
         self._places: tuple[Model | None, Places] = (None, Places())
+        """The model that was asked for last, and its places."""
 
     def files(self) -> dict[str, Any]:
         """Returns which recordings there are."""
@@ -42,16 +43,16 @@ class _Requests:
 
     def open(self, recording: str) -> dict[str, Any]:
         """Returns how far a recording is read; once it is, what changed in it and when."""
-        opened_recording = self._recordings.opened(recording)
-        system = opened_recording.system
+        file = self._recordings.opened(recording)
+        system = file.system
         if system is None:
-            return {"share": opened_recording.share, "fault": opened_recording.fault, "read": None}
+            return {"share": file.share, "fault": file.fault, "read": None}
         read = {
             "duration": system.duration,
             "damage": system.damage,
             "sources": {name: fault for name, fault in system.sources.items() if fault},
             "unreadable": system.unreadable,
-            "marks": [_mark(mark) for mark in system.marks],
+            "marks": [_mark_as_json(mark) for mark in system.marks],
             "unlisted": system.unlisted,
         }
         return {"share": 1.0, "fault": "", "read": read}
@@ -66,7 +67,8 @@ class _Requests:
         self, recording: str, file: str, bridge: str, connection: str, at: float
     ) -> dict[str, Any]:
         """Returns why a connection did not pass on what it dropped last."""
-        system, (model, _) = self._recordings.system(recording), self._model(file)
+        system = self._recordings.system(recording)
+        model, _ = self._model(file)
         explanation = explained(system, model, (bridge, connection), at)
         return {"at": explanation.at, "counter": explanation.counter, "state": explanation.state}
 
@@ -79,7 +81,7 @@ class _Requests:
         return model, places
 
 
-def _mark(mark: Mark) -> dict[str, Any]:
+def _mark_as_json(mark: Mark) -> dict[str, Any]:
     bridge, connection = mark.subject
     return {
         "kind": mark.kind,

@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import (
+from jausml.live.peers.conformance.check import Check, Step, step
+from jausml.live.peers.conformance.session import INSUFFICIENT, NOBODY, Authority
+from jausml.live.peers.conformance.steps import (
     A,
     B,
-    Check,
-    Step,
     ask,
     expect,
     expect_none,
     has,
     needs,
     send,
-    step,
     take,
 )
-from jausml.live.peers.conformance.session import INSUFFICIENT, NOBODY, Authority
 from jausml.live.peers.discovery import controller_of
 from jausml.runtime.messages import (
     ConfirmControl,

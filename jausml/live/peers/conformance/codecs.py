@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 from jausml.language.wire.kinds import PRESENCE_VECTOR
 from jausml.live.messages import EncodeError, MessageError
 from jausml.live.messages.codec import PRESENCE
-from jausml.live.peers.conformance.check import Check, skips
+from jausml.live.peers.conformance.check import Check
 from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
+from jausml.live.peers.conformance.steps import skips
 from jausml.live.peers.entry_messages import optional_bits, plain_query, presence_holder
 
 if TYPE_CHECKING:

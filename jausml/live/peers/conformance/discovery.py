@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import (
+from jausml.live.peers.conformance.check import Check, Step
+from jausml.live.peers.conformance.steps import (
     A,
     AnythingBut,
-    Check,
     Judgement,
-    Step,
     any_of,
     ask,
     expect_none,
@@ -17,9 +16,9 @@ from jausml.live.peers.conformance.check import (
     notes,
     passes,
     send,
+    should_have,
     since_1_1,
     skips,
-    usual,
 )
 from jausml.live.peers.discovery import Services, services_of
 from jausml.runtime.base.address import JausAddress
@@ -159,7 +158,7 @@ def _identifies(
     scope: Scope, *judgements: Judgement[ReportIdentification], unanswered: Step | None = passes
 ) -> Step:
     query = QueryIdentification(query_type=scope)
-    expected = (has(query_type=scope), usual(type_=_TYPES[scope]), *judgements)
+    expected = (has(query_type=scope), should_have(type_=_TYPES[scope]), *judgements)
     return ask(A, query, ReportIdentification, *expected, unanswered=unanswered)
 
 
@@ -169,7 +168,11 @@ CHECKS = (
         "Identifies itself as a component",
         "AS5710A Discovery, QueryIdentification 4, ReportIdentification",
         "The report repeats QueryType 4 and holds a type of components and a name.",
-        (_identifies(Scope.COMPONENT, usual(identification=AnythingBut("")), unanswered=None),),
+        (
+            _identifies(
+                Scope.COMPONENT, should_have(identification=AnythingBut("")), unanswered=None
+            ),
+        ),
     ),
     Check(
         "discovery.scopes",

@@ -5,17 +5,18 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import A, B, Step, expect, expect_none, has, send, step
+from jausml.live.peers.conformance.check import Step, step
 from jausml.live.peers.conformance.client import decoded
 from jausml.live.peers.conformance.evidence import CheckFailed, CheckSkipped
+from jausml.live.peers.conformance.steps import A, B, expect, expect_none, has, send
 from jausml.runtime import messages as core
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.live.peers.conformance.check import Judgement
     from jausml.live.peers.conformance.client import Client
     from jausml.live.peers.conformance.session import Session
+    from jausml.live.peers.conformance.steps import Judgement
     from jausml.runtime.wire.message import Message
 
     Record = core.ReportEvents.ReportEventRec

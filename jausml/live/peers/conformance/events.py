@@ -5,24 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance.access import request
-from jausml.live.peers.conformance.check import (
-    A,
-    AnythingBut,
-    B,
-    Check,
-    ask,
-    expect,
-    expect_none,
-    has,
-    provides,
-    put,
-    send,
-    settle,
-    since_1_1,
-    slow,
-    step,
-    usual,
-)
+from jausml.live.peers.conformance.check import Check, step
 from jausml.live.peers.conformance.client import decoded
 from jausml.live.peers.conformance.event_steps import (
     FREE_EVENT,
@@ -47,6 +30,22 @@ from jausml.live.peers.conformance.event_steps import (
     updating,
 )
 from jausml.live.peers.conformance.session import Authority
+from jausml.live.peers.conformance.steps import (
+    A,
+    AnythingBut,
+    B,
+    ask,
+    expect,
+    expect_none,
+    has,
+    provides,
+    put,
+    send,
+    settle,
+    should_have,
+    since_1_1,
+    slow,
+)
 from jausml.runtime import messages as core
 
 if TYPE_CHECKING:
@@ -228,7 +227,7 @@ CHECKS = (
         "The standard names code 6 for updates; it is the usual one here too.",
         (
             send(A, core.CancelEvent(4, FREE_EVENT)),
-            expect(A, Reject, has(request_id=4), usual(response_code=6)),
+            expect(A, Reject, has(request_id=4), should_have(response_code=6)),
         ),
     ),
     Check(
@@ -264,7 +263,7 @@ CHECKS = (
         "RejectEventRequest 4 (invalid setup) is usual; some stacks take another rate.",
         (
             send(A, creating(0.0)),
-            expect(A, Reject, has(request_id=1), usual(response_code=4), unless=_confirmed),
+            expect(A, Reject, has(request_id=1), should_have(response_code=4), unless=_confirmed),
         ),
     ),
     Check(

@@ -9,11 +9,13 @@ from __future__ import annotations
 from datetime import datetime, timedelta, timezone
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import (
+from jausml.live.peers.conformance.check import Check, step
+from jausml.live.peers.conformance.event_steps import carries, created
+from jausml.live.peers.conformance.evidence import CheckFailed
+from jausml.live.peers.conformance.steps import (
     A,
     AnythingBut,
     B,
-    Check,
     ask,
     expect,
     expect_none,
@@ -22,11 +24,8 @@ from jausml.live.peers.conformance.check import (
     ready,
     send,
     serves,
-    step,
-    usual,
+    should_have,
 )
-from jausml.live.peers.conformance.event_steps import carries, created
-from jausml.live.peers.conformance.evidence import CheckFailed
 from jausml.runtime.messages import (
     ConfirmElementRequest,
     DeleteElement,
@@ -175,7 +174,7 @@ CHECKS = (
             lacks(_UID),
             ready(A),
             send(A, _delete(9)),
-            expect(A, RejectElementRequest, has(request_id=9), usual(response_code=(5, 1))),
+            expect(A, RejectElementRequest, has(request_id=9), should_have(response_code=(5, 1))),
         ),
     ),
     Check(
@@ -259,13 +258,13 @@ TIME_CHECKS = (
                 A,
                 QueryTime(presence_vector=TIME),
                 ReportTime,
-                usual(time_stamp=AnythingBut(None), date_stamp=None),
+                should_have(time_stamp=AnythingBut(None), date_stamp=None),
             ),
             ask(
                 A,
                 QueryTime(presence_vector=DATE),
                 ReportTime,
-                usual(time_stamp=None, date_stamp=AnythingBut(None)),
+                should_have(time_stamp=None, date_stamp=AnythingBut(None)),
             ),
         ),
     ),

@@ -17,11 +17,11 @@ from jausml.live.peers.conformance.access import (
     request,
     timeout_in_reach,
 )
-from jausml.live.peers.conformance.check import (
+from jausml.live.peers.conformance.check import Check, Step, step
+from jausml.live.peers.conformance.session import Authority
+from jausml.live.peers.conformance.steps import (
     A,
     B,
-    Check,
-    Step,
     ask,
     expect,
     has,
@@ -29,13 +29,11 @@ from jausml.live.peers.conformance.check import (
     put,
     ready,
     send,
+    should_have,
     silence,
     since_1_1,
-    step,
     take,
-    usual,
 )
-from jausml.live.peers.conformance.session import Authority
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
@@ -163,7 +161,7 @@ CHECKS = (
         "Waits in Standby without a controller",
         "AS5710A Management, Init: Initialized; ReportStatus",
         "ReportStatus says 2 (STANDBY) and 0 in its reserved field.",
-        (ask(A, QueryStatus(), ReportStatus, has(status=STANDBY), usual(reserved=0)),),
+        (ask(A, QueryStatus(), ReportStatus, has(status=STANDBY), should_have(reserved=0)),),
     ),
     Check(
         "management.control-keeps-standby",

@@ -12,9 +12,9 @@ from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from jausml.live.peers.conformance.check import Judgement
     from jausml.live.peers.conformance.client import Client
     from jausml.live.peers.conformance.session import Session
+    from jausml.live.peers.conformance.steps import Judgement
 
 UNKNOWN_CODE = b"\xb7\x7a"
 """A message code (7AB7) that no published service set uses."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
-from jausml.live.peers.conformance.check import A, Check, has, settle, silence, step, usual
+from jausml.live.peers.conformance.check import Check, step
 from jausml.live.peers.conformance.packet_steps import (
     UNKNOWN_CODE,
     acknowledged,
@@ -23,6 +23,7 @@ from jausml.live.peers.conformance.packet_steps import (
     unacknowledged,
 )
 from jausml.live.peers.conformance.session import PINGS
+from jausml.live.peers.conformance.steps import A, has, settle, should_have, silence
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Priority
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ CHECKS = (
             acknowledged(
                 A,
                 has(acknowledge=AckNak.ACK, data_flags=DataFlags.SINGLE),
-                usual(broadcast=Broadcast.NONE, priority=Priority.STANDARD),
+                should_have(broadcast=Broadcast.NONE, priority=Priority.STANDARD),
             ),
         ),
     ),

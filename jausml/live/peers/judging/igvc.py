@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING
 
 from jausml.live.peers.conformance import lists
 from jausml.live.peers.conformance.access import ACCEPTED, LOW, request
-from jausml.live.peers.conformance.check import (
+from jausml.live.peers.conformance.check import step
+from jausml.live.peers.conformance.management import READY, STANDBY, comes_to, is_down
+from jausml.live.peers.conformance.steps import (
     A,
     AnythingBut,
     ask,
@@ -19,10 +21,8 @@ from jausml.live.peers.conformance.check import (
     has,
     ready,
     send,
-    step,
-    usual,
+    should_have,
 )
-from jausml.live.peers.conformance.management import READY, STANDBY, comes_to, is_down
 from jausml.live.peers.discovery import services_of
 from jausml.live.peers.judging.competition import Competition, PartOf, Task, part, task
 from jausml.live.peers.judging.driving import (
@@ -42,8 +42,8 @@ from jausml.runtime import messages as core
 from jausml.runtime.services.discovery_messages import query_services
 
 if TYPE_CHECKING:
-    from jausml.live.peers.conformance.check import Judgement
     from jausml.live.peers.conformance.session import Session
+    from jausml.live.peers.conformance.steps import Judgement
     from jausml.runtime.base.settings import Endpoint
 
 RULES = "IGVC 2011, JAUS Challenge"
@@ -60,7 +60,7 @@ _NEAR = 0.25
 _SET_WITHIN = 2.0
 _WAYPOINT_TASK = 10.0
 _IDENTIFY = core.QueryIdentification(query_type=4)
-_NAMED: Judgement[core.ReportIdentification] = usual(identification=AnythingBut(""))
+_NAMED: Judgement[core.ReportIdentification] = should_have(identification=AnythingBut(""))
 _FAR = float("inf")
 _ONE_INTERVAL = INTERVAL + _LENIENCE
 
