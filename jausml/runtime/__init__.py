@@ -32,11 +32,12 @@ from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics
 from .bridge.connections.translations import Join, NamedPlaces, Transcode, ros_classes
 from .bridge.diagnosing import Carried
+from .bridge.ends.actions import ListAction, Progress
 from .bridge.ends.ends import BridgeSettings
 from .bridge.ends.list_driver import ListAnswers, ListMessages
 from .bridge.ends.mission_driver import MissionMessages
 from .bridge.ends.parameters import AttributeParameter
-from .bridge.ends.ros_side import ListAction, Progress, RosSide
+from .bridge.ends.ros_side import RosSide
 from .bridge.ends.topics import Qos, RosService, Topic
 from .bridge.ends.waypoint_driver import WaypointMessages
 from .bridge.forms import differing_forms

@@ -120,6 +120,22 @@ def test_a_bridge_has_the_kinds_of_connections_that_it_has(tmp_path: Path) -> No
     starts(tmp_path / "src", "front")
 
 
+@pytest.mark.parametrize(
+    ("connection", "parts"),
+    [
+        ("TopicsToReport", set()),
+        ("RosServiceToJaus", {"services", "introspection"}),
+        ("JausToRosService", {"services", "introspection"}),
+        ("ListToAction", {"actions", "action_work", "introspection"}),
+        ("ActionToList", {"actions", "action_work", "introspection"}),
+    ],
+)
+def test_a_node_has_the_parts_that_connections_ask_for(connection: str, parts: set[str]) -> None:
+    code = f"from {FACE} import {connection}, run_bridge"
+    found = {name.rpartition(".")[2] for name in needed([("a.py", code)]) if "bridge.ros." in name}
+    assert found & {"services", "introspection", "actions", "action_work"} == parts
+
+
 def test_what_modules_import_is_there(tmp_path: Path) -> None:
     generate(tmp_path, FRONT, "front")
     lines = (f"from {FACE} import {name}" for name in ("Bridge", "Topic"))

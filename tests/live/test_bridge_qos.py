@@ -335,7 +335,7 @@ def test_parameters_change_while_the_node_runs(node):
     tested, seen = node(), []
     tested.parameter(Parameter("live", 1.0, "Live.", (0.0, 10.0), check), seen.append)
     tested.parameter(Parameter("fixed", 1.0, "Fixed."))
-    results = tested._node.set_parameters(
+    results = tested.node.set_parameters(
         [
             RosParameter("live", value=2.0),
             RosParameter("live", value=11.0),
@@ -372,7 +372,7 @@ def of_model(node, changed=None):
     tested = node("-p", "given:=2.0")
     values = [tested.parameter(Parameter(name, 1.0, f"Of {name}."), changed) for name in NAMES]
     assert values == [2.0, 1.0, 1.0, 1.0, 1.0, 1.0]
-    return tested, tested._node
+    return tested, tested.node
 
 
 def test_a_parameter_is_declared_when_somebody_asks_for_it(node, declared):

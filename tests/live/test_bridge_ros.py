@@ -77,7 +77,7 @@ def test_parameters(node):
     assert (rate, type(rate)) == (5.0, float)
     assert tested.parameter(Parameter("other", "text", "Text.")) == "text"
     tested.check_parameters()
-    (done,) = tested._node.set_parameters([RclpyParameter("rate", value=10)])
+    (done,) = tested.node.set_parameters([RclpyParameter("rate", value=10)])
     assert (done.successful, rates) == (True, [10.0])
     assert tested.parameter(Parameter("depth", 1, "Depth.", (1, 65535))) == 1
     assert tested.parameter(Parameter("peers", ["a"], "Peers.")) == ["a"]

@@ -326,12 +326,12 @@ def test_simulated_time_may_begin_and_end_while_the_node_runs(node, peer):
     tested = node()
     tested.start(pytest.fail)
     assert abs(tested.now().sec - time.time()) < 60
-    tested._node.set_parameters([RosParameter("use_sim_time", value=True)])
+    tested.node.set_parameters([RosParameter("use_sim_time", value=True)])
     clock = peer.publisher(Clock, "/clock")
     message = Clock()
     message.clock.sec = 99
     wait_for(lambda: clock.publish(message) or tested.now() == (99, 0), "simulated time")
-    tested._node.set_parameters([RosParameter("use_sim_time", value=False)])
+    tested.node.set_parameters([RosParameter("use_sim_time", value=False)])
     assert abs(tested.now().sec - time.time()) < 60
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml_runtime.bridge.ends.ros_side import Outcome
+from jausml_runtime.bridge.ends.actions import Outcome
 from jausml_runtime.messages import DeleteElement, SetElement
 from lister.messages import ExecuteList, SetLocalWaypoint
 from lister.ros_types import PoseStamped

@@ -23,7 +23,7 @@ from jausml.live.systems.explaining import MEANINGS, explained, meaning
 from jausml.live.systems.folding import expected, fold_answer, fold_statuses, fold_time
 from jausml.live.systems.playback import NO_ROS, indexed
 from jausml.live.systems.state import SystemState
-from jausml.runtime.bridge.ends.ros_side import Outcome
+from jausml.runtime.bridge.ends.actions import Outcome
 
 DRIVE = ("/loop_bridge", "drive")
 LONG = Drive(seconds=40.0, dropped=(3.5, 21.5, 21.7), silent=9.0, taken=12.0)

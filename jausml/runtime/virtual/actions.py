@@ -10,13 +10,13 @@ from functools import partial
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from ..bridge.ends.ros_side import Outcome
+from ..bridge.ends.actions import Outcome
 from ..bridge.ends.topics import TopicFault
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ..bridge.ends.ros_side import GoalTaker, GoalWatcher
+    from ..bridge.ends.actions import GoalTaker, GoalWatcher
     from .network import Way
 
 NO_SERVER = "no_action_server"
@@ -40,7 +40,7 @@ class VirtualAction:
 
 
 class VirtualActionClient:
-    """Sends goals of one action; see `ActionClient` of ros_side.py."""
+    """Sends goals of one action; see `ActionClient` of ends/actions.py."""
 
     def __init__(self, action: VirtualAction, way: Way) -> None:
         self._action = action

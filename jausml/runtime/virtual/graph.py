@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from random import Random
 
     from ..base.loop import Loop
-    from ..bridge.ends.ros_side import GoalTaker
+    from ..bridge.ends.actions import GoalTaker
 
 RosType: TypeAlias = "type[Any] | str"
 """A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`."""

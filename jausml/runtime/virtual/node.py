@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from ..bridge.ends.parameters import ParameterError, nearest
 from ..bridge.ends.topics import Topic
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from ..base.loop import Loop
-    from ..bridge.ends.ros_side import ActionClient, GoalTaker, ListAction, RosCodec, RosPublisher
+    from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
+    from ..bridge.ends.ros_side import RosCodec, RosPublisher
     from ..bridge.ends.topics import (
         EndpointHealth,
         Parameter,
         RosService,
-        ServiceClient,
         TopicCounts,
         TopicFault,
     )
@@ -200,6 +200,10 @@ class VirtualRosNode:
             return f"{namespace}/{own}/{name[2:]}"
         return f"{namespace}/{name}"
 
+    def part(self, _load: object) -> Any:
+        """Returns the node, whose parts are its own."""
+        return self
+
     # ------------------------------------------------------------------ actions
 
     def action_client(self, action: ListAction) -> ActionClient:
@@ -213,14 +217,11 @@ class VirtualRosNode:
 
     # ------------------------------------------------------------------ what needs ROS
 
-    def serve(
-        self, service: RosService, take: Callable[[bytes, Callable[[bytes], None]], None]
-    ) -> None:
+    def serve(self, service: RosService, _take: object) -> NoReturn:
         """Refuses: services need ROS."""
-        del take
         raise _needs_ros(f"service {service.name}")
 
-    def service_client(self, service: RosService) -> ServiceClient:
+    def client(self, service: RosService) -> NoReturn:
         """Refuses: services need ROS."""
         raise _needs_ros(f"service {service.name}")
 

@@ -37,7 +37,7 @@ def started(stem, transport):
         node.manage(managed)
         with transport.loop.lock:
             node.bring_up()
-        return node._node.state
+        return node.node.state
     finally:
         managed.cleanup()
         node.close()

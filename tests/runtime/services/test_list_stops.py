@@ -8,8 +8,8 @@ from typing import Any, ClassVar
 import pytest
 
 from jausml.runtime import JausComponent, ServiceIdentity, Status
+from jausml.runtime.bridge.ends.actions import ListAction, Outcome
 from jausml.runtime.bridge.ends.list_driver import ListMessages
-from jausml.runtime.bridge.ends.ros_side import ListAction, Outcome
 from jausml.runtime.bridge.lists.action_to_list import ActionToList
 from jausml.runtime.messages import (
     ConfirmElementRequest,
@@ -116,6 +116,9 @@ class Goal:
 
 class ActionRos(Ros):
     """Has an action besides."""
+
+    def part(self, _load):
+        return self
 
     def serve_action(self, action, taker):
         assert action == ACTION

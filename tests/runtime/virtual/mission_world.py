@@ -10,7 +10,7 @@ import logging
 import sys
 
 from jausml_runtime import JausAddress, JausComponent, ListManagerService, ServiceIdentity
-from jausml_runtime.bridge.ends.ros_side import Outcome
+from jausml_runtime.bridge.ends.actions import Outcome
 from jausml_runtime.virtual import Link, VirtualWorld
 from pausing.pausing import Pausing
 from robot.messages import (

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.bridge.ends.ros_side import ListAction, Outcome
+from jausml.runtime.bridge.ends.actions import ListAction, Outcome
 from jausml.runtime.virtual import Link
 
 ACTION = ListAction("test_msgs/action/Follow", "follow", bytes, "poses")

@@ -206,7 +206,7 @@ class TestNode:
 
         for refused in (
             lambda: node.serve(Named, None),
-            lambda: node.service_client(Named),
+            lambda: node.client(Named),
         ):
             with pytest.raises(NotImplementedError, match="/arm: in virtual time there are topics"):
                 refused()

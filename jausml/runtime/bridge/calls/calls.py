@@ -6,6 +6,7 @@ or with its lock.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ...transports.packets.packet import Priority
@@ -20,6 +21,7 @@ from ..connections.translations import (
     uses_ros_classes,
 )
 from ..ends import parameters
+from ..ends.topics import Parameter
 from ..reports.diagnostics import FILTERED, ConnectionStatus, Limiting, Statistics
 from ..reports.states import Facts, StateLog, StopReason, judge
 
@@ -182,7 +184,9 @@ class Calls(Generic[CallT, AskingT]):
         self.counters = ends.component.counters
         for translation in self._translations():
             translation.open(ends)
-        self.service = parameters.service(ends.ros, self.name, self.service)
+        text = f"ROS service of {self.name}."
+        parameter = Parameter(f"{self.name}.service", self.service.name, text)
+        self.service = replace(self.service, name=ends.ros.parameter(parameter))
         self.timeout = ends.ros.parameter(
             parameters.TIMEOUT.of(self.timeout, self.name), self._set_timeout
         )

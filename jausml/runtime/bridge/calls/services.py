@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from ...clients.peer_binding import Search
     from ...wire.message import Message
     from ..ends.ends import Ends
-    from ..ends.topics import ServiceClient
+    from ..ros.services import NodeClient, NodeServices
 
 _RESPONSE_CODES = ("response_code", "responsecode", "rejection_code")
 
@@ -84,7 +84,7 @@ class RosServiceToJaus(Calls[ServedCall, "CallTranslation | Message"]):
             ends, self.name, join=self._changed, leave=self._changed, changed=self._changed
         )
         ends.component.part(Exchanges).listen(self._answers)
-        ends.ros.serve(self.service, self._serve)
+        ends.ros.part(node_services).serve(self.service, self._serve)
 
     @property
     def _answers(self) -> list[type[Message]]:
@@ -255,14 +255,14 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         self._rejections = tuple(rejections)
         self._reason = reason
         self._when = when
-        self._client: ServiceClient
+        self._client: NodeClient
 
     def open(self, ends: Ends) -> None:
         """Makes the client, then takes what asks."""
         super().open(ends)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._peers.follow(ends.component, lambda _: None, lambda _: None)
-        self._client = ends.ros.service_client(self.service)
+        self._client = ends.ros.part(node_services).client(self.service)
         asking = self._request
         message = asking.message if isinstance(asking, CallTranslation) else asking
         senders = None if self._peers.is_anybody else self._peers
@@ -349,3 +349,10 @@ class JausToRosService(Calls[AskedCall, "CallTranslation | type[Message]"]):
         if self._peers.is_lacking:
             return f"searching {self._peers.search}"
         return "" if self._client.is_ready() else f"nobody serves {self.service.name}"
+
+
+def node_services() -> type[NodeServices]:
+    """Returns what has the services of a node of rclpy, which need not be installed before."""
+    from ..ros.services import NodeServices  # noqa: PLC0415
+
+    return NodeServices

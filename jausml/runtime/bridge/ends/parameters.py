@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Sequence
 
     from .ends import BridgeSettings
-    from .ros_side import ListAction, RosSide
-    from .topics import RosService, Topic
+    from .ros_side import RosSide
+    from .topics import Topic
 
 LEAST = 1e-9
 """Least value of a number that is above 0."""
@@ -253,17 +253,6 @@ TIMEOUT = Known(
 )
 
 
-def service_introspection(states: Iterable[str]) -> Parameter:
-    """Returns whether the calls of services and actions are published, and what of them."""
-
-    def check(state: str) -> None:
-        if state not in states:
-            raise ValueError(f"{state} is none of {', '.join(states)}")
-
-    text = f"What is published of calls on <service>/_service_event: {', '.join(states)}."
-    return Parameter("service_introspection", "disabled", text, check=check)
-
-
 def lift_emergency(check: Callable[[str], None]) -> Parameter:
     """Returns whose emergencies are to be lifted, by somebody at the robot."""
     text = "JAUS address of clients that set an emergency and are gone; setting it lifts theirs."
@@ -290,21 +279,6 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
     text = f"Topics of {owner}, in the order of the model."
     names = ros.parameter(Parameter(f"{owner}.topics", default, text, check=check))
     return tuple(replace(topic, name=name) for topic, name in zip(modelled, names, strict=True))
-
-
-def action(ros: RosSide, connection: str, modelled: ListAction) -> ListAction:
-    """Returns the action of a connection under the name that a parameter gives it."""
-    text = f"Action of {connection}."
-    return replace(
-        modelled, name=ros.parameter(Parameter(f"{connection}.action", modelled.name, text))
-    )
-
-
-def service(ros: RosSide, connection: str, modelled: RosService) -> RosService:
-    """Returns the service of a connection under the name that a parameter gives it."""
-    text = f"ROS service of {connection}."
-    name = ros.parameter(Parameter(f"{connection}.service", modelled.name, text))
-    return replace(modelled, name=name)
 
 
 def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -101,23 +101,6 @@ class RosService:
     response: type[LightMessage]
     success: str = ""
     reason: str = ""
-
-
-class ServiceClient(Protocol):
-    """Calls one service of ROS."""
-
-    def is_ready(self) -> bool:
-        """Whether somebody serves."""
-
-    def call(self, request: bytes, answered: Callable[[bytes], None]) -> Callable[[], None]:
-        """Calls the service.
-
-        Args:
-            answered: Is given the serialized response on the loop.
-
-        Returns:
-            What forgets the call.
-        """
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from ..connections.connection import NO_PEER, NOT_READY
 from ..connections.controlled_peers import ControlledPeers, RepeatedStops
 from ..connections.translations import ros_decoder, uses_ros_classes
 from ..ends import parameters
+from ..ends.actions import LONGEST_GOAL, Outcome
 from ..ends.mission_driver import MissionMessages
-from ..ends.ros_side import LONGEST_GOAL, Outcome
-from .list_connection import ListConnection
+from .list_connection import ListConnection, node_actions
 from .list_run import ListRun
 from .mission_run import MissionRun
 
@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from ...base.address import JausAddress
     from ...clients.peer_binding import Search
     from ...wire.message import Message
+    from ..ends.actions import ListAction, ServedGoal
     from ..ends.ends import Ends
     from ..ends.list_driver import ListMessages
-    from ..ends.ros_side import ListAction, ServedGoal
     from ..reports.states import Standing, StopReason
     from .list_run import Run
 
@@ -98,7 +98,6 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         self._run = self._goal = self._next = None  # of an earlier life
         self._runs.clear()
         self._stops.open(ends)
-        self._action = parameters.action(ends.ros, self.name, self._action)
         self.speed = ends.ros.parameter(
             parameters.SPEED.of(self.speed, self.name), partial(setattr, self, "speed")
         )
@@ -111,7 +110,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
         )
         if self._has_missions:
             ends.component.on_message(self._messages.report, self._heard)
-        ends.ros.serve_action(self._action, self)
+        ends.ros.part(node_actions).serve_action(self._action, self)
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what makes objects of serialized elements."""

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 from ..connections.connection import Connection
 from ..connections.translations import Form, uses_ros_classes
+from ..ends.topics import Parameter
 from ..light_message import is_light
 from ..reports.diagnostics import FILTERED
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
+    from ..ends.actions import ListAction
     from ..ends.ends import Ends
-    from ..ends.ros_side import ListAction
     from ..reports.states import StopReason
+    from ..ros.actions import NodeActions
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT")
@@ -34,7 +37,9 @@ class ListConnection(Connection[SourceT, TargetT]):
         self._action = action
 
     def declare(self, ends: Ends) -> None:
-        """Declares nothing: lists have no silence, and their latency is not measured."""
+        """Declares the name of the action: lists have no silence, their latency is not measured."""
+        parameter = Parameter(f"{self.name}.action", self._action.name, f"Action of {self.name}.")
+        self._action = replace(self._action, name=ends.ros.parameter(parameter))
 
     def measure_latency(self, wanted: bool) -> None:  # noqa: FBT001
         """Measures nothing: lists are rare."""
@@ -71,3 +76,10 @@ class ListConnection(Connection[SourceT, TargetT]):
             self.fail(error)
             return None
         return payloads
+
+
+def node_actions() -> type[NodeActions]:
+    """Returns what has the actions of a node of rclpy, which need not be installed before."""
+    from ..ros.actions import NodeActions  # noqa: PLC0415
+
+    return NodeActions

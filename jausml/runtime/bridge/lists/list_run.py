@@ -18,7 +18,7 @@ from ...clients.event_client import EventClient
 from ...clients.list_client import ListClient, deletion, replacement
 from ...clients.query import QueryClient
 from ...services.list_manager import ALL_UIDS, NO_UID, chain
-from ..ends.ros_side import Outcome
+from ..ends.actions import Outcome
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -14,9 +14,9 @@ from ...clients.peer_binding import PeerBinding
 from ..connections.connection import NOT_READY
 from ..connections.translations import ros_encoder
 from ..ends import parameters
+from ..ends.actions import LONGEST_GOAL, Outcome
 from ..ends.list_driver import ListAnswers
-from ..ends.ros_side import LONGEST_GOAL, Outcome
-from .list_connection import ListConnection
+from .list_connection import ListConnection, node_actions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
     from ...clients.peer_binding import Search
     from ...services.definitions import ListElement
     from ...wire.message import Message
+    from ..ends.actions import ActionClient, ListAction, SentGoal
     from ..ends.ends import Ends
     from ..ends.list_driver import ListDriver, ListMessages
-    from ..ends.ros_side import ActionClient, ListAction, SentGoal
     from ..ends.topics import TopicFault
     from ..reports.states import Standing, StopReason
 
@@ -101,10 +101,9 @@ class ListToAction(ListConnection[SourceT, TargetT]):
         super().open(ends)
         self._start = self._goal = None  # of an earlier life
         self._check = Alarm(ends.loop)
-        self._action = parameters.action(ends.ros, self.name, self._action)
         self._peers = parameters.peers(ends.ros, self.name, self._peers)
         self._peers.follow(ends.component, lambda _: None, lambda _: None)
-        self._client = ends.ros.action_client(self._action)
+        self._client = ends.ros.part(node_actions).action_client(self._action)
         self._driver = ends.component.part(self._messages.driver)
         self._driver.add(self, self._answers)
 

@@ -12,8 +12,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...clients.query import QueryClient
+from ..ends.actions import Outcome
 from ..ends.mission_driver import Kind, State
-from ..ends.ros_side import Outcome
 from .list_run import RETRIES, Run
 
 if TYPE_CHECKING:

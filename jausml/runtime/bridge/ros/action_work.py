@@ -14,7 +14,7 @@ from itertools import accumulate, islice
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from ..ends.ros_side import LONGEST_GOAL, Progress
+from ..ends.actions import LONGEST_GOAL, Progress
 from ..light_message import assign, installed
 from ..messages.limits import RosTypeError
 from .internals import Codec
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ...guardian.ward import Ward
-    from ..ends.ros_side import ListAction
+    from ..ends.actions import ListAction
 
 
 class ActionWork:

@@ -21,18 +21,20 @@ from rclpy.action.server import ActionServer, CancelResponse, GoalEvent, GoalRes
 from rclpy.qos import qos_profile_action_status_default
 
 from ...base.counters import LOGGER
+from ..ends.actions import Outcome
 from ..ends.guarding import type_library
-from ..ends.ros_side import Outcome
 from ..ends.topics import TopicFault
 from .action_work import ActionMessages, ActionWork
+from .introspection import introspection
+from .node import NodePart
 from .parameters import as_parameter_error
 from .values import checked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from ..ends.ros_side import GoalTaker, GoalWatcher, ListAction
-    from .introspection import CallIntrospection
+    from ..ends.actions import GoalTaker, GoalWatcher, ListAction
+    from .node import RosNode
 
 MARK_SIZE = 8
 """Octets of a goal id that are the same for all goals of one node to one action; 8 are random."""
@@ -108,7 +110,7 @@ class NodeActionClient:
     """
 
     def __init__(self, work: ActionWork, messages: ActionMessages, name: str) -> None:
-        """Use `NodeActions.client` instead."""
+        """Use `NodeActions.action_client` instead."""
         self.work = work
         self.messages = messages
         self.name = name
@@ -123,7 +125,7 @@ class NodeActionClient:
         fill: Callable[[Any], object] | None,
         watcher: GoalWatcher,
     ) -> NodeGoal:
-        """Sends a goal; see `ActionClient` of ros_side.py."""
+        """Sends a goal; see `ActionClient` of ends/actions.py."""
         goal = NodeGoal(self, watcher)
         self.work.run(goal.send, elements, fill)
         return goal
@@ -287,7 +289,7 @@ class NodeActionServer:
     def __init__(
         self, work: ActionWork, messages: ActionMessages, name: str, taker: GoalTaker
     ) -> None:
-        """Use `NodeActions.serve` instead."""
+        """Use `NodeActions.serve_action` instead."""
         self.work = work
         self.messages = messages
         self._taker = taker
@@ -372,21 +374,22 @@ class NodeServedGoal:
         return self._server.messages.result(reason)
 
 
-class NodeActions:
+class NodeActions(NodePart):
     """The actions of one node."""
 
-    def __init__(self, work: ActionWork, introspection: CallIntrospection) -> None:
-        self._work, self._introspection = work, introspection
+    def __init__(self, ros: RosNode) -> None:
+        self._work = ActionWork(ros.node, ros.executor, ros.loop, ros.ward)
+        self._introspection = ros.part(introspection)
         self._ends: list[Any] = []
 
-    def client(self, action: ListAction) -> NodeActionClient:
+    def action_client(self, action: ListAction) -> NodeActionClient:
         """Returns what sends goals of an action."""
         client = NodeActionClient(self._work, ActionMessages(action), action.name)
         self._ends += [client.handle, client.former]
         self._introspection.add(client.handle)
         return client
 
-    def serve(self, action: ListAction, taker: GoalTaker) -> None:
+    def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
         """Takes the goals of an action."""
         server = NodeActionServer(self._work, ActionMessages(action), action.name, taker)
         self._ends.append(server.handle)

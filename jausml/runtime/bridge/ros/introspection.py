@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 from rclpy.qos import QoSProfile
 from rclpy.service_introspection import ServiceIntrospectionState
 
-from ..ends import parameters
+from ..ends.topics import Parameter
+from .node import NodePart
 
 if TYPE_CHECKING:
-    from ...base.loop import Loop
-    from .parameters import NodeParameters
+    from .node import RosNode
 
 _STATES = {
     "disabled": ServiceIntrospectionState.OFF,
@@ -26,17 +26,17 @@ _STATES = {
     "contents": ServiceIntrospectionState.CONTENTS,
 }
 
+_WORDS = ", ".join(_STATES)
+
 _PROFILE = QoSProfile(depth=256)
 """Reliable, with room for both events of more calls than are under way at once."""
 
 
-class CallIntrospection:
+class CallIntrospection(NodePart):
     """Has the ends of calls publish them, as a parameter of their node says."""
 
-    def __init__(self, node: Any, loop: Loop, known: NodeParameters) -> None:
-        self._node = node
-        self._loop = loop
-        self._known = known
+    def __init__(self, ros: RosNode) -> None:
+        self._ros = ros
         self._ends: list[Any] = []
         self._state = ServiceIntrospectionState.OFF
 
@@ -45,17 +45,28 @@ class CallIntrospection:
         if not hasattr(end, "configure_introspection"):
             return  # actions before Kilted
         if not self._ends:
-            parameter = parameters.service_introspection(_STATES)
-            self._state = _STATES[self._known.declare(parameter, self._change)]
+            text = f"What is published of calls on <service>/_service_event: {_WORDS}."
+            parameter = Parameter("service_introspection", "disabled", text, check=_check)
+            self._state = _STATES[self._ros.parameter(parameter, self._change)]
         self._ends.append(end)
         if self._state != ServiceIntrospectionState.OFF:
             self._configure(end)
 
     def _change(self, word: str) -> None:
-        with self._loop.lock:
+        with self._ros.loop.lock:
             self._state = _STATES[word]
             for end in self._ends:
                 self._configure(end)
 
     def _configure(self, end: Any) -> None:
-        end.configure_introspection(self._node.get_clock(), _PROFILE, self._state)
+        end.configure_introspection(self._ros.node.get_clock(), _PROFILE, self._state)
+
+
+def introspection() -> type[CallIntrospection]:
+    """Returns what parts of a node that have calls share."""
+    return CallIntrospection
+
+
+def _check(state: str) -> None:
+    if state not in _STATES:
+        raise ValueError(f"{state} is none of {_WORDS}")

@@ -12,7 +12,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -27,10 +27,8 @@ from ..ends import parameters
 from ..ends.topics import Qos, Topic, TopicCounts
 from ..messages.limits import RosLostError
 from .internals import Codec, require_internals, spare_generator
-from .introspection import CallIntrospection
 from .lifecycle import GuardedExecutor, ManagedNode
 from .parameters import NodeParameters, as_parameter_error
-from .services import NodeServices
 from .topics import NodeTopics
 
 if TYPE_CHECKING:
@@ -38,12 +36,11 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ...guardian.ward import Ward
-    from ..ends.ros_side import ActionClient, GoalTaker, ListAction
-    from ..ends.topics import Parameter, RosService, TopicFault
-    from .actions import NodeActions
+    from ..ends.topics import Parameter, TopicFault
     from .lifecycle import Managed
-    from .services import NodeClient, TakeRequest
     from .topics import NodePublisher, WaitingName
+
+PartT = TypeVar("PartT")
 
 
 class RosLogHandler(logging.Handler):
@@ -66,12 +63,30 @@ class RosLogHandler(logging.Handler):
             self._logger.debug(text)
 
 
+class NodePart:
+    """A part of a node that is made when it is first asked for; see `RosSide.part`."""
+
+    def __init__(self, ros: RosNode) -> None:
+        """Has nothing yet."""
+
+    def wait(self, deadline: float) -> None:
+        """Waits for what is under way, but not longer than to a time of the steady clock."""
+
+    def destroy(self) -> None:
+        """Leaves ROS; on the thread of the executor, or when it is over."""
+
+
 LAST_WORDS = 1.0
 """Longest time in seconds that a node which ends waits for slow subscribers."""
 
 
 class RosNode:
-    """One rclpy node, whose topics a loop waits for."""
+    """One rclpy node, whose topics a loop waits for.
+
+    Attributes:
+        node: That of rclpy, as `executor`.
+        loop: Who waits, once it is attached.
+    """
 
     def __init__(
         self,
@@ -95,26 +110,24 @@ class RosNode:
                 context=self._context,
                 signal_handler_options=SignalHandlerOptions.NO,
             )
-            self._node = ManagedNode(name, namespace=namespace, context=self._context)
-        require_internals(self._node)
-        self._executor = GuardedExecutor(self._context)
-        self._executor.add_node(self._node)
+            self.node = ManagedNode(name, namespace=namespace, context=self._context)
+        require_internals(self.node)
+        self.executor = GuardedExecutor(self._context)
+        self.executor.add_node(self.node)
         self._thread: threading.Thread | None = None
         self._fail: Callable[[BaseException], None] | None = None
         self._is_closing = False
         self.ward: Ward | None = None
-        self._log = RosLogHandler(self._node)
-        self._diagnostics = self._node.create_publisher(DiagnosticArray, "/diagnostics", 10)
+        self._log = RosLogHandler(self.node)
+        self._diagnostics = self.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._waiting_name = waiting
-        self._loop: Loop | None = None
-        self._actions: NodeActions | None = None
+        self.loop: Loop
         self._topics: NodeTopics | None = None
-        self._services: NodeServices | None = None
-        self._introspection: CallIntrospection | None = None
-        self._parameters = NodeParameters(self._node, arguments or ())
-        self._clock: Any = self._node.get_clock()  # a ROSClock, as nodes have
+        self._parts: dict[object, Any] = {}
+        self.parameters = NodeParameters(self.node, arguments or ())
+        self._clock: Any = self.node.get_clock()  # a ROSClock, as nodes have
         self._is_simulated = False
-        self._node.add_post_set_parameters_callback(self._follow_simulation)
+        self.node.add_post_set_parameters_callback(self._follow_simulation)
         self._follow_simulation()
         self._age_limit = round(
             self.parameter(parameters.QUEUE_AGE.of(parameters.QUEUE_AGE_LIMIT)) * 1e9
@@ -123,7 +136,7 @@ class RosNode:
     @property
     def name(self) -> str:
         """Name of the node with its namespace, e.g. `/fleet/bridge`."""
-        return str(self._node.get_fully_qualified_name())
+        return str(self.node.get_fully_qualified_name())
 
     def now(self) -> Time:
         """Time of the ROS clock, which follows `/clock` when `use_sim_time` is set."""
@@ -160,7 +173,7 @@ class RosNode:
         Raises:
             ParameterError: Another parameter has its name.
         """
-        return self._parameters.declare(parameter, changed)
+        return self.parameters.declare(parameter, changed)
 
     def check_parameters(self) -> None:
         """Tells the values of all parameters so far that do not do.
@@ -168,7 +181,7 @@ class RosNode:
         Raises:
             ParameterError: There are some; its text has a line for each.
         """
-        self._parameters.check()
+        self.parameters.check()
 
     def codec(self, ros_type: type[Any]) -> Codec:
         """Returns what makes objects of serialized messages, and the reverse.
@@ -182,12 +195,10 @@ class RosNode:
 
     def attach(self, loop: Loop) -> None:
         """Chooses how to wait; to be called before there are publishers and subscriptions."""
-        self._loop = loop
-        self._executor.counters = loop.counters
-        self._introspection = CallIntrospection(self._node, loop, self._parameters)
-        self._services = NodeServices(self._node, loop, self._introspection)
+        self.loop = loop
+        self.executor.counters = loop.counters
         self._topics = NodeTopics(
-            self._node, self._context, loop, self._waiting_name, self._parameters, self._age_limit
+            self.node, self._context, loop, self._waiting_name, self.parameters, self._age_limit
         )
 
     def publisher(
@@ -215,39 +226,13 @@ class RosNode:
             raise RuntimeError("no loop is attached")
         return self._topics
 
-    def action_client(self, action: ListAction) -> ActionClient:
-        """Makes what sends goals of an action."""
-        return self._node_actions().client(action)
-
-    def serve_action(self, action: ListAction, taker: GoalTaker) -> None:
-        """Takes the goals of an action."""
-        self._node_actions().serve(action, taker)
-
-    def _node_actions(self) -> NodeActions:
-        # Bridges without actions do not wait for what rclpy imports for them.
-        from .action_work import ActionWork  # noqa: PLC0415
-        from .actions import NodeActions  # noqa: PLC0415
-
-        if self._loop is None or self._introspection is None:
-            raise RuntimeError("no loop is attached")
-        if self._actions is None:
-            work = ActionWork(self._node, self._executor, self._loop, self.ward)
-            self._actions = NodeActions(work, self._introspection)
-        return self._actions
-
-    def serve(self, service: RosService, take: TakeRequest) -> None:
-        """Serves a service; see `RosSide`."""
-        self._present_services.serve(service, take)
-
-    def service_client(self, service: RosService) -> NodeClient:
-        """Returns what calls a service; see `RosSide`."""
-        return self._present_services.client(service)
-
-    @property
-    def _present_services(self) -> NodeServices:
-        if self._services is None:
-            raise RuntimeError("no loop is attached")
-        return self._services
+    def part(self, load: Callable[[], Callable[[Any], PartT]]) -> PartT:
+        """Returns a part of the node; see `RosSide`. There is a loop by then."""
+        kind = load()
+        if kind not in self._parts:
+            self._parts[kind] = kind(self)
+        part: PartT = self._parts[kind]
+        return part
 
     # ------------------------------------------------------------------ life
 
@@ -293,27 +278,25 @@ class RosNode:
         if self._topics is not None:
             self._topics.wait(deadline)
         # Goals end on the thread of the executor, which cannot wait for itself.
-        if self._actions is not None and threading.current_thread() is not self._thread:
-            self._actions.wait(deadline)
+        if threading.current_thread() is not self._thread:
+            for part in self._parts.values():
+                part.wait(deadline)
 
     def _give_back(self) -> None:
         """Destroys all ends; to be called on the thread of the executor, or when it is over."""
-        if self._actions is not None:
-            self._actions.destroy()
-            self._actions = None
+        for part in self._parts.values():
+            part.destroy()
+        self._parts.clear()
         if self._topics is not None:
             self._topics.destroy()
             self._topics = None
-        if self._services is not None:
-            self._services.destroy()
-            self._services = None
-        self._parameters.release()
+        self.parameters.release()
 
     # ------------------------------------------------------------------ transitions
 
     def manage(self, managed: Managed) -> None:
         """Has transitions of the node act on something from now on."""
-        self._node.manage(managed)
+        self.node.manage(managed)
 
     def bring_up(self) -> None:
         """Goes from unconfigured to active.
@@ -321,12 +304,12 @@ class RosNode:
         Raises:
             BaseException: What keeps it from there.
         """
-        self._node.bring_up()
+        self.node.bring_up()
 
     def shut_down(self) -> None:
         """Goes to finalized, unless it is there or ROS is gone."""
-        if self._context.ok() and self._node.state != "finalized":
-            self._node.trigger_shutdown()
+        if self._context.ok() and self.node.state != "finalized":
+            self.node.trigger_shutdown()
 
     def close(self) -> None:
         """Stops to wait and leaves ROS, once subscribers have what was published last.
@@ -339,12 +322,12 @@ class RosNode:
         LOGGER.removeHandler(self._log)
         LOGGER.propagate = True
         self._finish()
-        self._executor.end()
+        self.executor.end()
         if self._thread is not None:
             self._thread.join()
-        self._executor.shutdown()
+        self.executor.shutdown()
         self._give_back()
-        self._node.destroy_node()
+        self.node.destroy_node()
         try_shutdown(context=self._context)
 
     def _follow_simulation(self, _: object = None) -> None:
@@ -357,7 +340,7 @@ class RosNode:
     def _spin(self, fail: Callable[[BaseException], None]) -> None:
         reason: BaseException = RosLostError("ROS was shut down under the bridge")
         try:
-            self._executor.spin()
+            self.executor.spin()
         except ExternalShutdownException:
             pass
         except BaseException as error:  # SystemExit of overridden methods too

@@ -21,6 +21,8 @@ from rclpy.waitable import NumberOfEntities, Waitable
 
 from ..light_message import installed_class
 from .internals import internals
+from .introspection import introspection
+from .node import NodePart
 from .parameters import as_parameter_error
 
 if TYPE_CHECKING:
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ..ends.topics import RosService
-    from .introspection import CallIntrospection
+    from .node import RosNode
 
     Reply = Callable[[bytes], None]
     TakeRequest = Callable[[bytes, Reply], None]
@@ -38,18 +40,22 @@ _PROFILE = QoSProfile(depth=128)
 """Reliable and volatile as services are, with room for more calls than are under way at once."""
 
 
-class NodeServices:
+class NodeServices(NodePart):
     """The services of one node."""
 
-    def __init__(self, node: Any, loop: Loop, introspection: CallIntrospection) -> None:
-        self._node = node
-        self._loop = loop
-        self._introspection = introspection
+    def __init__(self, ros: RosNode) -> None:
+        self._node = ros.node
+        self._loop = ros.loop
+        self._introspection = ros.part(introspection)
         self._served: list[_Served] = []
         self._clients: list[Any] = []
 
     def serve(self, service: RosService, take: TakeRequest) -> None:
-        """Serves a service."""
+        """Serves a service.
+
+        Args:
+            take: Is given each serialized request and what replies to it, on the loop.
+        """
         kind = _installed(service)
         with as_parameter_error(f"service {service.name!a}: "), self._node.handle:
             profile = _PROFILE.get_c_qos_profile()
@@ -78,7 +84,7 @@ class NodeServices:
 
 
 class NodeClient:
-    """Calls one service; `ServiceClient` of calls.py says what each method is for."""
+    """Calls one service."""
 
     def __init__(self, client: Any, kind: Any, loop: Loop) -> None:
         """Made by `NodeServices.client`."""
@@ -91,7 +97,14 @@ class NodeClient:
         return bool(self._client.service_is_ready())
 
     def call(self, request: bytes, answered: Answered) -> Callable[[], None]:
-        """Calls the service."""
+        """Calls the service.
+
+        Args:
+            answered: Is given the serialized response on the loop.
+
+        Returns:
+            What forgets the call.
+        """
         future = self._client.call_async(deserialize_message(request, self._kind.Request))
         future.add_done_callback(partial(self._done, answered))
         return partial(self._client.remove_pending_request, future)
