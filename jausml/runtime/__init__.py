@@ -24,11 +24,14 @@ from .base.settings import TransportKind, TransportSettings, peers
 from .bridge.bridge import Bridge
 from .bridge.calls.calls import CallTranslation
 from .bridge.calls.services import JausToRosService, RosServiceToJaus
+from .bridge.connections.command_answer import CommandAnswer
 from .bridge.connections.connection import AnyConnection
-from .bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
-from .bridge.connections.requests import CommandAnswer, ReportJoin
+from .bridge.connections.events_to_ros import EventToTopics
+from .bridge.connections.queries_to_ros import QueryToTopics
+from .bridge.connections.report_join import ReportJoin
 from .bridge.connections.shaping import Shape
-from .bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
+from .bridge.connections.to_jaus import TopicsToMessage
+from .bridge.connections.to_reports import TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics
 from .bridge.connections.translations import Join, NamedPlaces, Transcode, ros_classes
 from .bridge.diagnosing import Carried

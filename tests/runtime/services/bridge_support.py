@@ -9,7 +9,7 @@ from typing import ClassVar
 from jausml.runtime import ComponentSettings, Guard, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.reports_to_ros import EventToTopics
+from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
 from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
 from jausml.runtime.bridge.connections.to_ros import MessageToTopics
 from jausml.runtime.bridge.ends.ends import BridgeSettings
@@ -224,11 +224,14 @@ class Ros:
         counts = self.counts[topic.name] = TopicCounts()
         return counts
 
+    def part(self, _load):
+        return self
+
     def serve(self, service, handle):
         self.made.append(("service", service.name))
         self.served[service.name] = handle
 
-    def service_client(self, service):
+    def client(self, service):
         self.made.append(("client", service.name))
         return RosClient(self, service.name)
 

@@ -12,7 +12,7 @@ from jausml.runtime import Guard, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.reports_to_ros import QueryToTopics
+from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.diagnosing import LATELY, SLICE
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic

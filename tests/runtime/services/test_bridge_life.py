@@ -6,7 +6,7 @@ import pytest
 
 from jausml.runtime import Guard, Status
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
+from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Qos, Topic
 from jausml.runtime.bridge.reports.states import StopReason

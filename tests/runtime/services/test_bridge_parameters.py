@@ -8,7 +8,7 @@ import pytest
 
 from jausml.runtime import AttributeParameter, Join
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.reports_to_ros import QueryToTopics
+from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.parameters import nearest

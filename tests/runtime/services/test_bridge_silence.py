@@ -6,7 +6,7 @@ import pytest
 
 from jausml.runtime import Guard, Shape
 from jausml.runtime.base.quirks import Quirk
-from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
+from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import StopReason
 from jausml.runtime.messages import (

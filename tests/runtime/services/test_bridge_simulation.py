@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from jausml.runtime.bridge.connections.reports_to_ros import QueryToTopics
-from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
+from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
+from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.simulation import CLOCK_TIMEOUT
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import StopReason

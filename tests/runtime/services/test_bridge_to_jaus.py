@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import Guard
-from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
+from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.messages.limits import AbsentFieldError
 from jausml.runtime.messages import QueryTime, ReportTime, Resume, SetTime

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import Component, Guard, Status
-from jausml.runtime.bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
+from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
+from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.connections.to_ros import MessageToTopics
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.conversions import ConversionError

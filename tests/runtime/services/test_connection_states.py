@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from jausml.runtime import ComponentSettings, Guard
 from jausml.runtime.base.counters import LOGGER
 from jausml.runtime.bridge.bridge import Bridge
-from jausml.runtime.bridge.connections.reports_to_ros import EventToTopics, QueryToTopics
-from jausml.runtime.bridge.connections.to_jaus import TopicsToReport
+from jausml.runtime.bridge.connections.events_to_ros import EventToTopics
+from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
+from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.ends.ends import BridgeSettings
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.bridge.reports.states import (

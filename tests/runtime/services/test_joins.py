@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage, TopicsToReport
+from jausml.runtime.bridge.connections.to_jaus import TopicsToMessage
+from jausml.runtime.bridge.connections.to_reports import TopicsToReport
 from jausml.runtime.bridge.connections.translations import Join
 from jausml.runtime.bridge.ends.topics import Topic
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime

@@ -117,9 +117,6 @@ class Goal:
 class ActionRos(Ros):
     """Has an action besides."""
 
-    def part(self, _load):
-        return self
-
     def serve_action(self, action, taker):
         assert action == ACTION
         self.taker = taker

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import PeerSearch
-from jausml.runtime.bridge.connections.requests import ReportJoin
+from jausml.runtime.bridge.connections.report_join import ReportJoin
 from jausml.runtime.messages import QueryTimeout, ReportTimeout
 
 from .bridge_support import (

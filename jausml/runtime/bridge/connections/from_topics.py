@@ -11,7 +11,7 @@ from ..light_message import is_light
 from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
 from .ages import ros_age
 from .connection import Connection
-from .translations import Form, JoinedTopic, ros_decoder, uses_ros_classes
+from .translations import Form, ros_decoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -69,7 +69,7 @@ class FromTopics(Connection[SourceT, TargetT]):
             named: What it takes by place, and is put in order by its names.
         """
         super().__init__(name, translate, **when_lost)
-        self._topic_joins = tuple(map(JoinedTopic, joins))
+        self._topic_joins = tuple(joins)
         self._type = type
         self._topics = tuple(topics)
         self._message = message

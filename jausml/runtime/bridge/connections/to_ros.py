@@ -17,9 +17,8 @@ from ..reports.diagnostics import FILTERED, UNHEARD, age_of_stamp
 from ..reports.states import StopReason
 from .ages import jaus_age
 from .connection import Connection
-from .requests import CommandMemory, JoinedReport
 from .shaping import RateCap
-from .translations import Form, ros_encoder, uses_ros_classes
+from .translations import Form, Joined, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -34,8 +33,8 @@ if TYPE_CHECKING:
     from ..ends.topics import Topic, TopicFault
     from ..reports.states import Standing
     from .ages import Age
+    from .command_answer import CommandAnswer
     from .connection import Take
-    from .requests import CommandAnswer, ReportJoin
     from .translations import Transcode
 
 SourceT = TypeVar("SourceT", bound="Message")
@@ -46,6 +45,16 @@ UNEXPECTED = "unexpected_source"
 
 _GREETING = 10.0
 """Seconds after the start in which subscribers may still be found that were there before."""
+
+
+class JoinedReports(Joined):
+    """The latest of some reports; `ReportJoin` has them, where there are any."""
+
+    def open(
+        self, ends: Ends, connection: str, peers: PeerBinding, refuse: Callable[[bytes, Any], None]
+    ) -> None:
+        """Asks for the reports, or listens."""
+        raise NotImplementedError
 
 
 class ToTopics(Connection[SourceT, TargetT]):
@@ -60,7 +69,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         type: type[TargetT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         peers: Sequence[JausAddress] | Search = (),
-        joins: Sequence[ReportJoin] = (),
+        joins: Sequence[JoinedReports] = (),
         **when_lost: Any,
     ) -> None:
         """Prepares the connection.
@@ -71,7 +80,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         """
         super().__init__(name, translate, **when_lost)
         self._peers = PeerBinding(peers)
-        self._report_joins = tuple(map(JoinedReport, joins))
+        self._report_joins = tuple(joins)
         self._message = message
         self._type = type
         self._topics = tuple(topics)
@@ -281,7 +290,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         self._when = when
         self._standing: Standing | None = None
         self._rate_cap = rate_cap
-        self._memory = None if answer is None else CommandMemory(answer)
+        self._memory = answer
 
     def open(self, ends: Ends) -> None:
         """Makes the publishers, then listens."""

@@ -157,24 +157,6 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
 
 
 @dataclass(frozen=True)
-class Join:
-    """What the model says about a joined topic.
-
-    Attributes:
-        topics: Topics that are subscribed to; the latest message of any of them counts.
-        freshness: Seconds after which the latest message is stale.
-        drop: Whether a message of the main topic is dropped when there is nothing fresh. Otherwise
-            its translation is given None.
-    """
-
-    name: str
-    type: type[Any]
-    topics: Sequence[Topic]
-    freshness: float = 1.0
-    drop: bool = False
-
-
-@dataclass(frozen=True)
 class NamedPlaces:
     """Elements that a translation takes by place, and that messages have in any order.
 
@@ -279,21 +261,36 @@ class Joined:
         self.freshness = seconds
 
 
-class JoinedTopic(Joined):
-    """The latest message of a joined topic."""
+class Join(Joined):
+    """The latest message of a joined topic, or of any of several."""
 
-    def __init__(self, join: Join) -> None:
-        super().__init__(join.name, freshness=join.freshness, drop=join.drop)
-        self.join = join
-        self.topics: tuple[Topic, ...] = ()
+    def __init__(
+        self,
+        name: str,
+        type: type[Any],  # noqa: A002 - the word of the model
+        topics: Sequence[Topic],
+        freshness: float = 1.0,
+        *,
+        drop: bool = False,
+    ) -> None:
+        """Keeps nothing yet.
+
+        Args:
+            freshness: Seconds after which the latest message is stale.
+            drop: Whether a message of the main topic is dropped when there is nothing fresh.
+                Otherwise its translation is given None.
+        """
+        super().__init__(name, freshness=freshness, drop=drop)
+        self._type = type
+        self.topics = tuple(topics)
 
     def open(self, ends: Ends, connection: str, *, real: bool) -> None:
         """Makes the subscriptions."""
         owner = f"{connection}.{self.name}"
-        self.begin(ends, owner, ros_decoder(ends.ros, self.join.type, real=real))
-        self.topics = parameters.topics(ends.ros, owner, self.join.topics)
+        self.begin(ends, owner, ros_decoder(ends.ros, self._type, real=real))
+        self.topics = parameters.topics(ends.ros, owner, self.topics)
         for topic in self.topics:
-            ends.shared_topics.feed(self.join.type, topic, self.keep)
+            ends.shared_topics.feed(self._type, topic, self.keep)
 
 
 def with_joins(

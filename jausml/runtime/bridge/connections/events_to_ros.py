@@ -1,13 +1,14 @@
-"""Connections that ask JAUS components for reports, by events or queries, for ROS topics."""
+"""Connections that ask JAUS components for reports by events, for ROS topics."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from ...clients.event_client import EventClient
 from ..ends import parameters
+from ..ends.simulation import real_rate
 from ..ends.topics import TopicFault
 from ..reports.diagnostics import LOST_ON_THE_WAY, OUT_OF_ORDER
-from .requests import EventRequests, QueryRequests
 from .to_ros import ToTopics
 
 if TYPE_CHECKING:
@@ -15,13 +16,94 @@ if TYPE_CHECKING:
     from typing import Concatenate
 
     from ...base.address import JausAddress
+    from ...clients.event_subscription import EventSubscription
     from ...wire.message import Message
     from ..ends.ends import Ends
+    from .connection import Take
 
 SourceT = TypeVar("SourceT", bound="Message")
 TargetT = TypeVar("TargetT")
 
 UNASKED = "unasked"
+
+
+class EventRequests:
+    """The AS5710 events of a report, one of each peer.
+
+    Attributes:
+        rate: Reports each second; None means one on every change.
+    """
+
+    def __init__(
+        self, ends: Ends, query: Message, message: type[Message], take: Take, rate: float | None
+    ) -> None:
+        """Asks nobody yet.
+
+        Args:
+            message: The report.
+        """
+        self.rate = rate
+        self._ends = ends
+        self._query = query
+        self._message = message
+        self._take = take
+        self._events: dict[JausAddress, EventSubscription] = {}
+        self._lost = self._late = 0
+        # Peers have real time: another pace of the simulation is another rate for them.
+        if rate is not None and ends.simulation is not None:
+            ends.simulation.clock.follow_ratio(self._ask_anew)
+
+    def begin(self, peer: JausAddress) -> None:
+        """Asks a peer for the event."""
+        self._events[peer] = self._ends.component.part(EventClient).subscribe(
+            peer, self._query, self._message, self._take, rate=self._real_rate, payloads=True
+        )
+
+    def end(self, peer: JausAddress) -> None:
+        """Asks a peer no more."""
+        self._end(self._events.pop(peer))
+
+    @property
+    def lost(self) -> int:
+        """Reports that did not arrive."""
+        return self._lost + sum(event.lost for event in self._events.values())
+
+    @property
+    def late(self) -> int:
+        """Reports that came after newer ones."""
+        return self._late + sum(event.late for event in self._events.values())
+
+    def set_rate(self, hertz: float) -> None:
+        """Has the events of all peers come at another rate."""
+        with self._ends.loop.lock:
+            self.rate = hertz
+            self._ask_anew()
+
+    def state_of(self, peer: JausAddress) -> str:
+        """How it stands with a peer, for diagnostics."""
+        event = self._events.get(peer)
+        return "confirmed" if event is not None and event.active else "asked"
+
+    def _ask_anew(self) -> None:
+        """Has the events of all peers come at the present rate."""
+        if self._events:
+            former, self._events = self._events, {}
+            # The new event is asked for before the former one ends, so that reports go on.
+            for peer, event in former.items():
+                self.begin(peer)
+                self._end(event)
+
+    def _end(self, event: EventSubscription) -> None:
+        self._lost, self._late = self._lost + event.lost, self._late + event.late
+        event.cancel()
+
+    @property
+    def _real_rate(self) -> float | None:
+        """The rate that peers are asked for, whose clock is not that of a simulation."""
+        simulation = self._ends.simulation
+        if simulation is None or self.rate is None:
+            return self.rate
+        return real_rate(self.rate, simulation.clock.ratio)
 
 
 class EventToTopics(ToTopics[SourceT, TargetT]):
@@ -114,46 +196,3 @@ class EventToTopics(ToTopics[SourceT, TargetT]):
 
     def _state_of(self, peer: JausAddress) -> str:
         return self._events.state_of(peer)
-
-
-class QueryToTopics(ToTopics[SourceT, TargetT]):
-    """Asks for a report once each period and publishes the answer."""
-
-    def __init__(
-        self,
-        name: str,
-        translate: Callable[Concatenate[SourceT, ...], TargetT | None],
-        *,
-        query: Message,
-        rate: float,
-        **options: Any,
-    ) -> None:
-        super().__init__(name, translate, **options)
-        self.rate = rate
-        self._query = query
-        self._queries: QueryRequests
-
-    @property
-    def declared_rate(self) -> float:
-        """The rate of the queries."""
-        return self.rate * len(self.peers)
-
-    def open(self, ends: Ends) -> None:
-        """Makes the publishers, then starts to ask."""
-        super().open(ends)
-        rate = self.rate or ends.settings.frequency
-        self._queries = QueryRequests(ends, self._query, self._message, self._take, rate)
-        rate = ends.ros.parameter(parameters.RATE.of(rate, self.name), self._set_rate)
-        self.rate = self._queries.rate = rate
-        self._queries.start(self._peers)
-
-    def _set_rate(self, hertz: float) -> None:
-        self.rate = hertz
-        self._queries.set_rate(hertz)
-
-    def silent_peers(self) -> Iterable[JausAddress]:
-        """Peers that did not answer lately."""
-        return [peer for peer in self.peers if self._queries.is_silent(peer)]
-
-    def _state_of(self, peer: JausAddress) -> str:
-        return "asked" if self._queries.is_silent(peer) else "source"

@@ -1,0 +1,66 @@
+"""How the last command of a connection is told to whoever asks for it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...transports.delivery import MESSAGE_CODE_SIZE
+
+if TYPE_CHECKING:
+    from ...base.address import JausAddress
+    from ...services.host import Host
+    from ...wire.message import Message
+    from .translations import Transcode
+
+
+class CommandAnswer:
+    """Remembers the last command that was passed on, and tells it until a stop is sent."""
+
+    def __init__(
+        self,
+        query: type[Message],
+        report: type[Message],
+        *,
+        same: tuple[str, ...] = (),
+        has_empty: bool = False,
+    ) -> None:
+        """Remembers nothing yet.
+
+        Args:
+            same: Attributes of the query that say which command is meant.
+            has_empty: Whether a report without any field can say that nothing is commanded.
+        """
+        self._query, self._report, self._same, self._has_empty = query, report, same, has_empty
+        self._payload: bytes | None = None
+
+    def provide(self, component: Host) -> None:
+        """Answers the query, and periodic events on it; nobody watches for changes."""
+        self._payload = None
+        component.provide(self._query, self._report, self._answer, every_change=False)
+
+    def forget(self) -> None:
+        """Tells nothing before the next command, since a stop stands."""
+        self._payload = None
+
+    def remembering(self, transcode: Transcode) -> Transcode:
+        """Returns a translation of commands, of which those that it passes on are remembered."""
+
+        def remember(data: bytes, **joined: object) -> bytes | None:
+            target = transcode(data, **joined)
+            if target is not None:
+                self._payload = data
+            return target
+
+        return remember
+
+    def _answer(self, query: Message, _sender: JausAddress) -> Message | bytes | None:
+        if self._payload is None:
+            return self._report() if self._has_empty else None
+        # A report has the fields of the command that it tells; only the code is another one.
+        code = self._report.CODE.to_bytes(MESSAGE_CODE_SIZE, "little")
+        payload = code + self._payload[MESSAGE_CODE_SIZE:]
+        if self._same:
+            report = self._report.decode(payload)
+            if any(getattr(query, field) != getattr(report, field) for field in self._same):
+                return None
+        return payload
