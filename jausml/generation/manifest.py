@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path, PurePath, PurePosixPath
 from typing import Any
@@ -136,11 +136,12 @@ def _read(path: Path) -> Manifest:
         return Manifest(problem=f"the manifest is damaged: {error}")
 
 
-def new_entry(artifact: Artifact, old: Entry | None, model: str) -> Entry:
+def new_entry(artifact: Artifact, old: Entry | None, models: Iterable[str]) -> Entry:
     """Returns the entry for a file of this run.
 
     Args:
         old: Its entry of earlier runs, whose models it keeps; a skeleton its method names, too.
+        models: Names of the models that have it as well.
     """
     has_hash = artifact.kind is Kind.GENERATED and not has_valid_header(artifact.text)
     methods: dict[str, str] = {}
@@ -154,7 +155,7 @@ def new_entry(artifact: Artifact, old: Entry | None, model: str) -> Entry:
         source=artifact.source,
         element=artifact.element_id,
         target=artifact.target,
-        models=tuple(sorted({model, *(old.models if old else ())})),
+        models=tuple(sorted({*models, *(old.models if old else ())})),
         methods=methods,
     )
 

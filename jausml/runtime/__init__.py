@@ -55,7 +55,8 @@ from .bridge.messages.limits import (
     set_quaternion,
     set_time,
 )
-from .bridge.process import run_bridge, run_node
+from .bridge.node_process import run_node
+from .bridge.process import run_bridge
 from .clients.command_client import Commander, PendingCommand
 from .clients.control_session import (
     ControlSession,
@@ -76,7 +77,8 @@ from .clients.resource_client import ResourceClient
 from .component.base import Component
 from .component.component import JausComponent
 from .component.modelled import ModelledComponent, Simulation
-from .component.process import ComponentProgram, run_component, running_transport
+from .component.process import running_transport
+from .component.program import ComponentProgram, run_component
 from .component.state_machine import (
     Action,
     Condition,

@@ -113,9 +113,10 @@ def test_a_method_of_a_part_that_the_base_has_not_is_a_finding(tmp_path: Path) -
 def test_a_bridge_has_the_kinds_of_connections_that_it_has(tmp_path: Path) -> None:
     generate(tmp_path, FRONT, "front")
     found = modules(tmp_path)
-    assert {"bridge/connections/to_jaus.py", "guardian/process.py"} <= found
-    absent = {"bridge/connections/to_ros.py", "bridge/calls/services.py", "component/modelled.py"}
-    assert absent.isdisjoint(found)
+    assert {"bridge/connections/to_reports.py", "guardian/process.py"} <= found
+    absent = {"to_jaus", "to_ros", "controlled_peers", "event_client", "control_session", "query"}
+    absent |= {"services", "modelled", "program", "node_process", "spinning", "actions"}
+    assert absent.isdisjoint(name.rpartition("/")[2].removesuffix(".py") for name in found)
     assert not [name for name in found if name.startswith(("bridge/lists/", "virtual/"))]
     starts(tmp_path / "src", "front")
 
@@ -144,6 +145,12 @@ def test_what_modules_import_is_there(tmp_path: Path) -> None:
         for module, imported in runtime_modules()[name].imports:
             if not runtime_modules()[name].passes_on:
                 assert module in kept, (name, imported)
+
+
+def test_a_node_that_is_no_bridge_has_nothing_of_jaus() -> None:
+    found = {name for name in needed([("a.py", f"from {FACE} import run_node")]) if name}
+    assert {name.split(".")[0] for name in found} == {"base", "bridge", "conversions", "wire"}
+    assert not {"bridge.process", "bridge.bridge", "base.loop", "base.settings"} & found
 
 
 def test_the_manifest_says_for_which_code_a_module_is_there(tmp_path: Path) -> None:

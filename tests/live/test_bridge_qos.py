@@ -16,8 +16,7 @@ needs.ask("rclpy")
 from jausml.language.model import read_models
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.text.notation import NOTATIONS
-from jausml.runtime.bridge.ends.parameters import ParameterError
-from jausml.runtime.bridge.ends.topics import Parameter, Qos, Topic
+from jausml.runtime.bridge.ends.topics import Parameter, ParameterError, Qos, Topic
 from jausml.runtime.bridge.ros.parameters import MOST_KEPT
 
 from .bridge_support import wait_for

@@ -13,8 +13,7 @@ needs.ask("rclpy")
 from rclpy.parameter import Parameter as RclpyParameter
 
 from jausml.runtime.bridge.diagnosing import DiagnosticArray as DiagnosticWriter
-from jausml.runtime.bridge.ends.parameters import ParameterError
-from jausml.runtime.bridge.ends.topics import Parameter, Qos, Topic
+from jausml.runtime.bridge.ends.topics import Parameter, ParameterError, Qos, Topic
 from jausml.runtime.bridge.reports.diagnostics import ConnectionStatus
 
 from .bridge_support import wait_for

@@ -14,8 +14,7 @@ import pytest
 needs.ask("rclpy")
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.ends.parameters import ParameterError
-from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicCounts
+from jausml.runtime.bridge.ends.topics import ParameterError, Qos, Topic, TopicCounts
 from jausml.runtime.bridge.messages.limits import RosLostError
 from jausml.runtime.bridge.ros import internals as ros_internals
 from jausml.runtime.bridge.ros import waiting as ros_listener

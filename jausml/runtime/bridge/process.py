@@ -12,25 +12,27 @@ from typing import TYPE_CHECKING, Protocol
 
 from ..base.api import JausError
 from ..base.counters import LOGGER
-from ..base.settings import add_arguments, from_arguments
-from ..component.process import (
+from ..base.process import (
     EXIT_FAILED,
     EXIT_OK,
     EXIT_USAGE,
     StopRequest,
+    configure_log,
+    log_counts,
+)
+from ..base.settings import add_arguments, from_arguments
+from ..component.process import (
     add_component_arguments,
     component_settings,
-    configure_log,
     given_options,
-    log_counts,
     running_transport,
 )
 from ..guardian.ward import Ward
 from .ends import parameters
 from .ends.guarding import ros_of
-from .ends.parameters import ParameterError
+from .ends.topics import ParameterError
 from .messages.limits import RosLostError
-from .ros.environment import environment_fault
+from .ros.environment import permits_ros
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -180,7 +182,7 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     Raises:
         SystemExit: The command line is wrong (code 2) or asks for help (code 0).
     """
-    if not _permits_ros(bridge.settings.name):
+    if not permits_ros(bridge.settings.name):
         return EXIT_USAGE
     # Components that are no bridges, and their computers, need no ROS.
     from .ros.lifecycle import without_ros_arguments  # noqa: PLC0415
@@ -223,38 +225,6 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
         LOGGER.exception("%s failed", bridge.settings.name)
         return EXIT_FAILED
     return EXIT_OK
-
-
-def run_node(factory: Callable[[], object], arguments: Sequence[str] | None = None) -> int:
-    """Spins a ROS 2 node until SIGINT or SIGTERM.
-
-    Args:
-        arguments: Command line without the program's name, with --ros-args; that of the process
-            when None.
-
-    Returns:
-        The exit code: 0, or 2 when a parameter, or the environment, has a value with which the node
-        cannot be made.
-    """
-    if not _permits_ros("the node"):
-        return EXIT_USAGE
-    from .ros.lifecycle import spin  # noqa: PLC0415
-
-    try:
-        spin(factory, arguments)
-    except ParameterError as error:
-        LOGGER.error("the node cannot run: %s", error)
-        return EXIT_USAGE
-    return EXIT_OK
-
-
-def _permits_ros(who: str) -> bool:
-    """Whether the environment does; if not, the libraries of ROS would end the process."""
-    fault = environment_fault()
-    if fault:
-        configure_log("error")  # the wanted level is not known yet
-        LOGGER.error("%s cannot run: %s", who, fault)
-    return not fault
 
 
 def _parser(model: BridgeSettings) -> argparse.ArgumentParser:

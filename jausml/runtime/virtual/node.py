@@ -6,8 +6,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from ..bridge.ends.parameters import ParameterError, nearest
-from ..bridge.ends.topics import Topic
+from ..bridge.ends.topics import ParameterError, Topic, nearest
 from ..bridge.messages.limits import RosTypeError
 from ..conversions import Time
 from .graph import GraphSubscription, type_name

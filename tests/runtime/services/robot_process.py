@@ -6,7 +6,7 @@ import sys
 
 from jausml.runtime import ComponentSettings, Guard, JausComponent, Scope, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.process import ComponentProgram, run_component
+from jausml.runtime.component.program import ComponentProgram, run_component
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
 
 CORE = ("Transport", "Events", "AccessControl", "Management", "Liveness", "Discovery")

@@ -11,8 +11,7 @@ from jausml.runtime.bridge.bridge import Bridge
 from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics
 from jausml.runtime.bridge.ends import parameters
 from jausml.runtime.bridge.ends.ends import BridgeSettings
-from jausml.runtime.bridge.ends.parameters import nearest
-from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicFault
+from jausml.runtime.bridge.ends.topics import Qos, Topic, TopicFault, nearest
 from jausml.runtime.messages import QueryEventTimeout, ReportEventTimeout
 
 from .bridge_support import (

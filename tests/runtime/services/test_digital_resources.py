@@ -6,7 +6,7 @@ import pytest
 
 from jausml.runtime import ComponentSettings, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.component.process import ComponentProgram, run_component
+from jausml.runtime.component.program import ComponentProgram, run_component
 from jausml.runtime.messages.digital_resources import (
     ConfirmDigitalResourceEndpoint,
     Endpoint,

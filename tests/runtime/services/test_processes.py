@@ -14,7 +14,7 @@ import pytest
 from jausml.runtime import ComponentSettings, ControlState, JausComponent, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.settings import TransportSettings
-from jausml.runtime.component import process
+from jausml.runtime.component import program
 from jausml.runtime.messages import (
     QueryHeartbeatPulse,
     QueryStatus,
@@ -264,9 +264,9 @@ class TestEnd:
         def broken(*_):
             raise RuntimeError("user code")
 
-        code = process.run_component(
+        code = program.run_component(
             broken,
-            process.ComponentProgram(
+            program.ComponentProgram(
                 name="broken",
                 description="",
                 address=ROBOT,

@@ -6,8 +6,7 @@ import needs
 import pytest
 
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.bridge.ends.parameters import ParameterError
-from jausml.runtime.bridge.ends.topics import Parameter, Qos, Topic
+from jausml.runtime.bridge.ends.topics import Parameter, ParameterError, Qos, Topic
 from jausml.runtime.bridge.messages.limits import RosTypeError
 from jausml.runtime.virtual import Link
 

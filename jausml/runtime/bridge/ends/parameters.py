@@ -6,12 +6,10 @@ may change while the bridge runs, `ros2 param set` says otherwise.
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ...base.address import JausAddress
-from ...base.api import JausError
 from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
 from ...clients.peer_binding import PeerBinding
 from ...services.definitions import MAX_EVENT_RATE, server_type
@@ -60,10 +58,6 @@ QUEUE_AGE_LIMIT = 2.0
 That is far more than a bridge that keeps up needs, also while it starts. After a longer stall the
 commands of before are history: what comes next is the word.
 """
-
-
-class ParameterError(JausError):
-    """A parameter of the node has a value with which the bridge cannot run."""
 
 
 @dataclass(frozen=True)
@@ -314,8 +308,3 @@ def addresses(texts: Iterable[str]) -> tuple[JausAddress, ...]:
         ValueError: A text names no component, or several.
     """
     return tuple(map(address, texts))
-
-
-def nearest(name: str, known: Iterable[str]) -> str:
-    """Returns the known name that a misspelt one may mean; empty when none is near."""
-    return next(iter(difflib.get_close_matches(name, list(known), n=1)), "")

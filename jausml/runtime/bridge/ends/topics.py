@@ -7,10 +7,13 @@ for what the middleware decides, about which nothing is known here.
 
 from __future__ import annotations
 
+import difflib
 import math
 import time
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
+
+from ...base.api import JausError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -101,6 +104,10 @@ class RosService:
     response: type[LightMessage]
     success: str = ""
     reason: str = ""
+
+
+class ParameterError(JausError):
+    """A parameter of the node has a value with which the bridge cannot run."""
 
 
 @dataclass(frozen=True)
@@ -357,3 +364,8 @@ def _shown(value: str | float) -> str:
     if isinstance(value, str):
         return value
     return f"{value:g} s" if value > 0 else "none"
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Returns the known name that a misspelt one may mean; empty when none is near."""
+    return next(iter(difflib.get_close_matches(name, list(known), n=1)), "")

@@ -6,6 +6,9 @@ import os
 from importlib.util import find_spec
 from pathlib import Path
 
+from ...base.counters import LOGGER
+from ...base.process import configure_log
+
 LARGEST_DOMAIN = 232
 """Largest ROS_DOMAIN_ID: the ports of greater ones would be above 65535."""
 
@@ -46,3 +49,12 @@ def environment_fault() -> str:
     release = os.environ.get("ROS_DISTRO", "jazzy")
     faults = (domain_fault(), middleware_fault(name, release) if name else None)
     return "; ".join(f"{text}: {cure}" for text, cure in filter(None, faults))
+
+
+def permits_ros(who: str) -> bool:
+    """Whether the environment does; if not, the libraries of ROS would end the process."""
+    fault = environment_fault()
+    if fault:
+        configure_log("error")  # the wanted level is not known yet
+        LOGGER.error("%s cannot run: %s", who, fault)
+    return not fault

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import atexit
-import signal
 from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol
 
-import rclpy
 from rcl_interfaces.msg import SetParametersResult
 from rcl_interfaces.srv import SetParameters, SetParametersAtomically
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
-from rclpy.exceptions import InvalidHandle, ParameterException
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor, await_or_execute
+from rclpy.exceptions import InvalidHandle
+from rclpy.executors import SingleThreadedExecutor, await_or_execute
 from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn
-from rclpy.utilities import ok, remove_ros_args, try_shutdown
+from rclpy.utilities import remove_ros_args
 
 from ...base.counters import LOGGER, Counters
-from ...component.process import ignore_signals
-from ..ends.parameters import ParameterError
-from .parameters import LazyParameters, as_parameter_error, tell_unknown
+from .parameters import LazyParameters, as_parameter_error
 
 if TYPE_CHECKING:
     from collections.abc import Awaitable, Callable, Sequence
@@ -125,10 +118,6 @@ class ManagedNode(LazyParameters, LifecycleNode):
                 LOGGER.error("%s: a transition failed: %s", self.get_fully_qualified_name(), error)
             return TransitionCallbackReturn.FAILURE
         return TransitionCallbackReturn.SUCCESS
-
-
-# ROS is typed in parts; whoever checks generated code reads this module too.
-# mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call, misc"
 
 
 FAILED = "ros.callback_failed"
@@ -248,54 +237,6 @@ def _refused(request: Any, response: Any, reason: str) -> Any:
     elif isinstance(response, SetParametersAtomically.Response):
         response.result = refused
     return response
-
-
-WAKE_UP_PERIOD = 1.0
-"""Longest time in seconds until a node that spins notices a shutdown."""
-
-
-def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
-    """Spins a node until SIGINT or SIGTERM.
-
-    Args:
-        arguments: Command line without the program's name; that of the process when None.
-
-    Raises:
-        ParameterError: A parameter has a value with which the node cannot be made.
-    """
-    atexit.register(ignore_signals)
-    # ROS itself ends on a signal; Python's KeyboardInterrupt would strike anywhere, even in
-    # clean-up. What comes before ROS has begun is not forgotten.
-    early: list[int] = []
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda number, _: early.append(number))
-    with as_parameter_error():
-        rclpy.init(args=None if arguments is None else list(arguments))
-    try:
-        if early:
-            return
-        node = _new_node(factory)
-        tell_unknown(node)
-        # rclpy may begin to wait just after a signal has shut ROS down; nothing else wakes it then.
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(WAKE_UP_PERIOD, lambda: None, clock=steady)
-        with suppress(ExternalShutdownException):
-            rclpy.spin(node)
-        node.destroy_node()
-    except RuntimeError:
-        # A signal shuts ROS down in the midst of anything, which rclpy may report like this.
-        if ok():
-            raise
-    finally:
-        try_shutdown()
-
-
-def _new_node(factory: Callable[[], Any]) -> Any:
-    """Makes a node; errors of the user's code stay as they are."""
-    try:
-        return factory()
-    except ParameterException as error:
-        raise ParameterError(" ".join(str(error).split())) from error
 
 
 def without_ros_arguments(line: Sequence[str]) -> list[str]:

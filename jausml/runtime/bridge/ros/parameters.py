@@ -33,8 +33,7 @@ from rclpy.qos import (
 )
 
 from ...base.counters import LOGGER
-from ..ends.parameters import ParameterError, nearest
-from ..ends.topics import Parameter, Qos
+from ..ends.topics import Parameter, ParameterError, Qos, nearest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence

@@ -24,8 +24,7 @@ from rclpy.qos import qos_policy_name_from_kind
 from rclpy.type_support import check_is_valid_msg_type
 
 from ...base.counters import LOGGER
-from ..ends.parameters import ParameterError
-from ..ends.topics import EndpointHealth, Published, Qos, Topic, TopicCounts
+from ..ends.topics import EndpointHealth, ParameterError, Published, Qos, Topic, TopicCounts
 from .internals import internals, message_class
 from .parameters import (
     OVERRIDABLE,

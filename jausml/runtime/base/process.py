@@ -1,0 +1,85 @@
+"""What all processes have in common: log, signals, the wait for the end, exit codes."""
+
+from __future__ import annotations
+
+import atexit
+import logging
+import signal
+from contextlib import contextmanager
+from queue import SimpleQueue
+from typing import TYPE_CHECKING
+
+from .counters import LOGGER
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+    from types import FrameType
+
+LOG_FORMAT = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+
+LOG_LEVELS = ("debug", "info", "warn", "warning", "error")
+
+EXIT_OK = 0
+EXIT_FAILED = 1
+EXIT_USAGE = 2
+
+
+def configure_log(level: str) -> None:
+    """Log to standard error."""
+    logging.basicConfig(format=LOG_FORMAT, level=level.upper())
+
+
+def log_counts(label: str, counts: Mapping[str, int]) -> None:
+    """Log names and numbers on one line, as the last word of a process on what it did."""
+    pairs = " ".join(f"{name}={number}" for name, number in counts.items())
+    LOGGER.info("%s: %s", label, pairs or "none")
+
+
+class StopRequest:
+    """Ends the wait of the main thread; may be requested by signals and by any thread."""
+
+    def __init__(self) -> None:
+        # Unlike Event.set, SimpleQueue.put may be called in a signal handler that interrupts
+        # the very thread that waits.
+        self._requests: SimpleQueue[str | BaseException] = SimpleQueue()
+
+    def request(self, reason: str) -> None:
+        """End the wait."""
+        self._requests.put(reason)
+
+    def fail(self, error: BaseException) -> None:
+        """End the wait by an error of a thread without which the process is of no use."""
+        self._requests.put(error)
+
+    def wait(self) -> str:
+        """Wait for a request and return its reason.
+
+        Raises:
+            BaseException: The error of a thread that failed.
+        """
+        request = self._requests.get()
+        if isinstance(request, BaseException):
+            raise request
+        return request
+
+    @contextmanager
+    def on_signals(self) -> Iterator[None]:
+        """Let SIGINT and SIGTERM request the stop during a block."""
+
+        def handle(number: int, _frame: FrameType | None) -> None:
+            self.request(signal.Signals(number).name)
+
+        atexit.register(ignore_signals)
+        numbers = (signal.SIGINT, signal.SIGTERM)
+        former = {number: signal.signal(number, handle) for number in numbers}
+        try:
+            yield
+        finally:
+            for number, handler in former.items():
+                signal.signal(number, handler)
+
+
+def ignore_signals() -> None:
+    """Lets a process that is at its end end, whoever signals once more."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)

@@ -1,0 +1,91 @@
+"""The program of a process with one JAUS component."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..base.api import JausError
+from ..base.counters import LOGGER
+from ..base.process import EXIT_FAILED, EXIT_OK, StopRequest, configure_log
+from ..base.settings import add_arguments, from_arguments
+from .process import (
+    add_component_arguments,
+    component_settings,
+    given_options,
+    running_transport,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from ..base.address import JausAddress
+    from ..base.settings import TransportSettings
+    from ..services.definitions import ComponentSettings
+    from ..transports.transport import Transport
+    from .base import Component
+
+    Factory = Callable[[Transport, JausAddress, ComponentSettings], Component]
+
+
+@dataclass(frozen=True)
+class ComponentProgram:
+    """What the model says of a component's process; options override it."""
+
+    name: str
+    description: str
+    address: JausAddress
+    transport: TransportSettings | None = None
+    settings: ComponentSettings | None = None
+
+
+def run_component(
+    factory: Factory, program: ComponentProgram, argv: Sequence[str] | None = None
+) -> int:
+    """Run one component until SIGINT, SIGTERM or a JAUS Shutdown ends it.
+
+    Args:
+        argv: Command line without the program's name; the process's own when None.
+
+    Returns:
+        The exit code: 0 after a clean shutdown, 1 when the component could not start.
+
+    Raises:
+        SystemExit: The command line is wrong (code 2) or asks for help (code 0).
+    """
+    name = program.name
+    parser = argparse.ArgumentParser(prog=name, description=program.description)
+    add_component_arguments(parser, program.address)
+    add_arguments(parser, program.transport)
+    arguments = parser.parse_args(given_options(sys.argv[1:] if argv is None else argv))
+    configure_log(arguments.log_level)
+    behaviour = component_settings(arguments, program.settings)
+    try:
+        transport_settings = from_arguments(arguments, program.transport)
+    except ValueError as error:
+        parser.error(str(error))
+    stop = StopRequest()
+    try:
+        with stop.on_signals(), running_transport(transport_settings) as network:
+            network.loop.on_failure = stop.fail
+            component = factory(network, arguments.jaus_id, behaviour)
+            component.when_shut_down(lambda: stop.request("JAUS Shutdown"))
+            component.start()
+            LOGGER.info("%s runs as %s", name, arguments.jaus_id)
+            try:
+                reason = stop.wait()
+                LOGGER.info("%s ends: %s", name, reason)
+            finally:
+                component.stop()
+    except OSError as error:
+        LOGGER.error("%s cannot use the network: %s", name, error)
+        return EXIT_FAILED
+    except JausError as error:
+        LOGGER.error("%s cannot run: %s", name, error)
+        return EXIT_FAILED
+    except Exception:
+        LOGGER.exception("%s failed", name)
+        return EXIT_FAILED
+    return EXIT_OK
