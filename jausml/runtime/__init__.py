@@ -97,13 +97,13 @@ from .services.definitions import (
     ComponentSettings,
     Guard,
     HandoffRequest,
-    ListElement,
     Scope,
     ServiceIdentity,
     Status,
 )
 from .services.digital_resources import DigitalResourceService
 from .services.handoff import HandoffService
+from .services.list_elements import ListElement
 from .services.list_manager import ElementList, ListHolder, ListManagerService, chain
 from .services.machine_states import MachineStatesService
 from .services.time_of_day import TimeService

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from jausml.language.semantics.connections.calls import ELEMENTS
-from jausml.runtime.services.definitions import ELEMENTS_OF_DRIVERS
+from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
 
 
 def test_both_know_the_same_elements() -> None:

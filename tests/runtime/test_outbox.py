@@ -94,7 +94,7 @@ class Line:
 
     def acknowledge(self, *packets: Packet) -> None:
         for packet in packets:
-            self.messenger._outbox.acknowledged(packet.source, packet.sequence, packet.destination)
+            self.messenger.outbox.acknowledged(packet.source, packet.sequence, packet.destination)
         self.pass_time(0)
 
     def pass_time(self, seconds: float) -> None:
@@ -155,7 +155,7 @@ def test_equal_numbers_to_several_destinations_are_acknowledged_apart(clock):
     line.acknowledge(at_other)
     assert line.results == {"b": True}
     line.acknowledge(at_peer)
-    line.messenger._outbox.acknowledged(OWN, at_all.sequence, JausAddress(300, 1, 3))
+    line.messenger.outbox.acknowledged(OWN, at_all.sequence, JausAddress(300, 1, 3))
     line.pass_time(0)
     assert line.results == {"a": True, "b": True, "c": True}
     line.messenger.close()
@@ -239,7 +239,7 @@ def test_what_waits_for_a_silent_destination_is_given_up_with_it(line):
     line.pass_time(0.11)
     assert line.results == {"a": False, "b": False, "o": False}
     assert line.out() == "ao" * 4
-    assert not line.messenger._outbox
+    assert not line.messenger.outbox
 
 
 def test_what_waits_for_a_destination_that_is_heard_gets_its_turn(line):
@@ -336,7 +336,7 @@ def test_each_result_comes_once_and_large_messages_never_mix(steps) -> None:
         line.carrier.packets = []
     wanted = [number for number, step in enumerate(steps) if step[0] == "send"]
     assert sorted(results) == wanted
-    assert (len(line.messenger._outbox), line.messenger._outbox._size) == (0, 0)
+    assert (len(line.messenger.outbox), line.messenger.outbox._size) == (0, 0)
     for to in (PEER, OTHER):
         order = [
             packet.payload[-1]
@@ -407,7 +407,7 @@ def test_a_stop_withdraws_what_was_commanded_before_and_goes_in_front(line):
     assert sorted(line.out()) == sorted("cd" * 16 + "s")
     (stop,) = (
         flight
-        for flight in line.messenger._outbox._flights.values()
+        for flight in line.messenger.outbox._flights.values()
         if flight.packet.payload.startswith(COMMAND)
     )
     line.acknowledge(stop.packet)
@@ -415,7 +415,7 @@ def test_a_stop_withdraws_what_was_commanded_before_and_goes_in_front(line):
     for _ in range(100):
         line.pass_time(0.05)
     assert set(line.out()) == {"c", "d"}
-    assert len(line.messenger._outbox) == 0
+    assert len(line.messenger.outbox) == 0
 
 
 def test_a_stop_waits_for_no_place_that_others_have(line):
@@ -433,14 +433,14 @@ def test_what_is_withdrawn_is_neither_sent_nor_repeated(line, packets):
     line.send("n", own=NEIGHBOUR)
     line.send("o", to=OTHER)
     line.out()
-    line.messenger.withdraw(OWN, PEER, STATUS + b"a")
-    line.messenger.withdraw(OWN, PEER, STATUS + b"x")
-    line.messenger.withdraw(OWN, JausAddress(9, 9, 9), STATUS)
+    line.messenger.outbox.withdraw(OWN, PEER, STATUS + b"a")
+    line.messenger.outbox.withdraw(OWN, PEER, STATUS + b"x")
+    line.messenger.outbox.withdraw(OWN, JausAddress(9, 9, 9), STATUS)
     line.pass_time(0)
     assert line.results == {"a": False}
     line.pass_time(0.11)
     assert set(line.out()) == {"b", "n", "o"}
-    line.messenger.withdraw(OWN, PEER, STATUS)
+    line.messenger.outbox.withdraw(OWN, PEER, STATUS)
     line.pass_time(0.11)
     assert line.results == {"a": False, "b": False}
     assert set(line.out()) == {"n", "o"}
@@ -450,13 +450,13 @@ def test_what_is_withdrawn_has_no_part_in_what_is_known_of_a_peer(line):
     for name in "abcd":
         line.send(name)
         answer(line, name)
-        line.messenger.withdraw(OWN, PEER, STATUS)
+        line.messenger.outbox.withdraw(OWN, PEER, STATUS)
         line.pass_time(1.0)
     assert line.quirks.of(PEER) == ()
 
 
 def answer(line, name=""):
-    line.messenger.answered(OWN, PEER, STATUS + name.encode())
+    line.messenger.outbox.answered(OWN, PEER, STATUS + name.encode())
 
 
 def test_what_is_answered_is_not_repeated(line):

@@ -256,7 +256,7 @@ class TestAcknowledge:
         wait_until(lambda: results and there.received)
         assert results == [True]
         assert there.payloads == [STATUS]
-        assert not here.transport._messenger._outbox
+        assert not here.transport._messenger.outbox
 
     def test_four_transmissions_then_failure(self, station, peer, wait_until):
         here = station(acknowledge_timeout=0.02).attach(DRIVER)
@@ -340,8 +340,8 @@ class TestUnknownDestination:
         wait_until(lambda: there.received)
         there.transport.send(OCU, DRIVER, STATUS)
         wait_until(lambda: here.received)
-        assert here.transport._book.find(OCU) == there.transport.endpoint
-        assert there.transport._book.find(DRIVER) == here.transport.endpoint
+        assert here.transport.address_book.find(OCU) == there.transport.endpoint
+        assert there.transport.address_book.find(DRIVER) == here.transport.endpoint
 
     def test_a_component_that_moved_is_found_again(self, station, wait_until):
         station()  # owns the port, and is told where the others are
@@ -359,7 +359,7 @@ class TestUnknownDestination:
         wait_until(lambda: len(results) == 2)
         assert results[1] is True
         wait_until(lambda: elsewhere.received)
-        assert here.transport._book.find(OCU) == elsewhere.transport.endpoint
+        assert here.transport.address_book.find(OCU) == elsewhere.transport.endpoint
 
     def test_a_silent_peer_is_asked_and_then_searched(self, station, peer, wait_until):
         here = station(address_lifetime=0.1).attach(DRIVER)

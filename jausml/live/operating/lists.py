@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.live.messages.errors import CodecError
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import printable, shown_fields
-from jausml.runtime.services.definitions import ELEMENTS_OF_DRIVERS
+from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

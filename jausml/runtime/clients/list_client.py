@@ -15,8 +15,8 @@ from ..messages import (
     ReportElementList,
     SetElement,
 )
-from ..services.definitions import ListElement
 from ..services.host import Host
+from ..services.list_elements import ListElement
 from ..services.list_manager import ALL_UIDS, NO_UID
 from .query import QueryClient
 

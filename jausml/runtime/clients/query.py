@@ -5,6 +5,7 @@ Of what waits for equally long the first is due first: one timer serves all.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from itertools import takewhile
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -81,6 +82,7 @@ class Deadlines(Generic[T]):
                 self._due.pop(delay, None)
 
 
+@dataclass(slots=True, eq=False)
 class PendingQuery:
     """A query that waits for its report; made by ``Querier.query``.
 
@@ -90,40 +92,15 @@ class PendingQuery:
         attempts: How often it may still be sent.
     """
 
-    __slots__ = (
-        "_client",
-        "attempts",
-        "on_failure",
-        "on_report",
-        "payload",
-        "report_class",
-        "takes_payloads",
-        "target",
-        "timeout",
-    )
-
-    def __init__(
-        self,
-        client: QueryClient,
-        target: JausAddress,
-        report_class: type[Message],
-        payload: bytes,
-        on_report: Callable[[Any, JausAddress], None],
-        takes_payloads: bool,  # noqa: FBT001 - one caller
-        on_failure: Callable[[], None] | None,
-        timeout: float,
-        attempts: int,
-    ) -> None:
-        """Use ``Querier.query`` instead."""
-        self._client = client
-        self.target = target
-        self.report_class = report_class
-        self.payload = payload
-        self.on_report = on_report
-        self.takes_payloads = takes_payloads
-        self.on_failure = on_failure
-        self.timeout = timeout
-        self.attempts = attempts
+    _client: QueryClient
+    target: JausAddress
+    report_class: type[Message]
+    payload: bytes
+    on_report: Callable[[Any, JausAddress], None]
+    takes_payloads: bool
+    on_failure: Callable[[], None] | None
+    timeout: float
+    attempts: int
 
     def cancel(self) -> None:
         """Wait no longer; neither callback is called."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 from ..transports.packets.packet import Priority
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
-from .definitions import ELEMENTS_OF_DRIVERS, VERSION_1_1, Guard
+from .definitions import VERSION_1_1, Guard
 from .dispatch import Provision
 
 if TYPE_CHECKING:
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
         Completion,
         ComponentSettings,
         HandoffRequest,
-        ListElement,
         ServiceIdentity,
     )
     from .dispatch import Handler, Router
@@ -93,9 +92,6 @@ class Hooks:
         Args:
             time: What it was set to, in UTC. The host's clock is left as it is.
         """
-
-    def on_list_changed(self) -> None:
-        """The controller has changed ``elements`` (AS5710, ListManager)."""
 
     def core_state_changed(self) -> None:
         """The status changed, who controls the component, or whether control is to be had."""
@@ -456,12 +452,3 @@ class Host(Hooks):
         Override it for a component that lives in simulated time.
         """
         return self.clock.utc()
-
-    def supports_element(self, element: ListElement) -> bool:
-        """Return whether the component's list may hold an element (AS5710, ListManager).
-
-        By default these are the messages that the component's list drivers execute, e.g.
-        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
-        """
-        driven = (ELEMENTS_OF_DRIVERS.get(service.urn) for service in self.services)
-        return element.message_code in driven

@@ -17,8 +17,9 @@ from ..messages import (
     ReportElementList,
     SetElement,
 )
-from .definitions import Guard, ListElement
+from .definitions import Guard
 from .host import Host
+from .list_elements import ELEMENTS_OF_DRIVERS, ListElement
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -243,7 +244,10 @@ class ListManagerService:
     def _supports(self, element: ListElement) -> bool:
         if self.drivers:
             return any(driver.supports(element) for driver in self.drivers)
-        return bool(self._component.call(self._component.supports_element, element))
+        holder = self._component
+        return isinstance(holder, ListHolder) and bool(
+            holder.call(holder.supports_element, element)
+        )
 
     def _set(self, message: SetElement, sender: JausAddress) -> None:
         requested = [
@@ -291,7 +295,8 @@ class ListManagerService:
         self._component.send(ConfirmElementRequest(request_id=request_id), client)
         for driver in self.drivers:
             driver.list_changed()
-        self._component.call(self._component.on_list_changed)
+        if isinstance(self._component, ListHolder):
+            self._component.call(self._component.on_list_changed)
         for report in (ReportElement, ReportElementList, ReportElementCount):
             self._component.report_changed(report)
 
@@ -330,3 +335,15 @@ class ListHolder(Host):
     def elements(self) -> ElementList:
         """The list that the controller edits (AS5710, ListManager); not to be changed here."""
         return self.part(ListManagerService).elements
+
+    def on_list_changed(self) -> None:
+        """The controller has changed ``elements`` (AS5710, ListManager)."""
+
+    def supports_element(self, element: ListElement) -> bool:
+        """Return whether the component's list may hold an element (AS5710, ListManager).
+
+        By default these are the messages that the component's list drivers execute, e.g.
+        SetGlobalWaypoint for a GlobalWaypointListDriver; a ListManager alone takes none.
+        """
+        driven = (ELEMENTS_OF_DRIVERS.get(service.urn) for service in self.services)
+        return element.message_code in driven

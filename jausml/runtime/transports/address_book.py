@@ -7,6 +7,7 @@ import math
 import socket
 import sys
 from collections import Counter, OrderedDict
+from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from ..base.settings import Endpoint, TransportSettings
 
 
+@dataclass(slots=True, eq=False)
 class Claim:
     """What a component without proof has sent and got, at the one endpoint that it claims.
 
@@ -27,17 +29,15 @@ class Claim:
         number: What it is to acknowledge; None while it has not been asked.
     """
 
-    __slots__ = (
-        *("asked", "asker", "held", "host", "number", "questions", "received", "sent", "wrong"),
-    )
-
-    def __init__(self, host: str) -> None:
-        self.host = host
-        self.received = self.sent = self.wrong = self.questions = 0
-        self.number: int | None = None
-        self.asked = float("-inf")
-        self.asker: JausAddress | None = None
-        self.held: list[bytes] = []
+    host: str
+    received: int = 0
+    sent: int = 0
+    wrong: int = 0
+    questions: int = 0
+    number: int | None = None
+    asked: float = -math.inf
+    asker: JausAddress | None = None
+    held: list[bytes] = field(default_factory=list)
 
 
 SOURCE_REFUSED = "transport.source_refused"
@@ -63,6 +63,7 @@ class Doubt(Enum):
     """Look for the component by multicast as well: it did not answer."""
 
 
+@dataclass(slots=True, eq=False)
 class Entry:
     """Where a component is, when it was heard there last, and when it was asked whether it is.
 
@@ -75,14 +76,11 @@ class Entry:
             long, so that nothing goes to it beyond its credit.
     """
 
-    __slots__ = ("asked", "claim", "endpoint", "heard", "spoke")
-
-    def __init__(self, endpoint: Endpoint, heard: float) -> None:
-        self.endpoint = endpoint
-        self.heard = heard
-        self.asked = -math.inf
-        self.spoke = -math.inf
-        self.claim: Claim | None = None
+    endpoint: Endpoint
+    heard: float
+    asked: float = -math.inf
+    spoke: float = -math.inf
+    claim: Claim | None = None
 
     @property
     def latest(self) -> float:

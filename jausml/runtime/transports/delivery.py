@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
@@ -36,6 +36,7 @@ class ReceivedMessage(NamedTuple):
     sequence: int
 
 
+@dataclass(slots=True)
 class Arrival:
     """The message that is being handed over.
 
@@ -46,12 +47,9 @@ class Arrival:
         origin: Where it came from, such as an endpoint; another process is heard from elsewhere.
     """
 
-    __slots__ = ("is_sure", "number", "origin")
-
-    def __init__(self) -> None:
-        self.number: int | None = None
-        self.is_sure = False
-        self.origin: object = None
+    number: int | None = None
+    is_sure: bool = False
+    origin: object = None
 
 
 class PeerTraffic(NamedTuple):

@@ -99,7 +99,7 @@ class Transport(ABC):
         with self.loop.lock:
             messenger = self._messenger_of(address)
             if messenger is not None:
-                messenger.answered(address, peer, start)
+                messenger.outbox.answered(address, peer, start)
 
     def withdraw(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
         """Repeat messages to a component no more, and do not send those that wait.
@@ -112,7 +112,7 @@ class Transport(ABC):
         with self.loop.lock:
             messenger = self._messenger_of(address)
             if messenger is not None:
-                messenger.withdraw(address, peer, start)
+                messenger.outbox.withdraw(address, peer, start)
 
     def datagram(
         self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority

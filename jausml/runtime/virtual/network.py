@@ -310,7 +310,7 @@ class VirtualTransport(DatagramTransport):
 
     def open(self) -> None:
         """Join the network."""
-        self._book.configure(self._settings.address_book)
+        self.address_book.configure(self._settings.address_book)
         self.station.open(self)
 
     def close(self) -> None:

@@ -104,13 +104,13 @@ class ReceivePath:
         """Check that what is kept is bounded, and that no fragment got lost."""
         inbox = self.transport.inbox
         assert len(self.transport.address_book) <= 1024
-        assert inbox.remembered <= 256 * SETTINGS.duplicate_history
-        assert inbox.incomplete <= 4 * SETTINGS.reassembly_limit
+        assert len(inbox.duplicates) <= 256 * SETTINGS.duplicate_history
+        assert inbox.reassembly.size <= 4 * SETTINGS.reassembly_limit
         counts = self.loop.counters.snapshot()
         gone = counts.get("transport.fragments_assembled", 0) + counts.get(
             "transport.fragments_discarded", 0
         )
-        assert counts.get("transport.fragments", 0) == gone + inbox.fragments
+        assert counts.get("transport.fragments", 0) == gone + len(inbox.reassembly)
         assert counts.get("loop.callback_failed", 0) == 0
 
 

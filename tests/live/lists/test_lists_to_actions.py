@@ -12,7 +12,7 @@ from guardians import guardian_of
 needs.ask("rclpy")
 
 from jausml.runtime.clients.control_state import ControlState
-from jausml.runtime.services.definitions import ListElement
+from jausml.runtime.services.list_elements import ListElement
 from jausml.runtime.services.list_manager import chain
 
 from ..bridge_support import wait_for

@@ -18,7 +18,7 @@ from jausml.runtime.messages import (
     ReportElement,
     SetElement,
 )
-from jausml.runtime.services.definitions import ListElement
+from jausml.runtime.services.list_elements import ListElement
 from jausml.runtime.services.list_manager import ListError
 from jausml.runtime.wire.message import EncodeError
 

@@ -25,7 +25,7 @@ from jausml.runtime.messages import (
     SetElement,
     SetTime,
 )
-from jausml.runtime.services.definitions import ELEMENTS_OF_DRIVERS
+from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
 from jausml.runtime.services.list_manager import ListManagerService
 
 from .state_tables import V1_0, Row, after, controlled, play, ready, rows

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.address import JausAddress
-    from ...services.definitions import ListElement
     from ...services.host import Host
+    from ...services.list_elements import ListElement
     from ...wire.message import Message
 
 

@@ -12,7 +12,8 @@ from enum import Enum, IntEnum
 from typing import TYPE_CHECKING, Any
 
 from ...services.access_control import AccessControlService
-from ...services.definitions import Completion, Guard, ListElement, Status
+from ...services.definitions import Completion, Guard, Status
+from ...services.list_elements import ListElement
 from ...services.list_manager import NO_UID
 from ...services.management import ManagementService
 from .list_driver import ListDriver, ListMessages

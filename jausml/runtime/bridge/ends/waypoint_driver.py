@@ -9,7 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...services.definitions import Completion, ListElement
+from ...services.definitions import Completion
+from ...services.list_elements import ListElement
 from ...services.list_manager import NO_UID
 from .list_driver import ListDriver, ListMessages
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...clients.peer_binding import Search
-    from ...services.definitions import ListElement
+    from ...services.list_elements import ListElement
     from ...wire.message import Message
     from ..ends.actions import ActionClient, ListAction, SentGoal
     from ..ends.ends import Ends

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
+from dataclasses import dataclass, field
 from itertools import islice
 from typing import TYPE_CHECKING
 
@@ -31,6 +32,7 @@ _CERTAIN = 3
 _ALL = (1 << SPAN) - 1
 
 
+@dataclass(slots=True, eq=False)
 class Account:
     """What the sequence numbers of one sender tell (AS5669A).
 
@@ -53,36 +55,19 @@ class Account:
             Where this is not known, what was lost is an upper bound.
     """
 
-    __slots__ = (
-        "_began",
-        "_compared",
-        "_counted",
-        "_doubted",
-        "_gone",
-        "_missing",
-        "_top",
-        "came",
-        "doubled",
-        "is_exact",
-        "late",
-        "repeated",
-        "restarts",
-    )
-
-    def __init__(self) -> None:
-        self.came = 0
-        self.late = 0
-        self.doubled = 0
-        self.repeated = 0
-        self.restarts = 0
-        self.is_exact = False
-        self._counted = 0  # of the numbers that are remembered, the oldest of which are counted
-        self._compared = -math.inf  # time of the packet to a wildcard that was looked at last
-        self._top = -1
-        self._began = 0  # the number of this life that was first is so many behind the newest
-        self._missing = 0  # bit n: the number n behind the newest has not come
-        self._gone = 0  # missing ones that are too far behind to be waited for
-        self._doubted: list[int] = []
+    came: int = 0
+    late: int = 0
+    doubled: int = 0
+    repeated: int = 0
+    restarts: int = 0
+    is_exact: bool = False
+    _counted: int = 0  # of the numbers that are remembered, the oldest of which are counted
+    _compared: float = -math.inf  # time of the packet to a wildcard that was looked at last
+    _top: int = -1
+    _began: int = 0  # the number of this life that was first is so many behind the newest
+    _missing: int = 0  # bit n: the number n behind the newest has not come
+    _gone: int = 0  # missing ones that are too far behind to be waited for
+    _doubted: list[int] = field(default_factory=list)
 
     @property
     def lost(self) -> int:
@@ -324,13 +309,9 @@ class DuplicateWindow:
     ) -> None:
         """Remember a packet that is new, whose number is none of ``numbers``."""
         if len(numbers) >= self.capacity:
-            self._make_room(pair, numbers)
+            # Many at once, so that not each packet has to make room.
+            self._forget(pair, numbers, list(islice(numbers, len(numbers) - self.history + 1)))
         numbers[sequence] = now, hash(payload) ^ destination
-
-    def _make_room(self, pair: int, numbers: Numbers) -> None:
-        """Forget the oldest numbers of a pair, of which there are as many as can be."""
-        # Many at once, so that not each packet has to make room.
-        self._forget(pair, numbers, list(islice(numbers, len(numbers) - self.history + 1)))
 
     def _forget(self, pair: int, numbers: Numbers, sequences: list[int]) -> None:
         """Forget numbers when they are counted."""

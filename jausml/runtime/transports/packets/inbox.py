@@ -124,21 +124,6 @@ class Inbox(Generic[Origin]):
         """Told of an acknowledgement that no packet waits for; returns whether it proves who is
         where."""
 
-    @property
-    def remembered(self) -> int:
-        """Packets remembered to detect duplicates."""
-        return len(self.duplicates)
-
-    @property
-    def incomplete(self) -> int:
-        """Bytes held for incomplete messages, with bookkeeping."""
-        return self.reassembly.size
-
-    @property
-    def fragments(self) -> int:
-        """Fragments held for incomplete messages."""
-        return len(self.reassembly)
-
     def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
         """Receive messages for a component from now on."""
         if not address.is_concrete:
@@ -243,11 +228,8 @@ class Inbox(Generic[Origin]):
                 )
                 receive(message)
             except Exception as error:  # one component must not silence the others
-                self._count_failure(address, error)
-
-    def _count_failure(self, address: JausAddress, error: Exception) -> None:
-        """Count an error that a component let out."""
-        self._counters.count("transport.receiver_failed", f"{address}: {error!r}", error=error)
+                detail = f"{address}: {error!r}"
+                self._counters.count("transport.receiver_failed", detail, error=error)
 
     def _accept(self, packet: Packet, receivers: Receivers, now: float) -> None:
         if self.duplicates.is_duplicate(packet, now):
@@ -272,14 +254,9 @@ class Inbox(Generic[Origin]):
             self._counters.add("transport.nak")  # nobody sends it; the repetition goes on
         elif packet.payload:
             self._on_marked_payload(packet, receivers, origin, now)
-        else:
-            self._take_acknowledgement(packet.destination, packet.sequence, packet.source)
-
-    def _take_acknowledgement(self, component: int, sequence: int, by: int) -> None:
-        """Take an acknowledgement."""
-        if self._acknowledged(component, sequence, by):
+        elif self._acknowledged(packet.destination, packet.sequence, packet.source):
             self._matched.count += 1
-        elif not self.proves(by, sequence):
+        elif not self.proves(packet.source, packet.sequence):
             self._counters.add("transport.unmatched_acknowledgement")
 
     def _on_marked_payload(

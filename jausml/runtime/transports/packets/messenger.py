@@ -97,20 +97,18 @@ class Messenger(Generic[Origin]):
         self._longest = settings.fragment_size
         self._bursts = Bursts()
         self._quirks = quirks
-        self._outbox = Outbox(settings, loop, carrier, quirks)
+        self.outbox = Outbox(settings, loop, carrier, quirks)
         self._has_warned = False
         self._is_reliable = isinstance(carrier, ReliableCarrier)
         self._send_all = (
             carrier.transmit_all if isinstance(carrier, ReliableCarrier) else self._send_in_one_go
         )
-        self.inbox: Inbox[Origin] = Inbox(
-            settings, loop, self._outbox.acknowledged, carrier, quirks
-        )
+        self.inbox: Inbox[Origin] = Inbox(settings, loop, self.outbox.acknowledged, carrier, quirks)
 
     def close(self) -> None:
         """Report what waits for acknowledgement as lost."""
         self.inbox.close()
-        self._outbox.close()
+        self.outbox.close()
 
     def send(
         self,
@@ -159,21 +157,11 @@ class Messenger(Generic[Origin]):
             # Told once: those of this process have it for certain.
             on_result = None
         if asks:
-            self._outbox.send(
-                packets, on_result, best_effort=not acknowledge, supersedes=supersedes
-            )
+            self.outbox.send(packets, on_result, best_effort=not acknowledge, supersedes=supersedes)
         else:
             self._send_all(packets, on_result)
         if count > HELD_BY_PEERS:
             self._warn_of_size(packets[0], count)
-
-    def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Take an answer for an acknowledgement; see ``Transport.answered``."""
-        self._outbox.answered(source, peer, start)
-
-    def withdraw(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Give messages up; see ``Transport.withdraw``."""
-        self._outbox.withdraw(source, peer, start)
 
     def traffic(self) -> list[PeerTraffic]:
         """Return what components of this process and others have exchanged, by pair.
@@ -187,7 +175,7 @@ class Messenger(Generic[Origin]):
                 if peer not in self.inbox.receivers:
                     traffic_by_pair[own, peer] = PeerTraffic(own, peer, sent)
         # A copy, as other threads send meanwhile.
-        for (source, destination), outcome in list(self._outbox.outcomes.items()):
+        for (source, destination), outcome in list(self.outbox.outcomes.items()):
             pair = address_of(source), address_of(destination)
             if pair in traffic_by_pair:
                 traffic_by_pair[pair] = traffic_by_pair[pair]._replace(
@@ -229,7 +217,7 @@ class Messenger(Generic[Origin]):
             destination, source, payload, number, priority, Broadcast.NONE, wanted, DataFlags.SINGLE
         )
         if asks:
-            self._outbox.send([packet], on_result, supersedes=supersedes)
+            self.outbox.send([packet], on_result, supersedes=supersedes)
         else:
             self._send_all([packet], on_result)
 
@@ -247,7 +235,7 @@ class Messenger(Generic[Origin]):
         if count == 1:
             return True
         # It has to wait behind the one under way, which lanes do for acknowledged messages alone.
-        if self._outbox.has_large(destination):
+        if self.outbox.has_large(destination):
             return False
         return self._bursts.fits(destination, count, self._loop.now())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -34,19 +35,17 @@ OFTEN_ANSWERED = 3
 """Answers without any acknowledgement after which a peer is taken for one that sends none."""
 
 
+@dataclass(slots=True)
 class Outcome:
     """How many messages from one component to another were acknowledged, late, or never.
 
     Those that are answered instead have arrived; those of which nothing came may have as well.
     """
 
-    __slots__ = ("acknowledged", "answered", "late", "unacknowledged")
-
-    def __init__(self) -> None:
-        self.acknowledged = 0
-        self.answered = 0
-        self.late = 0
-        self.unacknowledged = 0
+    acknowledged: int = 0
+    answered: int = 0
+    late: int = 0
+    unacknowledged: int = 0
 
 
 class Outbox:
@@ -256,7 +255,7 @@ class Outbox:
         ready = lane.ready()
         due = now + self._timeout
         for message, packet in ready:
-            flight = Flight(message, packet, now, due)
+            flight = Flight(message, packet, key_of(packet), now, due)
             self._flights[flight.key] = flight
         if ready and self._timer is None:
             self._timer = self._loop.call_later(self._timeout, self._expire)

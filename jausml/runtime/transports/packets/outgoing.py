@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import random
 from collections import deque
+from dataclasses import dataclass, field
 from itertools import count, islice
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -182,6 +183,7 @@ class _Numbers(NamedTuple):
 _SINGLES_UNDER_WAY = 32
 
 
+@dataclass(slots=True, eq=False)
 class Message:
     """A message whose packets are sent, each until it is acknowledged.
 
@@ -195,37 +197,22 @@ class Message:
         under_way: How many of these are not acknowledged yet.
     """
 
-    __slots__ = (
-        "is_best_effort",
-        "is_large",
-        "is_repeated",
-        "is_urgent",
-        "latest",
-        "on_result",
-        "packets",
-        "sent",
-        "size",
-        "under_way",
-    )
+    packets: list[Packet]
+    on_result: OnResult | None
+    is_best_effort: bool = False
+    is_urgent: bool = False
+    is_repeated: bool = False
+    latest: float = math.inf
+    sent: int = 0
+    under_way: int = 0
+    size: int = field(init=False)
+    is_large: bool = field(init=False)
 
-    def __init__(
-        self,
-        packets: list[Packet],
-        on_result: OnResult | None,
-        *,
-        is_best_effort: bool = False,
-        is_urgent: bool = False,
-    ) -> None:
-        self.packets = packets
-        self.on_result = on_result
-        self.is_best_effort = is_best_effort
-        self.is_repeated = False
-        self.latest = math.inf
-        self.size = sum([len(packet.payload) for packet in packets])
-        self.is_large = len(packets) > 1
-        self.is_urgent = is_urgent or packets[0].priority > Priority.STANDARD
-        self.sent = 0
-        self.under_way = 0
+    def __post_init__(self) -> None:
+        """Finds out what its packets say."""
+        self.size = sum([len(packet.payload) for packet in self.packets])
+        self.is_large = len(self.packets) > 1
+        self.is_urgent = self.is_urgent or self.packets[0].priority > Priority.STANDARD
 
     @property
     def is_done(self) -> bool:
@@ -243,19 +230,17 @@ def key_of(packet: Packet) -> Key:
     return packet.source, 0 if destination.is_wildcard else destination, packet.sequence
 
 
+@dataclass(slots=True, eq=False)
 class Flight:
     """A packet under way."""
 
-    __slots__ = ("due", "is_answered", "key", "message", "packet", "repetitions", "since")
-
-    def __init__(self, message: Message, packet: Packet, since: float, due: float) -> None:
-        self.message = message
-        self.packet = packet
-        self.key = key_of(packet)
-        self.since = since
-        self.due = due
-        self.repetitions = 0
-        self.is_answered = False
+    message: Message
+    packet: Packet
+    key: Key
+    since: float
+    due: float
+    repetitions: int = 0
+    is_answered: bool = False
 
 
 class Lane:

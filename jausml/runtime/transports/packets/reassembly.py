@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ...base.address import address_of
@@ -42,6 +43,7 @@ class _Line:
         return len(self.parts)
 
 
+@dataclass(slots=True, eq=False)
 class _Run:
     """Fragments with consecutive sequence numbers, from ``start`` to ``end``.
 
@@ -49,26 +51,21 @@ class _Run:
     ``closed`` with the last one.
     """
 
-    __slots__ = ("closed", "end", "flags", "start", "updated")
-
-    def __init__(self, start: int, updated: float) -> None:
-        self.start = start
-        self.end = start
-        self.updated = updated
-        self.flags = 0
-        self.closed = False
+    start: int
+    end: int
+    updated: float
+    flags: int = 0
+    closed: bool = False
 
 
+@dataclass(slots=True, eq=False)
 class _Stream:
     """Fragments of one source to one destination, and the runs that they form."""
 
-    __slots__ = ("by_end", "by_start", "fragments", "size")
-
-    def __init__(self) -> None:
-        self.fragments: dict[int, bytes] = {}
-        self.by_start: dict[int, _Run] = {}
-        self.by_end: dict[int, _Run] = {}
-        self.size = 0
+    fragments: dict[int, bytes] = field(default_factory=dict)
+    by_start: dict[int, _Run] = field(default_factory=dict)
+    by_end: dict[int, _Run] = field(default_factory=dict)
+    size: int = 0
 
     @classmethod
     def of(cls, line: _Line) -> _Stream:
@@ -90,7 +87,7 @@ class _Stream:
         # A first packet continues no run, whatever number came before it.
         run = None if place == _FIRST else by_end.get(number - 1 & 0xFFFF)
         if run is None or run.closed:
-            run = by_start[number] = _Run(number, now)
+            run = by_start[number] = _Run(number, number, now)
             if place == _FIRST:
                 run.flags = flags
         else:
@@ -135,6 +132,7 @@ class Reassembly:
 
     Attributes:
         limit: Bytes kept for one way, with bookkeeping.
+        size: Bytes held for incomplete messages, with bookkeeping.
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
@@ -151,18 +149,13 @@ class Reassembly:
         self._assembled = counters.tally("transport.fragments_assembled")
         self._finished = counters.tally("transport.reassembled")
         self._held: OrderedDict[Way, _Line | _Stream] = OrderedDict()
-        self._size = 0
+        self.size = 0
 
     def note_whole(self, count: int) -> None:
         """Count a message of so many fragments that was put together elsewhere."""
         self._taken.count += count
         self._assembled.count += count
         self._finished.count += 1
-
-    @property
-    def size(self) -> int:
-        """Bytes held for incomplete messages, with bookkeeping."""
-        return self._size
 
     def __len__(self) -> int:
         """Return how many fragments are held."""
@@ -190,24 +183,24 @@ class Reassembly:
         line = held.get(way)
         if line is None and place == _FIRST:
             line = held[way] = _Line(flags, sequence, payload, now)
-            self._size += line.size
+            self.size += line.size
         elif type(line) is _Line and line.following == sequence and place != _FIRST:
             line.parts.append(payload)
             if place == _LAST:
                 del held[way]
-                self._size -= line.size
+                self.size -= line.size
                 self._taken.count += 1
                 return self._whole(line.parts, line.start, line.flags)
             line.following, line.updated = sequence + 1 & 0xFFFF, now
             cost = len(payload) + _FRAGMENT_OVERHEAD
             line.size += cost
-            self._size += cost
+            self.size += cost
             held.move_to_end(way)
         else:
             return self._put_in_stream(way, flags, sequence, payload, now)
         self._taken.count += 1
         # The cheap comparisons first: below these limits nothing can be too much.
-        if self._size > self.limit or len(line.parts) > _MAX_FRAGMENTS or len(held) > _MAX_STREAMS:
+        if self.size > self.limit or len(line.parts) > _MAX_FRAGMENTS or len(held) > _MAX_STREAMS:
             self._enforce_limits(way, line)
         return None
 
@@ -225,7 +218,7 @@ class Reassembly:
             self._discard_stale(way, stream, sequence)
         self._held.move_to_end(way)
         self._taken.count += 1
-        self._size += len(payload) + _FRAGMENT_OVERHEAD
+        self.size += len(payload) + _FRAGMENT_OVERHEAD
         run = stream.add(flags, sequence, payload, now)
         if run.closed and run.flags:
             parts = self._remove(stream, run)
@@ -246,7 +239,7 @@ class Reassembly:
             if isinstance(held, _Line):
                 if now - held.updated >= self._timeout:
                     del self._held[way]
-                    self._size -= held.size
+                    self.size -= held.size
                     self._count_expired(way, len(held))
                 continue
             runs = held.by_start.values()
@@ -272,19 +265,19 @@ class Reassembly:
     def _remove(self, stream: _Stream, run: _Run) -> list[bytes]:
         before = stream.size
         parts = stream.remove(run)
-        self._size -= before - stream.size
+        self.size -= before - stream.size
         return parts
 
     def _enforce_limits(self, way: Way, held: _Line | _Stream) -> None:
         if held.size > self.limit or len(held) > _MAX_FRAGMENTS:
             self._discard(way)
-        while self._size > self.limit * _TOTAL_FACTOR or len(self._held) > _MAX_STREAMS:
+        while self.size > self.limit * _TOTAL_FACTOR or len(self._held) > _MAX_STREAMS:
             # Whoever was silent longest is first.
             self._discard(next(iter(self._held)))
 
     def _discard(self, way: Way) -> None:
         held = self._held.pop(way)
-        self._size -= held.size
+        self.size -= held.size
         self._counters.add("transport.fragments_discarded", len(held))
         self._counters.count(
             "transport.reassembly_overflow", f"{held.size} bytes of {address_of(way[0])}"

@@ -20,8 +20,7 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...base.settings import Endpoint, TransportSettings
     from ..address_book import Entry
-    from ..delivery import OnResult, Receive, Take
-    from ..packets.inbox import Inbox
+    from ..delivery import Receive, Take
     from .sender import Port
 
 LOOPBACK = "127."
@@ -38,6 +37,10 @@ class DatagramTransport(Transport):
     process, except the sender. A component of this process is reached without the network. An
     unknown destination is multicast with a request for acknowledgement, as Junior does; the
     acknowledgement teaches its endpoint. Whatever arrives and cannot be used is counted.
+
+    Attributes:
+        inbox: What receives for the components of this process.
+        address_book: Where components are.
     """
 
     def __init__(
@@ -48,7 +51,7 @@ class DatagramTransport(Transport):
         draw: Callable[[int], int] | None = None,
     ) -> None:
         super().__init__(settings, loop)
-        self._book = AddressBook(
+        self.address_book = AddressBook(
             settings.address_lifetime,
             self.counters,
             fixed=settings.fixed_sources,
@@ -56,27 +59,11 @@ class DatagramTransport(Transport):
             trusts=self._trusts,
             changed=loop.revision.changed,
         )
-        self._sender = Sender(loop, port, self._book, settings.amplification_limit)
+        self._sender = Sender(loop, port, self.address_book, settings.amplification_limit)
         self._messenger = Messenger(settings, loop, self._sender, self.quirks, draw)
-        self.arrival = self._messenger.inbox.arrival
-        self._inbox = self._messenger.inbox
-        self._inbox.proves = self._sender.prover.acknowledged
-
-    def send(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        payload: bytes,
-        *,
-        priority: Priority = Priority.STANDARD,
-        acknowledge: bool = False,
-        on_result: OnResult | None = None,
-        supersedes: bool = False,
-    ) -> None:
-        """Send one message; see ``Transport.send``."""
-        self._messenger.send(
-            source, destination, payload, priority, acknowledge, on_result, supersedes
-        )
+        self.inbox = self._messenger.inbox
+        self.arrival = self.inbox.arrival
+        self.inbox.proves = self._sender.prover.acknowledged
 
     def sender(
         self,
@@ -100,7 +87,7 @@ class DatagramTransport(Transport):
             priority,
             messenger.packetizer.numbers(source, destination),
             self._settings.fragment_size,
-            self._inbox,
+            self.inbox,
         )
         return through(send, outlet)
 
@@ -108,23 +95,13 @@ class DatagramTransport(Transport):
         """Number packets by other means; to be called before there is a sender."""
         self._messenger.packetizer.counting = counting
 
-    @property
-    def inbox(self) -> Inbox[Endpoint]:
-        """What receives for the components of this process."""
-        return self._inbox
-
-    @property
-    def address_book(self) -> AddressBook:
-        """Where components are."""
-        return self._book
-
     def is_unheard(self, address: JausAddress) -> bool:
         """Return whether a component is silent that was asked; see ``Transport.is_unheard``."""
         with self.loop.lock:
-            if address in self._messenger.inbox.receivers:
+            if address in self.inbox.receivers:
                 return False
-            entry = self._book.learnt.get(address)
-            longest = self._book.lifetime + _TIME_TO_ANSWER
+            entry = self.address_book.learnt.get(address)
+            longest = self.address_book.lifetime + _TIME_TO_ANSWER
             if entry is None:
                 return True
             # Without proof it counts as never heard, though it may have spoken a moment ago.
@@ -133,21 +110,21 @@ class DatagramTransport(Transport):
 
     def is_proved(self, address: JausAddress) -> bool:
         """Return whether a component is where it says; see ``Transport.is_proved``."""
-        entry = self._book.learnt.get(address)
+        entry = self.address_book.learnt.get(address)
         return entry is None or entry.claim is None
 
     def place_of(self, address: JausAddress) -> tuple[str, str]:
         """Return where a component is; see ``Transport.place_of``."""
-        host, port = self._book.find(address) or ("", 0)
+        host, port = self.address_book.find(address) or ("", 0)
         return host, f"{host}:{port}"
 
     def is_kept(self, address: JausAddress) -> bool:
         """Return whether a component has a place of its own; see ``Transport.is_kept``."""
-        return self._book.is_kept(address)
+        return self.address_book.is_kept(address)
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
         """Keep the place of a controller; see ``Transport.keep_place``."""
-        self._book.keep_place(owner, address)
+        self.address_book.keep_place(owner, address)
 
     def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
         """Tell of proofs; see ``Transport.when_proved``."""
@@ -155,7 +132,7 @@ class DatagramTransport(Transport):
 
     def silence_of(self, address: JausAddress) -> float:
         """Return how long a component was silent; see ``Transport.silence_of``."""
-        entry = self._book.learnt.get(address)
+        entry = self.address_book.learnt.get(address)
         return math.inf if entry is None else self.loop.now() - entry.latest
 
     def _trusts(self, endpoint: Endpoint) -> bool:
@@ -171,10 +148,10 @@ class DatagramTransport(Transport):
         )
 
     def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
-        self._inbox.attach(address, receive, take)
+        self.inbox.attach(address, receive, take)
 
     def _detach(self, address: JausAddress) -> None:
-        self._inbox.detach(address)
+        self.inbox.detach(address)
 
     def _messenger_of(self, source: JausAddress) -> Messenger[Endpoint]:
         del source  # one for all components
@@ -183,22 +160,22 @@ class DatagramTransport(Transport):
     def _take_packet(self, packet: Packet, sender: Endpoint) -> bool:
         """Take a packet that has arrived; return False when it is for nobody of this process."""
         # Before anything is learnt: a false source must take no place in the book.
-        if self._inbox.refuses(packet, sender):
+        if self.inbox.refuses(packet, sender):
             return True
         now = self.loop.now()
-        if not self._book.learn(packet.source, sender, now):
+        if not self.address_book.learn(packet.source, sender, now):
             return True
-        entry = self._book.learnt[packet.source]
+        entry = self.address_book.learnt[packet.source]
         if entry.claim is not None:
             return self._take_unproved(packet, sender, entry, now)
-        return self._inbox.take(packet, sender, now)
+        return self.inbox.take(packet, sender, now)
 
     def _take_unproved(self, packet: Packet, sender: Endpoint, entry: Entry, now: float) -> bool:
         """Take a packet of a component that has not proved where it is: one may be the proof."""
-        asker = next((address for address, _ in self._inbox.receivers_of(packet)), None)
+        asker = next((address for address, _ in self.inbox.receivers_of(packet)), None)
         is_answer = packet.acknowledge >= AckNak.NAK
         # Before the prover hears of it: the answer may be the proof, and saves a question.
-        is_taken = is_answer and self._inbox.take(packet, sender, now)
+        is_taken = is_answer and self.inbox.take(packet, sender, now)
         self._sender.prover.heard(entry, packet, asker)
         # After the prover has counted it: what it makes us answer is paid for by its bytes.
-        return is_taken if is_answer else self._inbox.take(packet, sender, now)
+        return is_taken if is_answer else self.inbox.take(packet, sender, now)

@@ -55,7 +55,7 @@ class JudpTransport(DatagramTransport):
 
     def open(self) -> None:
         """Open the sockets and begin to receive."""
-        self._book.configure(self._settings.address_book)
+        self.address_book.configure(self._settings.address_book)
         with self.loop.lock:
             self._port.open()
             for sock in (self._port.multicast, self._port.unicast):
@@ -97,7 +97,7 @@ class JudpTransport(DatagramTransport):
     ) -> tuple[bytes, Endpoint] | None:
         """Return what another process may send instead; see ``Transport.datagram``."""
         with self.loop.lock:
-            endpoint = self._book.find(destination)
+            endpoint = self.address_book.find(destination)
         # A message of several packets is more than one datagram, which is all that is handed over.
         if endpoint is None or len(payload) > self._settings.fragment_size:
             return None
@@ -164,7 +164,7 @@ class JudpTransport(DatagramTransport):
 
     def _note_version(self, packet: Packet, data: bytes) -> None:
         """Learn of a known peer that its acknowledgements, of which this is one, lack a version."""
-        if packet.source in self._book.learnt:
+        if packet.source in self.address_book.learnt:
             how = f"version {data[0]}" if len(data) > EMPTY_MESSAGE_SIZE else "no version"
             self.quirks.learn(packet.source, Quirk.OTHER_VERSION, how)
 
@@ -174,7 +174,7 @@ class JudpTransport(DatagramTransport):
 
     def _on_stray(self, packet: Packet, sender: Endpoint, *, may_forward: bool) -> None:
         """Pass a packet that is not for this process to a neighbour that shares the port."""
-        endpoint = self._book.find(packet.destination)
+        endpoint = self.address_book.find(packet.destination)
         if (
             may_forward
             and endpoint is not None
@@ -201,8 +201,8 @@ class JudpTransport(DatagramTransport):
         elif present is not None:
             self.counters.add("judp.present")
             for address in present:
-                if address.is_concrete and address not in self._inbox.receivers:
-                    self._book.learn(address, sender, self.loop.now())
+                if address.is_concrete and address not in self.inbox.receivers:
+                    self.address_book.learn(address, sender, self.loop.now())
         else:
             self.counters.count("judp.bad_version", f"{frame[:32].hex()} from {sender}")
 
@@ -255,5 +255,5 @@ class JudpTransport(DatagramTransport):
             )
 
     def _announce(self) -> None:
-        if self._inbox.receivers and self._port.unicast is not None and not self._port.is_owner:
-            self._sender.put(present_frame(self._inbox.receivers), self._port.well_known)
+        if self.inbox.receivers and self._port.unicast is not None and not self._port.is_owner:
+            self._sender.put(present_frame(self.inbox.receivers), self._port.well_known)
