@@ -63,7 +63,7 @@ def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path: Path) -> No
     alone = modules(tmp_path)
     assert not [name for name in alone if "list" in name or "handoff" in name]
     clients = {name for name in alone if name.startswith("clients/")}
-    assert clients == {"clients/__init__.py", "clients/discovery_client.py"}
+    assert clients == {f"clients/{name}.py" for name in ("__init__", "presence", "registration")}
     assert {"transports/jtcp.py", "transports/node_manager.py"}.isdisjoint(alone)
     user = f"""{HEAD}component eye {{ address: 1.1.3  uses: VelocityStateSensor
       service_connection speed {{ provider: talker  message: ReportVelocityState  rate: 5 }} }}

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 from jausml.runtime import ComponentSettings, JausComponent, Scope
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.clients.discovery_client import ServicesById
+from jausml.runtime.clients.discovery_queries import query_services, reported_services
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import (
     QueryControl,
@@ -21,7 +22,6 @@ from jausml.runtime.messages import (
     ReportStatus,
 )
 from jausml.runtime.services.definitions import ServiceIdentity
-from jausml.runtime.services.discovery_messages import query_services, reported_services
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

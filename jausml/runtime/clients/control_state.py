@@ -15,9 +15,9 @@ from ..messages import (
     ReportStatus,
     RequestControl,
 )
-from .discovery_client import Presence
 from .event_client import EventClient
 from .pace import QUICK_TRIES
+from .presence import Presence
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -20,8 +20,8 @@ from ..messages import (
 from ..services.definitions import Status
 from ..transports.delivery import Ordering
 from .control_state import ControlState, Questions, Session, TargetWatch
-from .discovery_client import Presence
 from .pace import QUICK_TRIES, Pace
+from .presence import Presence
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -11,9 +11,9 @@ from ..base.clocks import Alarm
 from ..base.quirks import Quirk
 from ..messages import CancelEvent, CreateEvent
 from ..services.events import EVERY_CHANGE, PERIODIC, UNKNOWN_EVENT
-from .discovery_client import SILENCE, Presence
 from .event_subscription import Subscribers
 from .pace import Pace
+from .presence import SILENCE, Presence
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .discovery_client import Presence
+from .presence import Presence
 
 if TYPE_CHECKING:
     from ..base.address import JausAddress

@@ -321,6 +321,15 @@ class PeerClient:
 class PeerFinder(Host):
     """A component that finds others by what they provide."""
 
+    def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
+        """Report each component that provides a service, once for each component found.
+
+        Args:
+            urn: Identifier of the service, e.g. ``urn:jaus:jss:mobility:VelocityStateSensor``.
+        """
+        with self.loop.lock:
+            self.part(DiscoveryClient).discover(urn, on_found)
+
     def find_peers(
         self, search: PeerSearch, on_change: Callable[[Sequence[JausAddress]], None]
     ) -> None:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from ..base.api import part_of_whole
 from ..base.clocks import HostClock
 from ..base.counters import LOGGER
-from ..clients.discovery_client import SILENCE, DiscoveryClient, Greeter, Presence
+from ..clients.presence import SILENCE, Greeter, Presence
+from ..clients.registration import Registration
 from ..messages import ClearEmergency, Event, SetEmergency
 from ..services.access_control import AccessControlService
 from ..services.definitions import (
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.clocks import Timing
     from ..base.fast_path import FastPath
-    from ..clients.discovery_client import FoundComponent
     from ..transports.delivery import ReceivedMessage, Take
     from ..transports.transport import Transport
     from ..wire.message import Message
@@ -128,7 +128,7 @@ class Component(Host):
         self._jaus_management = self.part(ManagementService)
         self._jaus_liveness = self.part(LivenessService)
         self._jaus_presence = self.part(Presence)
-        self._jaus_discovery = self.part(DiscoveryClient)
+        self._jaus_registration = self.part(Registration)
         self._jaus_greeter = self.part(Greeter)
         provided = {service.urn for service in self.services}
         if self.settings.digital_resources and DIGITAL_RESOURCE_DISCOVERY not in provided:
@@ -193,19 +193,10 @@ class Component(Host):
         """Take back the emergency that this component has set (AS5710, ClearEmergency)."""
         self.send(ClearEmergency(), target, priority=Priority.SAFETY_CRITICAL, acknowledge=True)
 
-    def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
-        """Report each component that provides a service, once for each component found.
-
-        Args:
-            urn: Identifier of the service, e.g. ``urn:jaus:jss:mobility:VelocityStateSensor``.
-        """
-        with self.loop.lock:
-            self._jaus_discovery.discover(urn, on_found)
-
     @property
     def discovery_server(self) -> JausAddress | None:
         """Where the component is registered: the Discovery service of its subsystem, if known."""
-        return self._jaus_discovery.server
+        return self._jaus_registration.server
 
     def _jaus_stand_by(self, provider: JausAddress, on_silence: Callable[[], None] | None) -> None:
         """Leave Ready for Standby, as a report that is needed there does not come."""
@@ -255,7 +246,7 @@ class Component(Host):
                 starter()
             self._jaus_liveness.start()
             if self._jaus_running:
-                self._jaus_discovery.start()
+                self._jaus_registration.start()
                 self._jaus_greeter.start()
 
     def stop(self) -> None:

@@ -1,11 +1,10 @@
-"""Builds and reads the nested lists of Discovery messages."""
+"""Builds the nested lists of what the Discovery service reports."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from ..base.address import (
-    BROADCAST,
     WILDCARD_COMPONENT,
     WILDCARD_NODE,
     WILDCARD_SUBSYSTEM,
@@ -23,7 +22,7 @@ from ..messages import (
 from .definitions import ServiceIdentity
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
 
@@ -32,32 +31,6 @@ MAX_LIST = 255
 
 INSTANCE_ID = 0
 """InstanceID of every component: old systems had several at one address, here there is one."""
-
-
-def query_services(component: JausAddress = BROADCAST) -> QueryServices:
-    """Return the query for the services of one component, or of all.
-
-    Args:
-        component: The component. There are stacks that know no wildcards, and report nothing.
-    """
-    record = QueryServices.ComponentRec(component_id=component.component)
-    node = QueryServices.NodeSeq(
-        node_rec=QueryServices.NodeRec(node_id=component.node), component_list=[record]
-    )
-    return QueryServices(node_list=[node])
-
-
-def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
-    """Return the query of v1.1 for the services of one component, or of all."""
-    record = QueryServiceList.ComponentRec(component_id=component.component)
-    node = QueryServiceList.NodeSeq(
-        node_rec=QueryServiceList.NodeRec(node_id=component.node), component_list=[record]
-    )
-    subsystem = QueryServiceList.SubsystemSeq(
-        subsystem_rec=QueryServiceList.SubsystemRec(subsystem_id=component.subsystem),
-        node_list=[node],
-    )
-    return QueryServiceList(subsystem_list=[subsystem])
 
 
 def register_services(services: Iterable[ServiceIdentity]) -> RegisterServices:
@@ -82,32 +55,6 @@ def report_services(query: QueryServices, catalog: Catalog, subsystem: int) -> R
         if not patterns.isdisjoint(_matching_patterns(address))
     }
     return ReportServices(node_list=_nodes(matches, matches))
-
-
-def reported_services(
-    report: ReportServices | ReportServiceList, subsystem: int
-) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
-    """Yield the components of a report with their services.
-
-    Args:
-        subsystem: Where the components of a ReportServices are, which does not tell it.
-    """
-    if isinstance(report, ReportServices):
-        parts = [(subsystem, report.node_list)]
-    else:
-        lists = report.subsystem_list
-        parts = [
-            (subsystem_entry.subsystem_rec.subsystem_id, subsystem_entry.node_list)
-            for subsystem_entry in lists
-        ]
-    for number, nodes in parts:
-        for node in nodes:
-            for component_entry in node.component_list:
-                component = component_entry.component_rec.component_id
-                yield (
-                    JausAddress(number, node.node_rec.node_id, component),
-                    services_of(component_entry),
-                )
 
 
 def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServiceList:

@@ -16,6 +16,7 @@ from jausml.language.importers.jsidl import import_jsidl
 from jausml.language.semantics.jaus.core_services import newest_services
 from jausml.language.semantics.jaus.inherited_machines import core_machine, states_of
 from jausml.runtime import Completion, JausComponent, Scope, ServiceIdentity, Status, messages
+from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
 from jausml.runtime.component.modelled import CORE_STATES
 from jausml.runtime.messages import (
     CancelEvent,
@@ -29,11 +30,7 @@ from jausml.runtime.messages import (
     Shutdown,
     UpdateEvent,
 )
-from jausml.runtime.services.discovery_messages import (
-    query_service_lists,
-    query_services,
-    register_services,
-)
+from jausml.runtime.services.discovery_messages import register_services
 
 from .state_tables import Row, Stage, after, controlled, ready
 

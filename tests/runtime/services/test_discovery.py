@@ -8,6 +8,7 @@ from jausml.runtime import Scope, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.quirks import Quirk
 from jausml.runtime.clients.discovery_client import MAX_FOUND
+from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
 from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,
@@ -21,11 +22,7 @@ from jausml.runtime.messages import (
     ReportServices,
     ReportSubsystemList,
 )
-from jausml.runtime.services.discovery_messages import (
-    query_service_lists,
-    query_services,
-    report_services,
-)
+from jausml.runtime.services.discovery_messages import report_services
 
 SENSOR = ServiceIdentity("urn:jaus:jss:mobility:VelocityStateSensor", 1, 0)
 DISCOVERY = ServiceIdentity("urn:jaus:jss:core:Discovery", 1, 1)

@@ -9,7 +9,7 @@ import pytest
 
 from jausml.runtime import ComponentSettings, Scope
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.clients.discovery_client import EAGER_INTERVAL, PATIENCE
+from jausml.runtime.clients.presence import GREETING_INTERVAL, PATIENCE
 from jausml.runtime.messages import QueryIdentification, ReportHeartbeatPulse, ReportIdentification
 
 from .bridge_support import OWN, PEER, event, values
@@ -57,7 +57,7 @@ def test_it_asks_in_a_steady_pace_until_it_is_answered_and_tells_once(world, ent
     world.run(100.0, step=0.5)
     times = [time for time, _ in judge.asked]
     pauses = [later - former for former, later in pairwise(times)]
-    assert pauses == [EAGER_INTERVAL] * 20
+    assert pauses == [GREETING_INTERVAL] * 20
     told = [record.message for record in caplog.records if "greet" in record.message]
     detail = f"42.1.1 has answered none of {PATIENCE} greetings"
     assert told == [f"greeter.unanswered (1 times): {detail}"]
@@ -83,7 +83,7 @@ def test_after_a_long_silence_it_is_asked_again(world, entry):
     times = [time for time, _ in judge.asked]
     assert len(times) == 3
     pauses = [later - former for former, later in pairwise(times)]
-    assert all(lost <= pause <= lost + EAGER_INTERVAL for pause in pauses)
+    assert all(lost <= pause <= lost + GREETING_INTERVAL for pause in pauses)
 
 
 def test_who_has_stopped_asks_nobody(world, entry):

@@ -7,8 +7,9 @@ import pytest
 from jausml.runtime import PeerChoice, PeerSearch, Scope, ServiceIdentity
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.clients import peer_search
+from jausml.runtime.clients.discovery_queries import query_services
 from jausml.runtime.messages import QueryHeartbeatPulse, QueryServiceList, ReportHeartbeatPulse
-from jausml.runtime.services.discovery_messages import query_services, report_services
+from jausml.runtime.services.discovery_messages import report_services
 
 from .conftest import CORE_SERVICES
 

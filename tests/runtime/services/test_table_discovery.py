@@ -8,6 +8,7 @@ import pytest
 
 from jausml.runtime import Scope, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
 from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,
@@ -22,8 +23,6 @@ from jausml.runtime.messages import (
     ReportSubsystemList,
 )
 from jausml.runtime.services.discovery_messages import (
-    query_service_lists,
-    query_services,
     register_services,
     report_service_list,
     report_services,

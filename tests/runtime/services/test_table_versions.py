@@ -6,6 +6,7 @@ import pytest
 
 from jausml.runtime import ControlState, Status
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
 from jausml.runtime.messages import (
     CancelEvent,
     ClearEmergency,
@@ -42,11 +43,7 @@ from jausml.runtime.messages import (
     Standby,
     UpdateEvent,
 )
-from jausml.runtime.services.discovery_messages import (
-    query_service_lists,
-    query_services,
-    report_services,
-)
+from jausml.runtime.services.discovery_messages import report_services
 
 from .state_tables import CORE_NAMES, V1_0, V1_1, Row, Stage, after, core_services
 

@@ -22,6 +22,7 @@ from jausml.live.peers.conformance.steps import (
 )
 from jausml.live.peers.discovery import Services, services_of
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
 from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,
@@ -35,7 +36,6 @@ from jausml.runtime.messages import (
     ReportSubsystemList,
 )
 from jausml.runtime.services.definitions import CORE, Scope
-from jausml.runtime.services.discovery_messages import query_service_lists, query_services
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session

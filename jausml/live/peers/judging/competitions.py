@@ -26,8 +26,8 @@ from jausml.live.peers.judging.competition import (
 )
 from jausml.live.peers.judging.driving import DRIVER, Course
 from jausml.live.peers.judging.igvc import lists_service, own_services, waypoint_navigation
+from jausml.runtime.clients.discovery_queries import query_services
 from jausml.runtime.messages import ReportServices
-from jausml.runtime.services.discovery_messages import query_services
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection

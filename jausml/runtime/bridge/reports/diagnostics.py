@@ -7,7 +7,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...clients.discovery_client import PATIENCE
+from ...clients.presence import PATIENCE
 from ...conversions import ConversionError, Time, timestamp_to_time
 from ...services.definitions import Status
 from ...wire.message import DecodeError, EncodeError
