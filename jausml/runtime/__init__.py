@@ -62,17 +62,18 @@ from .clients.control_session import (
     ControlSession,
     HandoffAnswer,
     HandoffClient,
-    PeerController,
     PendingHandoff,
 )
 from .clients.control_state import ControlState
 from .clients.discovery_client import FoundComponent
-from .clients.event_client import EventSubscriber
+from .clients.event_subscriber import EventSubscriber
 from .clients.event_subscription import EventSubscription
 from .clients.found_peers import PeerQuerier, PeerSubscriber
 from .clients.list_client import ListEditor, ListRequest
+from .clients.peer_controller import PeerController
 from .clients.peer_search import PeerChoice, PeerFinder, PeerSearch
-from .clients.query import PendingQuery, Querier
+from .clients.querier import Querier
+from .clients.query import PendingQuery
 from .clients.resource_client import ResourceClient
 from .component.base import Component
 from .component.component import JausComponent

@@ -69,7 +69,8 @@ def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path: Path) -> No
       service_connection speed {{ provider: talker  message: ReportVelocityState  rate: 5 }} }}
     """
     generate(tmp_path, TALKER + user.removeprefix(HEAD), "talk")
-    added = ("event_client", "event_stream", "event_subscription", "pace", "query")
+    added = ("event_client", "event_stream", "event_subscriber", "event_subscription", "pace")
+    added = (*added, "querier", "query")
     assert modules(tmp_path) - alone == {f"clients/{name}.py" for name in added}
 
 

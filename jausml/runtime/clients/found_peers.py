@@ -6,9 +6,9 @@ from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
 from ..wire.message import Message
-from .event_client import EventSubscriber
+from .event_subscriber import EventSubscriber
 from .peer_binding import PeerBinding
-from .query import Querier
+from .querier import Querier
 
 if TYPE_CHECKING:
     from collections.abc import Callable

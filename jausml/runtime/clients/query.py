@@ -10,7 +10,6 @@ from functools import partial
 from itertools import takewhile
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from ..services.host import Host
 from ..wire.message import DecodeError, Message
 
 if TYPE_CHECKING:
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
     from ..base.loop import Loop, Timer
+    from ..services.host import Host
 
 R = TypeVar("R", bound=Message)
 T = TypeVar("T")
@@ -224,39 +224,3 @@ class QueryClient:
         self.component.counters.count(
             "component.bad_message", f"{report_class.NAME} of {sender}: {error}"
         )
-
-
-class Querier(Host):
-    """A component that asks others once."""
-
-    def query(
-        self,
-        target: JausAddress,
-        query: Message,
-        report_class: type[R],
-        on_report: Callable[[R, JausAddress], None] | Callable[[bytes, JausAddress], None],
-        *,
-        on_failure: Callable[[], None] | None = None,
-        timeout: float = 1.0,
-        retries: int = 3,
-        payloads: bool = False,
-    ) -> PendingQuery:
-        """Ask another component for a report once.
-
-        Args:
-            on_failure: Called when every attempt stayed unanswered.
-            timeout: Seconds to wait for the report before the query is repeated.
-            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
-                came. It raises DecodeError for one that it cannot read, which is counted.
-        """
-        with self.loop.lock:
-            return self.part(QueryClient).ask(
-                target,
-                query,
-                report_class,
-                on_report,
-                on_failure=on_failure,
-                timeout=timeout,
-                retries=retries,
-                payloads=payloads,
-            )

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from ..clients.command_client import CommandClient, Commander
-from ..clients.control_session import PeerController
 from ..clients.event_client import EventClient
 from ..clients.found_peers import PeerQuerier, PeerSubscriber
 from ..clients.list_client import ListEditor
+from ..clients.peer_controller import PeerController
 from ..clients.peer_search import PeerFinder
 from ..services.digital_resources import DigitalResourceService
 from ..services.handoff import HandoffService

@@ -1,0 +1,66 @@
+"""Components that subscribe to reports of others."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
+
+from ..services.host import Host
+from ..wire.message import Message
+from .event_client import EventClient
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..base.address import JausAddress
+    from .event_subscription import EventSubscription
+
+R = TypeVar("R", bound=Message)
+
+
+class EventSubscriber(Host):
+    """A component that subscribes to reports of others."""
+
+    def subscribe(
+        self,
+        provider: JausAddress,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None] | Callable[[bytes, JausAddress], None],
+        *,
+        rate: float | None = None,
+        silence_timeout: float = 0.0,
+        on_silence: Callable[[], None] | None = None,
+        stands_by: bool = False,
+        payloads: bool = False,
+    ) -> EventSubscription:
+        """Receive a report of another component over an AS5710 event.
+
+        The event is created as soon as the provider answers, renewed, and created anew when the
+        provider was restarted. Subscriptions of this component to the same provider and query
+        share one event, and each has its own rate of it: the event comes at the highest rate, or
+        at every change when anybody wants that; who then asks for a rate is served by queries. A
+        later subscriber gets the last report at once.
+
+        Args:
+            query: Asks for the report; its presence vector selects the fields.
+            rate: Reports each second, above 0 and up to 1092; None means every change.
+            silence_timeout: Seconds without a report before ``on_silence``; 0 means never.
+            on_silence: Called once each time the provider falls silent.
+            stands_by: Whether the component leaves Ready for Standby then, before that call.
+            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
+                came. It raises DecodeError for one that it cannot read, which is counted.
+        """
+        if stands_by:
+            on_silence = partial(self._jaus_stand_by, provider, on_silence)
+        with self.loop.lock:
+            return self.part(EventClient).subscribe(
+                provider,
+                query,
+                report_class,
+                on_report,
+                rate=rate,
+                silence_timeout=silence_timeout,
+                on_silence=on_silence,
+                payloads=payloads,
+            )

@@ -1,0 +1,53 @@
+"""Components that ask others once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+from ..services.host import Host
+from ..wire.message import Message
+from .query import QueryClient
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from ..base.address import JausAddress
+    from .query import PendingQuery
+
+R = TypeVar("R", bound=Message)
+
+
+class Querier(Host):
+    """A component that asks others once."""
+
+    def query(
+        self,
+        target: JausAddress,
+        query: Message,
+        report_class: type[R],
+        on_report: Callable[[R, JausAddress], None] | Callable[[bytes, JausAddress], None],
+        *,
+        on_failure: Callable[[], None] | None = None,
+        timeout: float = 1.0,
+        retries: int = 3,
+        payloads: bool = False,
+    ) -> PendingQuery:
+        """Ask another component for a report once.
+
+        Args:
+            on_failure: Called when every attempt stayed unanswered.
+            timeout: Seconds to wait for the report before the query is repeated.
+            payloads: Whether ``on_report`` takes the encoded report, message code and body, as it
+                came. It raises DecodeError for one that it cannot read, which is counted.
+        """
+        with self.loop.lock:
+            return self.part(QueryClient).ask(
+                target,
+                query,
+                report_class,
+                on_report,
+                on_failure=on_failure,
+                timeout=timeout,
+                retries=retries,
+                payloads=payloads,
+            )
