@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.base.clocks import SEEK, SimulatedClock
+from jausml.runtime.bridge.ends.simulation import SEEK, SimulatedClock
 from jausml.runtime.base.loop import Loop
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from jausml.runtime import ServiceIdentity
+from jausml.runtime import JausComponent, ServiceIdentity
 from jausml.runtime.messages import RequestControl, Resume
 from jausml.runtime.wire.message import Message
 
@@ -42,6 +42,7 @@ class Row:
         controller: Name of the controlling peer afterwards; "" for nobody; None if untold.
         authority: Authority code afterwards, if the row tells.
         counted: Name of the counter that counts it, if it is ignored.
+        calls: Hooks of a `Robot` that are called meanwhile, in order, if the row tells.
         version: Version of the component's core services.
         settings: Settings of the component.
         services: Services next to the core services.
@@ -55,9 +56,43 @@ class Row:
     controller: str | None = None
     authority: int | None = None
     counted: str = ""
+    calls: tuple[str, ...] | None = None
     version: tuple[int, int] = V1_1
     settings: dict[str, Any] = field(default_factory=dict)
     services: tuple[ServiceIdentity, ...] = ()
+
+
+class Robot(JausComponent):
+    """Keeps the calls of its hooks."""
+
+    def __init__(self, *arguments, **named):
+        super().__init__(*arguments, **named)
+        self.calls = []
+
+    def on_initialize(self):
+        self.calls.append("initialize")
+
+    def on_ready(self):
+        self.calls.append("ready")
+
+    def on_not_ready(self):
+        self.calls.append("not ready")
+
+    def on_control_lost(self):
+        self.calls.append("control lost")
+
+    def on_controller_changed(self, controller):
+        self.calls.append(f"controller {controller}")
+
+    def on_emergency(self, active):
+        self.calls.append(f"emergency {active}")
+
+    def on_shutdown(self):
+        self.calls.append("shutdown")
+
+    def take(self):
+        calls, self.calls = self.calls, []
+        return calls
 
 
 class Stage:
@@ -106,6 +141,7 @@ def play(world: Any, row: Row, kind: Any = None) -> Stage:
         stage.do(step)
     stage.heard()
     before = world.counters.snapshot().get(row.counted, 0)
+    called = 0 if row.calls is None else len(stage.component.calls)
     stage.do(row.when)
     heard = stage.heard()
     assert heard == row.then, f"heard {heard}"
@@ -117,6 +153,8 @@ def play(world: Any, row: Row, kind: Any = None) -> Stage:
         assert names.get(component.controller, "") == row.controller
     if row.authority is not None:
         assert component.authority == row.authority
+    if row.calls is not None:
+        assert component.calls[called:] == list(row.calls)
     if row.counted:
         assert world.counters.snapshot().get(row.counted, 0) > before
     return stage

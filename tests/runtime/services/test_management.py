@@ -1,4 +1,4 @@
-"""Management, row by row of the state table of AS5710 v1.1."""
+"""Management beyond its state table: silent reports, failing hooks, floods, lifted emergencies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from functools import partial
 
 import pytest
 
-from jausml.runtime import Guard, JausComponent, PeerSearch, ServiceIdentity, Status
+from jausml.runtime import Guard, PeerSearch, ServiceIdentity, Status
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.api import JausError
 from jausml.runtime.messages import (
@@ -25,48 +25,14 @@ from jausml.runtime.messages import (
     Resume,
     SetEmergency,
     SetTime,
-    Shutdown,
-    Standby,
 )
 
 from .event_support import kill
+from .state_tables import Robot
 
 ACCEPTED = ConfirmControl(response_code=0)
 RELEASED = RejectControl(response_code=0)
 NOT_AVAILABLE = RejectControl(response_code=1)
-
-
-class Robot(JausComponent):
-    """Keeps the calls of its hooks."""
-
-    def __init__(self, *arguments, **named):
-        super().__init__(*arguments, **named)
-        self.calls = []
-
-    def on_initialize(self):
-        self.calls.append("initialize")
-
-    def on_ready(self):
-        self.calls.append("ready")
-
-    def on_not_ready(self):
-        self.calls.append("not ready")
-
-    def on_control_lost(self):
-        self.calls.append("control lost")
-
-    def on_controller_changed(self, controller):
-        self.calls.append(f"controller {controller}")
-
-    def on_emergency(self, active):
-        self.calls.append(f"emergency {active}")
-
-    def on_shutdown(self):
-        self.calls.append("shutdown")
-
-    def take(self):
-        calls, self.calls = self.calls, []
-        return calls
 
 
 @pytest.fixture
@@ -160,152 +126,6 @@ def test_init_goes_to_standby_by_itself(world):
     robot.start()
     assert robot.status is Status.STANDBY
     assert robot.take() == ["initialize"]
-
-
-class TestStandby:
-    def test_resume_by_the_controller(self, standby, client):
-        client.ask(Resume(), standby)
-        assert standby.status is Status.READY
-        assert standby.take() == ["ready"]
-
-    def test_resume_by_others_is_ignored(self, world, standby, other):
-        assert other.ask(Resume(), standby) == []
-        assert standby.status is Status.STANDBY
-        assert world.counters.snapshot()["component.command_refused"] == 1
-
-    def test_resume_without_control_is_ignored(self, robot, client):
-        assert client.ask(Resume(), robot) == []
-        assert robot.status is Status.STANDBY
-
-    def test_reset(self, standby, client):
-        assert client.ask(Reset(), standby) == [RELEASED]
-        assert standby.status is Status.STANDBY
-        assert standby.take() == ["control lost", "controller None", "initialize"]
-
-    def test_shutdown_is_ignored(self, standby, client):
-        assert client.ask(Shutdown(), standby) == []
-        assert standby.status is Status.STANDBY
-
-
-class TestReady:
-    def test_standby_by_the_controller(self, ready, client):
-        assert client.ask(Standby(), ready) == []
-        assert ready.status is Status.STANDBY
-        assert ready.controller == client.address
-        assert ready.take() == ["not ready"]
-
-    @pytest.mark.parametrize("command", [Standby, Shutdown, Reset])
-    def test_commands_of_others_are_ignored(self, ready, other, command):
-        assert other.ask(command(), ready) == []
-        assert ready.status is Status.READY
-        assert ready.take() == []
-
-    def test_shutdown(self, ready, client):
-        assert client.ask(Shutdown(), ready) == [NOT_AVAILABLE]
-        assert ready.status is Status.SHUTDOWN
-        assert ready.take() == ["not ready", "control lost", "controller None", "shutdown"]
-
-    def test_reset(self, ready, client):
-        assert client.ask(Reset(), ready) == [RELEASED]
-        assert ready.status is Status.STANDBY
-        assert ready.take() == ["not ready", "control lost", "controller None", "initialize"]
-
-    def test_release_drops_to_standby(self, ready, client):
-        assert client.ask(ReleaseControl(), ready) == [RELEASED]
-        assert ready.status is Status.STANDBY
-        assert ready.take() == ["not ready", "control lost", "controller None"]
-
-    def test_timeout_drops_to_standby(self, world, ready):
-        world.run(5.1)
-        assert ready.status is Status.STANDBY
-        assert ready.take() == ["not ready", "control lost", "controller None"]
-
-    def test_preemption_keeps_ready(self, ready, other):
-        other.ask(RequestControl(authority_code=101), ready)
-        assert ready.status is Status.READY
-        assert ready.take() == ["control lost", "controller 3.1.1"]
-
-
-class TestEmergency:
-    @pytest.mark.parametrize("code", [0, 1])
-    def test_anyone_sets_it(self, ready, client, other, code):
-        other.send_bytes(bytes([6, 0, code, 0]), ready)
-        assert client.take() == [NOT_AVAILABLE]
-        assert ready.status is Status.EMERGENCY
-        assert ready.controller is None
-        assert ready.take() == ["not ready", "control lost", "controller None", "emergency True"]
-
-    def test_unknown_code_is_ignored(self, world, ready, other):
-        other.send_bytes(bytes([6, 0, 2, 0]), ready)
-        world.settle()
-        assert ready.status is Status.READY
-        assert world.counters.snapshot()["management.bad_emergency_code"] == 1
-
-    def test_without_controller(self, robot, other):
-        assert other.ask(SetEmergency(emergency_code=1), robot) == []
-        assert robot.status is Status.EMERGENCY
-
-    @pytest.mark.parametrize("state", [Status.FAILURE, Status.SHUTDOWN])
-    def test_from_failure_and_shutdown(self, ready, client, other, state):
-        if state is Status.FAILURE:
-            ready.fail("broken")
-        else:
-            client.ask(Shutdown(), ready)
-        assert ready.status is state
-        other.ask(SetEmergency(emergency_code=1), ready)
-        assert ready.status is Status.EMERGENCY
-
-    def test_control_is_not_available(self, ready, client, other):
-        other.ask(SetEmergency(emergency_code=1), ready)
-        answer = client.ask(RequestControl(authority_code=255), ready)
-        assert answer == [ConfirmControl(response_code=1)]
-
-    @pytest.mark.parametrize("code", [0, 1])
-    def test_cleared_by_who_set_it(self, ready, other, code):
-        other.ask(SetEmergency(emergency_code=1), ready)
-        ready.take()
-        other.send_bytes(bytes([7, 0, code, 0]), ready)
-        other.take()
-        assert ready.status is Status.STANDBY
-        assert ready.controller is None
-        assert ready.take() == ["emergency False"]
-
-    def test_not_cleared_by_others(self, ready, client, other):
-        other.ask(SetEmergency(emergency_code=1), ready)
-        assert client.ask(ClearEmergency(emergency_code=1), ready) == []
-        assert ready.status is Status.EMERGENCY
-
-    def test_all_ids_must_clear(self, ready, client, other):
-        for probe in (client, other):
-            probe.ask(SetEmergency(emergency_code=1), ready)
-        client.ask(ClearEmergency(emergency_code=1), ready)
-        assert ready.status is Status.EMERGENCY
-        other.ask(ClearEmergency(emergency_code=1), ready)
-        assert ready.status is Status.STANDBY
-
-    @pytest.mark.parametrize("command", [Shutdown, Reset, Resume, Standby])
-    def test_commands_have_no_effect(self, ready, client, other, command):
-        other.ask(SetEmergency(emergency_code=1), ready)
-        for probe in (client, other):
-            assert probe.ask(command(), ready) == []
-        assert ready.status is Status.EMERGENCY
-
-    def test_control_and_resume_after_it(self, ready, client, other):
-        other.ask(SetEmergency(emergency_code=1), ready)
-        other.ask(ClearEmergency(emergency_code=1), ready)
-        client.ask(RequestControl(authority_code=1), ready)
-        assert ready.status is Status.STANDBY
-        client.ask(Resume(), ready)
-        assert ready.status is Status.READY
-
-
-def test_failure_from_ready(ready, client):
-    ready.fail("broken")
-    assert client.take() == [RELEASED]
-    assert ready.status is Status.FAILURE
-    assert ready.take() == ["not ready", "control lost", "controller None"]
-    answer = client.ask(RequestControl(authority_code=1), ready)
-    assert answer == [ConfirmControl(response_code=1)]
 
 
 @pytest.mark.parametrize("status", list(Status))

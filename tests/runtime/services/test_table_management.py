@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.runtime import JausComponent, Status
+from jausml.runtime import Status
 from jausml.runtime.messages import (
     ClearEmergency,
     ConfirmControl,
@@ -18,7 +18,7 @@ from jausml.runtime.messages import (
     Standby,
 )
 
-from .state_tables import V1_0, Row, after, controlled, play, ready, rows
+from .state_tables import V1_0, Robot, Row, after, controlled, play, ready, rows
 
 RELEASED = RejectControl(response_code=0)
 REJECTED = RejectControl(response_code=1)
@@ -27,23 +27,8 @@ NOT_AVAILABLE = ConfirmControl(response_code=1)
 REFUSED = "component.command_refused"
 EMERGENCY = ("bystander", SetEmergency())
 CLEARED = ("bystander", ClearEmergency())
-
-
-class Robot(JausComponent):
-    """Keeps the calls of its hooks."""
-
-    def __init__(self, *arguments, **named):
-        super().__init__(*arguments, **named)
-        self.calls = []
-
-    def on_initialize(self):
-        self.calls.append("initialize")
-
-    def on_not_ready(self):
-        self.calls.append("not ready")
-
-    def on_shutdown(self):
-        self.calls.append("shutdown")
+LOST = ("not ready", "control lost", "controller None")
+"""Hooks that are called where control ends in Ready."""
 
 
 def row(name, *given, when, then=None, **expected):
@@ -72,6 +57,7 @@ LIFE = (
         *controlled(),
         when=("client", Resume()),
         status=Status.READY,
+        calls=("ready",),
     ),
     row(
         "Standby, Resume of another: ignored",
@@ -92,6 +78,7 @@ LIFE = (
         when=("client", Standby()),
         status=Status.STANDBY,
         controller="client",
+        calls=("not ready",),
     ),
     row(
         "Ready, Standby of another: ignored",
@@ -99,6 +86,7 @@ LIFE = (
         when=("rival", Standby()),
         status=Status.READY,
         counted=REFUSED,
+        calls=(),
     ),
     row(
         "Ready, Shutdown of the controller: Reject 1, Shutdown",
@@ -107,6 +95,7 @@ LIFE = (
         then={"client": [REJECTED]},
         status=Status.SHUTDOWN,
         controller="",
+        calls=(*LOST, "shutdown"),
     ),
     row(
         "Ready, Shutdown of the controller, v1.0: Reject 0, Shutdown",
@@ -122,6 +111,7 @@ LIFE = (
         when=("rival", Shutdown()),
         status=Status.READY,
         counted=REFUSED,
+        calls=(),
     ),
     row(
         "Standby, Shutdown of the controller: ignored",
@@ -138,6 +128,7 @@ LIFE = (
         then={"client": [RELEASED]},
         status=Status.STANDBY,
         controller="",
+        calls=(*LOST, "initialize"),
     ),
     row(
         "Ready, Reset of the controller, v1.0: Init, Reject 0",
@@ -155,6 +146,7 @@ LIFE = (
         then={"client": [RELEASED]},
         status=Status.STANDBY,
         controller="",
+        calls=(*LOST[1:], "initialize"),
     ),
     row(
         "Standby, Reset of the controller, v1.0: ignored",
@@ -170,6 +162,7 @@ LIFE = (
         when=("rival", Reset()),
         status=Status.READY,
         counted=REFUSED,
+        calls=(),
     ),
     row(
         "Ready, ReleaseControl: Standby",
@@ -178,6 +171,7 @@ LIFE = (
         then={"client": [RELEASED]},
         status=Status.STANDBY,
         controller="",
+        calls=LOST,
     ),
     row(
         "Ready, Timedout: Standby",
@@ -186,6 +180,7 @@ LIFE = (
         then={"client": [RELEASED]},
         status=Status.STANDBY,
         controller="",
+        calls=LOST,
     ),
     row(
         "Ready, preempted: stays Ready under the new controller",
@@ -194,6 +189,7 @@ LIFE = (
         then={"client": [RELEASED], "rival": [ACCEPTED]},
         status=Status.READY,
         controller="rival",
+        calls=("control lost", "controller 3.1.1"),
     ),
 )
 
@@ -210,6 +206,7 @@ EMERGENCIES = (
         then={"client": [REJECTED]},
         status=Status.EMERGENCY,
         controller="",
+        calls=(*LOST, "emergency True"),
     ),
     row(
         "Ready, SetEmergency of anyone, v1.0: Emergency, Reject 0 to the controller",
@@ -247,6 +244,7 @@ EMERGENCIES = (
         when=CLEARED,
         status=Status.STANDBY,
         controller="",
+        calls=("emergency False",),
     ),
     row(
         "Emergency, ClearEmergency of who set it, v1.0: the state before",
@@ -364,27 +362,11 @@ EMERGENCIES = (
         controller="",
     ),
     row(
-        "Emergency, Shutdown before it is cleared: ignored",
-        *ready(),
-        EMERGENCY,
-        when=("client", Shutdown()),
-        status=Status.EMERGENCY,
-        counted=REFUSED,
-    ),
-    row(
         "Emergency, Shutdown of anyone, v1.0: Shutdown",
         EMERGENCY,
         when=("rival", Shutdown()),
         status=Status.SHUTDOWN,
         version=V1_0,
-    ),
-    row(
-        "Emergency, Reset before it is cleared: ignored",
-        *ready(),
-        EMERGENCY,
-        when=("client", Reset()),
-        status=Status.EMERGENCY,
-        counted=REFUSED,
     ),
     row(
         "Emergency, Reset of anyone, v1.0: Init",
@@ -395,13 +377,38 @@ EMERGENCIES = (
         controller="",
         version=V1_0,
     ),
+    *(
+        row(
+            f"Emergency, {command.NAME} of the {who} before it is cleared: ignored",
+            *ready(),
+            EMERGENCY,
+            when=(who, command()),
+            status=Status.EMERGENCY,
+            counted=REFUSED,
+            calls=(),
+        )
+        for command in (Shutdown, Reset, Resume, Standby)
+        for who in ("client", "bystander")
+    ),
     row(
-        "Emergency, Resume of the former controller: ignored",
+        "After an emergency, control and Resume: Ready",
         *ready(),
         EMERGENCY,
+        CLEARED,
+        *controlled(),
         when=("client", Resume()),
-        status=Status.EMERGENCY,
-        counted=REFUSED,
+        status=Status.READY,
+        controller="client",
+    ),
+    row(
+        "Emergency, ClearEmergency with code 0: Standby",
+        *ready(),
+        EMERGENCY,
+        when=lambda stage: stage.peers["bystander"].send_bytes(
+            b"\x07\x00\x00\x00", stage.component
+        ),
+        status=Status.STANDBY,
+        controller="",
     ),
     row(
         "Emergency, code 0 of the JAUS Tool Set: Emergency",
@@ -422,13 +429,20 @@ EMERGENCIES = (
 
 FAILURES = (
     *(
-        row(f"{name}, Failure: Failure", *given, when=fails, then=then, status=Status.FAILURE)
-        for name, given, then in (
-            ("Standby", (), {}),
-            ("Controlled Standby", controlled(), {"client": [RELEASED]}),
-            ("Ready", ready(), {"client": [RELEASED]}),
-            ("Emergency", (EMERGENCY,), {}),
-            ("Shutdown", (*ready(), ("client", Shutdown())), {}),
+        row(
+            f"{name}, Failure: Failure",
+            *given,
+            when=fails,
+            then=then,
+            status=Status.FAILURE,
+            calls=calls,
+        )
+        for name, given, then, calls in (
+            ("Standby", (), {}, ()),
+            ("Controlled Standby", controlled(), {"client": [RELEASED]}, LOST[1:]),
+            ("Ready", ready(), {"client": [RELEASED]}, LOST),
+            ("Emergency", (EMERGENCY,), {}, ()),
+            ("Shutdown", (*ready(), ("client", Shutdown())), {}, ()),
         )
     ),
     row(

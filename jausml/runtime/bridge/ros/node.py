@@ -1,6 +1,6 @@
 """The ROS side of a bridge, on rclpy.
 
-The loop waits for topics as it waits for sockets (`ros_topics.py`, `ros_listener.py`); the executor
+The loop waits for topics as it waits for sockets (`topics.py`, `waiting.py`); the executor
 of rclpy has a thread of its own for parameters, services and `/clock`.
 """
 
