@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.runtime.bridge.ends.simulation import SEEK, SimulatedClock
 from jausml.runtime.base.loop import Loop
+from jausml.runtime.bridge.ends.simulation import SEEK, SimulatedClock
 
 
 @pytest.fixture
