@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from queue import SimpleQueue
 from typing import TYPE_CHECKING
 
+from .api import JausError
 from .counters import LOGGER
 
 if TYPE_CHECKING:
@@ -22,6 +23,17 @@ LOG_LEVELS = ("debug", "info", "warn", "warning", "error")
 EXIT_OK = 0
 EXIT_FAILED = 1
 EXIT_USAGE = 2
+
+
+def failed(name: str, error: Exception) -> int:
+    """Tell the log why a process could not run, and return its exit code."""
+    if isinstance(error, OSError):
+        LOGGER.error("%s cannot use the network: %s", name, error)
+    elif isinstance(error, JausError):
+        LOGGER.error("%s cannot run: %s", name, error)
+    else:
+        LOGGER.error("%s failed", name, exc_info=error)
+    return EXIT_FAILED
 
 
 def configure_log(level: str) -> None:

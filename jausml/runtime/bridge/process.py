@@ -10,7 +10,6 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol
 
-from ..base.api import JausError
 from ..base.counters import LOGGER
 from ..base.process import (
     EXIT_FAILED,
@@ -18,6 +17,7 @@ from ..base.process import (
     EXIT_USAGE,
     StopRequest,
     configure_log,
+    failed,
     log_counts,
 )
 from ..base.settings import add_arguments, from_arguments
@@ -30,6 +30,7 @@ from ..component.process import (
 from ..guardian.ward import Ward
 from .ends import parameters
 from .ends.guarding import ros_of
+from .ends.ros_side import RosSide
 from .ends.topics import ParameterError
 from .messages.limits import RosLostError
 from .ros.environment import permits_ros
@@ -42,11 +43,10 @@ if TYPE_CHECKING:
     from ..transports.transport import Transport
     from .bridge import Bridge
     from .ends.ends import BridgeSettings
-    from .ends.ros_side import RosSide
     from .ros.node import RosNode
 
 
-class ReleasableRosSide(Protocol):
+class ReleasableRosSide(RosSide, Protocol):
     """What transitions need of the ROS side beyond what a bridge does; `RosNode` has it."""
 
     def listen(self) -> None:
@@ -72,14 +72,12 @@ class ManagedBridge:
     def __init__(
         self,
         bridge: Bridge,
-        ros: RosSide,
-        topics: ReleasableRosSide,
+        ros: ReleasableRosSide,
         transport: Transport,
         end: Callable[[str], None],
     ) -> None:
         self._bridge = bridge
         self._ros = ros
-        self._topics = topics
         self._transport = transport
         self._end = end
         self._is_closing = False
@@ -90,10 +88,10 @@ class ManagedBridge:
             self._bridge.open(self._ros, self._transport, active=False)
         except BaseException:
             self._bridge.close()
-            self._topics.release()
+            self._ros.release()
             raise
         self._bridge.component.when_shut_down(self._note_shutdown)
-        self._topics.listen()
+        self._ros.listen()
 
     def activate(self) -> None:
         """Lets messages pass."""
@@ -113,7 +111,7 @@ class ManagedBridge:
             self._bridge.close()
         finally:
             self._is_closing = False
-        self._topics.release()
+        self._ros.release()
 
     def shut_down(self) -> None:
         """Does the same for good: a process without a bridge in it is of no use."""
@@ -212,18 +210,11 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
         for problem in str(error).splitlines():
             LOGGER.error("%s cannot run: %s", bridge.settings.name, problem)
         return EXIT_USAGE
-    except OSError as error:
-        LOGGER.error("%s cannot use the network: %s", bridge.settings.name, error)
-        return EXIT_FAILED
     except RosLostError as error:
         LOGGER.error("%s failed: %s", bridge.settings.name, error)
         return EXIT_FAILED
-    except JausError as error:
-        LOGGER.error("%s cannot run: %s", bridge.settings.name, error)
-        return EXIT_FAILED
-    except Exception:
-        LOGGER.exception("%s failed", bridge.settings.name)
-        return EXIT_FAILED
+    except Exception as error:
+        return failed(bridge.settings.name, error)
     return EXIT_OK
 
 
@@ -304,7 +295,7 @@ def _serve(
 ) -> None:
     with running_transport(transport) as network, _guarded(bridge, node, network.loop, line):
         network.loop.on_failure = stop.fail
-        managed = ManagedBridge(bridge, node, node, network, stop.request)
+        managed = ManagedBridge(bridge, node, network, stop.request)
         try:
             node.manage(managed)
             if node.parameter(parameters.AUTOSTART.of(value=True)):

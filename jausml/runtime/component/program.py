@@ -7,9 +7,8 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..base.api import JausError
 from ..base.counters import LOGGER
-from ..base.process import EXIT_FAILED, EXIT_OK, StopRequest, configure_log
+from ..base.process import EXIT_OK, StopRequest, configure_log, failed
 from ..base.settings import add_arguments, from_arguments
 from .process import (
     add_component_arguments,
@@ -79,13 +78,6 @@ def run_component(
                 LOGGER.info("%s ends: %s", name, reason)
             finally:
                 component.stop()
-    except OSError as error:
-        LOGGER.error("%s cannot use the network: %s", name, error)
-        return EXIT_FAILED
-    except JausError as error:
-        LOGGER.error("%s cannot run: %s", name, error)
-        return EXIT_FAILED
-    except Exception:
-        LOGGER.exception("%s failed", name)
-        return EXIT_FAILED
+    except Exception as error:
+        return failed(name, error)
     return EXIT_OK

@@ -32,7 +32,7 @@ def started(stem, transport):
     module = importlib.import_module(f"{name}.{name}")
     bridge = getattr(module, "".join(word.capitalize() for word in name.split("_")))()
     node = RosNode(name, "", [])
-    managed = ManagedBridge(bridge, node, node, transport, print)
+    managed = ManagedBridge(bridge, node, transport, print)
     try:
         node.manage(managed)
         with transport.loop.lock:
