@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import time
 
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime
@@ -24,7 +25,7 @@ def test_a_handler_that_blocks_is_named_once(world, caplog):
     assert world.counters.snapshot()["component.handler_blocked"] == 3
     (line,) = [record.getMessage() for record in caplog.records]
     assert "component.handler_blocked (1 times): " in line
-    assert "dawdle took 0.6 s; nothing was received meanwhile" in line
+    assert re.search(r"dawdle took \d+\.\d s; nothing was received meanwhile", line)
 
 
 def test_quick_handlers_are_not_named(world):
