@@ -92,9 +92,13 @@ def pytest_collection() -> Generator[None, object, object]:
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_finish() -> None:
-    """Keeps the garbage collector from walking through ten thousand tests again and again."""
+    """Keeps the garbage collector from walking through ten thousand tests again and again.
+
+    A model has a hundred thousand objects: a collector that comes more often walks through those
+    that are in use, which took a sixth of the time of tests that read models.
+    """
     gc.freeze()
-    gc.set_threshold(50_000, 20, 20)
+    gc.set_threshold(1_000_000, 20, 20)
 
 
 def pytest_sessionfinish() -> None:

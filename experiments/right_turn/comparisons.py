@@ -10,8 +10,6 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 from catvehicle.metrics import Sample, total_variation
-from matplotlib import rc_context
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 from experiments.right_turn import style
 from experiments.right_turn.tables import number
@@ -42,6 +40,12 @@ def latencies(hops: Mapping[str, Mapping[str, Sequence[float]]]) -> Figure:
     Raises:
         ValueError: No message was measured.
     """
+    from matplotlib.ticker import (  # noqa: PLC0415 - as in style
+        LogLocator,
+        NullFormatter,
+        StrMethodFormatter,
+    )
+
     shown = {
         hop: {system: times for system, times in systems.items() if times}
         for hop, systems in hops.items()
@@ -49,7 +53,7 @@ def latencies(hops: Mapping[str, Mapping[str, Sequence[float]]]) -> Figure:
     }
     if not shown:
         raise ValueError("no message was measured")
-    with rc_context(style.SETTINGS):
+    with style.applied():
         figure = style.canvas(2.5)
         panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
         for axes, letter, (hop, systems) in zip(panels, "abc", shown.items(), strict=False):
@@ -86,7 +90,7 @@ def steering(drives: Mapping[str, Sequence[Sequence[Sample]]]) -> Figure:
     Args:
         drives: Drives by system; their times count from the first motion.
     """
-    with rc_context(style.SETTINGS):
+    with style.applied():
         figure = style.canvas(2.5)
         angle, activity, sums = figure.subplots(1, 3, width_ratios=(1.25, 1.25, 0.8))
         style.name_panel(angle, "a", "tyre angle")
@@ -155,7 +159,7 @@ def gaps(
     """
     null = list(combinations(first, 2))
     both = list(product(first, second))
-    with rc_context(style.SETTINGS):
+    with style.applied():
         figure = style.canvas(2.5)
         panels = figure.subplots(1, len(_QUANTITIES))
         for axes, letter, (name, (label, take)) in zip(

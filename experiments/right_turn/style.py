@@ -9,15 +9,13 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any
 
-from matplotlib import rc_context
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from contextlib import AbstractContextManager
     from pathlib import Path
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from matplotlib.typing import RcStyleType
 
 WIDTH = 7.16
@@ -69,13 +67,27 @@ SETTINGS: RcStyleType = {
 }
 
 
+# To load matplotlib takes most of a second, which those need not wait for who draw nothing.
+# ruff: noqa: PLC0415
+
+
+def applied() -> AbstractContextManager[None]:
+    """Returns the context in which all figures are drawn."""
+    from matplotlib import rc_context
+
+    return rc_context(SETTINGS)
+
+
 def canvas(height: float, width: float = WIDTH) -> Figure:
-    """Returns an empty figure; draw on it and store it inside `rc_context(SETTINGS)`.
+    """Returns an empty figure; draw on it and store it while the settings are applied.
 
     Args:
         height: Inches.
         width: Inches.
     """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(figure)
     return figure
@@ -97,7 +109,7 @@ def store(figure: Figure, folder: Path, name: str) -> tuple[Path, Path]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     vector, pixels = folder / f"{name}.svg", folder / f"{name}.png"
-    with rc_context(SETTINGS):
+    with applied():
         figure.savefig(vector, metadata={"Date": None, "Creator": None})
         vector.write_text(_shortened(vector.read_text(encoding="utf-8")), encoding="utf-8")
         figure.savefig(pixels, dpi=RESOLUTION, metadata={"Software": None})

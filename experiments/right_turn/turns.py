@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from catvehicle.velocity import safe_speed
-from matplotlib import rc_context
 
 from experiments.right_turn import style
 
@@ -65,7 +64,7 @@ def draw(rows: Sequence[Turns], path: StraightArcStraight, parameters: VehiclePa
     Raises:
         ValueError: A row has no drives.
     """
-    with rc_context(style.SETTINGS):
+    with style.applied():
         figure = style.canvas(2.75 * len(rows))
         grid = figure.subplots(
             len(rows), 2, sharex="col", sharey="col", squeeze=False, width_ratios=(1.0, 1.25)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
-from matplotlib import rc_context
 
 from experiments.right_turn import style
 
@@ -45,7 +44,7 @@ def draw(folder: Path) -> Figure:
         OSError: A run has no data.
     """
     names = [name for name in _LOOKS if (folder / name / "result.json").exists()]
-    with rc_context(style.SETTINGS):
+    with style.applied():
         figure = style.canvas(HEIGHT)
         if not (folder / "changing" / "result.json").exists():
             counts, errors = figure.subplots(1, 2)

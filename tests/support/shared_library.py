@@ -6,6 +6,7 @@ Half of what it takes to read an example is the library. Programs that tests sta
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,7 @@ from jausml.authoring.editing.reading import Reader
 from jausml.language import project
 from jausml.language.model import read_models
 from jausml.language.model.library import library_root
+from jausml.language.model.project import Reading
 from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.project import read_project
 
@@ -35,7 +37,7 @@ IN_THREADS = ("studio/server", "studio/browser", "editor")
 _CACHE = pytest.StashKey[LibraryCache]()
 _FILES = pytest.StashKey["dict[tuple[Path, str], ReadResult]"]()
 """Files of the library that were looked at by themselves."""
-_MODELS = pytest.StashKey["dict[tuple[str, ...], ReadResult]"]()
+_MODELS = pytest.StashKey["dict[tuple[object, ...], ReadResult]"]()
 """What was read of the library alone, such as all ready maps."""
 
 
@@ -68,18 +70,22 @@ def _shared(known: dict[tuple[Path, str], ReadResult], read: _Read = Reader.libr
 
 
 def _read_once(
-    known: dict[tuple[str, ...], ReadResult], read: Callable[..., ReadResult] = read_project
+    known: dict[tuple[object, ...], ReadResult], read: Callable[..., ReadResult] = read_project
 ) -> Callable[..., ReadResult]:
     """Returns what reads models of the library alone, unless they are known, and others anew."""
 
-    def read_project(paths: Iterable[str], *arguments: Any, **options: Any) -> ReadResult:
+    def read_project(
+        paths: Iterable[str], reading: Reading | None = None, **options: Any
+    ) -> ReadResult:
         names = tuple(map(os.fspath, paths))
-        in_library = all(Path(name).is_relative_to(library_root()) for name in names)
-        if not in_library or any(arguments):
-            return read(names, *arguments, **options)
-        if names not in known:
-            known[names] = read(names, *arguments, **options)
-        return known[names]
+        if not all(Path(name).is_relative_to(library_root()) for name in names):
+            return read(names, reading, **options)
+        # The library leads out of no folder, so the root of a project is no matter.
+        said = replace(reading or Reading(), project_root=None)
+        key = (*names, repr(said), *options.items())
+        if key not in known:
+            known[key] = read(names, said, **options)
+        return known[key]
 
     return read_project
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-
-from lsprotocol.types import CompletionItemKind as Kind
+from typing import Literal, TypeAlias
 
 from jausml.authoring.editor.context import (
     Context,
@@ -44,6 +43,20 @@ UNITS = (
 _TOP = ("component", "node", "bridge", "host", "placement", "system", "map_library")
 _TOP_WORDS = ("import", "struct", *_TOP)
 _MAP_WORDS = ("JAUS", "ROS", "JAUS->ROS", "ROS->JAUS", "table", "vector")
+
+
+Kind: TypeAlias = Literal[
+    "Keyword",
+    "Property",
+    "File",
+    "Class",
+    "Field",
+    "Reference",
+    "Function",
+    "Unit",
+    "EnumMember",
+]
+"""What a completion is, as the Language Server Protocol 3.17 calls it (`CompletionItemKind`)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,7 +109,7 @@ def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
     if context.item is None:
         yield from (_keyword(top_word) for top_word in _TOP_WORDS)
     elif context.item is context.map:
-        yield from (Completion(map_word, Kind.Keyword) for map_word in _MAP_WORDS)
+        yield from (Completion(map_word, "Keyword") for map_word in _MAP_WORDS)
     if context.table is not None:
         yield from (
             _keyword(snake_case(contained.name)) for contained in contained_classes(context.table)
@@ -106,17 +119,17 @@ def _item(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
 
 def _keyword(word: str) -> Completion:
     known = keywords().get(word)
-    return Completion(word, Kind.Keyword, "", documentation(known.eclass) if known else "")
+    return Completion(word, "Keyword", "", documentation(known.eclass) if known else "")
 
 
 def _feature(feature: FeatureTable) -> Completion:
     name = feature.name
     kind = feature.type_name.rpartition(".")[2]
-    return Completion(name, Kind.Property, kind, documentation(feature.feature), f"{name}: ")
+    return Completion(name, "Property", kind, documentation(feature.feature), f"{name}: ")
 
 
 def _import(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
-    yield from (Completion(written_word(library), Kind.File) for library in library_files())
+    yield from (Completion(written_word(library), "File") for library in library_files())
 
 
 def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -126,7 +139,7 @@ def _jaus_type(bench: Workbench, path: Path, context: Context) -> Iterator[Compl
         name = written_word(element.name or "")
         yield Completion(
             name,
-            Kind.Class,
+            "Class",
             detail,
             element.documentation or "",
             module=bench.file_of(path, element),
@@ -140,7 +153,7 @@ def _ros_type(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
             name = written_word(f"{package}/{element.name}")
             yield Completion(
                 name,
-                Kind.Class,
+                "Class",
                 "",
                 element.documentation or "",
                 module=bench.file_of(path, element),
@@ -155,16 +168,16 @@ def _member(bench: Workbench, path: Path, context: Context) -> Iterator[Completi
     for field in fields_of(sides.target if end.is_jaus else sides.source):
         path_place = sides.follow(field.name, is_source=not end.is_jaus)
         detail = ", ".join(facts(path_place.attribute())) if path_place is not None else ""
-        yield Completion(written_word(field.name), Kind.Field, detail)
+        yield Completion(written_word(field.name), "Field", detail)
 
 
 def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
     is_source = context.part is Part.SOURCE
     sides = sides_at(bench, path, context)
     if not context.word and is_source and context.around(Direction) is not None:
-        yield from (Completion(keyword, Kind.Keyword) for keyword in ("ignore", "clock"))
+        yield from (Completion(keyword, "Keyword") for keyword in ("ignore", "clock"))
     if is_source:
-        yield from (Completion(join, Kind.Reference, "join") for join in sides.joins)
+        yield from (Completion(join, "Reference", "join") for join in sides.joins)
         if isinstance(context.item, Assignment):
             yield from map(_feature, features_of(context.item, None).values())
     before, _, _ = context.word.rpartition(".")
@@ -173,7 +186,7 @@ def _path(bench: Workbench, path: Path, context: Context) -> Iterator[Completion
         path_place = sides.follow(name, is_source=is_source)
         detail = ", ".join(facts(path_place.attribute())) if path_place is not None else ""
         said = field.documentation or ""
-        yield Completion(written_path(name), Kind.Field, detail, said)
+        yield Completion(written_path(name), "Field", detail, said)
 
 
 def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:  # noqa: ARG001
@@ -183,7 +196,7 @@ def _conversion(bench: Workbench, path: Path, context: Context) -> Iterator[Comp
 def conversion_completion(conversion: Conversion) -> Completion:
     """Returns a conversion with its signature and what it does."""
     shown = (conversion.signature, conversion.documentation)
-    return Completion(conversion.name, Kind.Function, *shown)
+    return Completion(conversion.name, "Function", *shown)
 
 
 def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -197,7 +210,7 @@ def _argument(bench: Workbench, path: Path, context: Context) -> Iterator[Comple
 
 def _units(context: Context) -> Iterator[Completion]:
     for unit in UNITS:
-        yield Completion(unit, Kind.Unit, text=unit if context.in_text else f'"{unit}"')
+        yield Completion(unit, "Unit", text=unit if context.in_text else f'"{unit}"')
 
 
 def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completion]:
@@ -223,20 +236,18 @@ def _value(bench: Workbench, path: Path, context: Context) -> Iterator[Completio
 def _reference(candidate: Candidate) -> Completion:
     name = written_path(candidate.name)
     return Completion(
-        name, Kind.Reference, candidate.detail, module=candidate.module, is_first=candidate.fits
+        name, "Reference", candidate.detail, module=candidate.module, is_first=candidate.fits
     )
 
 
 def _literals(feature: FeatureTable) -> Iterator[Completion]:
     data_type = feature.data_type
     if data_type is not None and data_type.kind is ValueKind.BOOLEAN:
-        yield from (Completion(word, Kind.EnumMember) for word in ("true", "false"))
+        yield from (Completion(word, "EnumMember") for word in ("true", "false"))
     for word in data_type.legal if data_type is not None else ():
         literal = data_type.literals[word] if data_type is not None else None
         default = " (default)" if literal is not None and literal == feature.default else ""
-        yield Completion(
-            written_word(word), Kind.EnumMember, default.strip(), documentation(literal)
-        )
+        yield Completion(written_word(word), "EnumMember", default.strip(), documentation(literal))
 
 
 def _declared(
@@ -247,7 +258,7 @@ def _declared(
         for declaration in names_in(bench.text(file)).declared(wanted):
             if _is_visible(declaration, context):
                 detail = f"{snake_case(declaration.table.name)} in {show(file.name)}"
-                yield Completion(written_path(declaration.name.text), Kind.Reference, detail)
+                yield Completion(written_path(declaration.name.text), "Reference", detail)
 
 
 def _is_visible(declaration: Declaration, context: Context) -> bool:

@@ -230,7 +230,7 @@ class _Handlers:
         items = [
             types.CompletionItem(
                 label=completion.label,
-                kind=completion.kind,
+                kind=types.CompletionItemKind[completion.kind],
                 detail=completion.detail or None,
                 documentation=completion.documentation or None,
                 filter_text=completion.label,
