@@ -51,7 +51,7 @@ coverage: $(READY)  ## run all tests and show untested lines; fail below the agr
 	$(BIN)/python -m pytest -n auto --dist worksteal --cov --cov-report=term:skip-covered \
 	  $(if $(TESTS),--cov-fail-under=0) $(TESTS)
 
-live: $(READY)  ## run the tests with real processes: rclpy, sockets, tshark
+live: $(READY)  ## run the tests that depend on the release of ROS: what uses rclpy
 	$(BIN)/python tools/suite.py -m live $(TESTS)
 
 live-each:  ## run these tests on Jazzy and on Kilted, each in an environment of its own

@@ -39,7 +39,7 @@ from .wireshark_support import (
 if TYPE_CHECKING:
     from pathlib import Path
 
-pytestmark = [pytest.mark.live, pytest.mark.needs("tshark")]
+pytestmark = pytest.mark.needs("tshark")
 
 WRENCH = bytes.fromhex("05047008FF7FFFFF8000")
 """SetWrenchEffort with four optional members."""

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
     from jausml.runtime.transports.transport import Transport
 
-pytestmark = [pytest.mark.ports, pytest.mark.live]
+pytestmark = pytest.mark.ports
 
 REFUSED, UNAUTHORIZED, BUSY = -32000, -32001, -32002
 COMMANDS: dict[str, dict[str, Any]] = {

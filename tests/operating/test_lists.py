@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from studio_client import Page, Server
 
-pytestmark = [pytest.mark.ports, pytest.mark.live]
+pytestmark = pytest.mark.ports
 
 LOCAL, GLOBAL = "SetLocalWaypoint", "SetGlobalWaypoint"
 ROUTE = [{"X": 3.0, "Y": -4.0}, {"X": 6.5, "Y": 0.0}, {"X": 0.0, "Y": 2.0}]

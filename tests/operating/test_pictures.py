@@ -74,7 +74,6 @@ def test_what_a_browser_should_not_unpack_is_no_picture(data: bytes, why: str) -
 
 
 @pytest.mark.ports
-@pytest.mark.live
 def test_the_picture_of_a_component_is_shown_by_its_content(commanding: Page, port: int) -> None:
     shown = [png(8, 8)]
     asked: list[Any] = []

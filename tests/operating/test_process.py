@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from simulated_vehicle import Vehicle
     from studio_client import Page
 
-pytestmark = [pytest.mark.ports, pytest.mark.live]
+pytestmark = pytest.mark.ports
 
 WINCH = Path(__file__).parents[2] / "models" / "examples" / "winch" / "service.xmi"
 GAPS = Path(__file__).parents[1] / "support" / "gap_process.py"

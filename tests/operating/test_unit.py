@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from jausml.live.peers.control import Hold
     from jausml.live.peers.operator import Operator
 
-pytestmark = [pytest.mark.ports, pytest.mark.live]
+pytestmark = pytest.mark.ports
 
 
 @pytest.fixture

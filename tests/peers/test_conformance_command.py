@@ -105,7 +105,6 @@ def test_usage_and_environment_exit_with_2(arguments, error, jausml):
     assert error in result.stderr
 
 
-@pytest.mark.live
 def test_a_run_that_is_ended_from_outside_clears_its_emergency(component, free_port, wait_until):
     target = component(control_timeout=0)
     process = subprocess.Popen(

@@ -240,7 +240,6 @@ def test_a_program_that_sends_under_our_id_is_warned_of(jausml, component, free_
     assert "warning: another program of the network sends as 65000.1.1" in result.stderr
 
 
-@pytest.mark.live
 def test_a_watch_goes_on_while_another_tool_commands(jausml, vehicle, free_port, wait_until):
     target = vehicle()
     watch = subprocess.Popen(

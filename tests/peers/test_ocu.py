@@ -405,7 +405,6 @@ def test_a_model_in_text_is_taken(arguments, output, jausml, component, tmp_path
     assert output in result.output
 
 
-@pytest.mark.live
 def test_ctrl_c_releases_control(vehicle, free_port, wait_until):
     target = vehicle(control_timeout=0)
     process = subprocess.Popen(

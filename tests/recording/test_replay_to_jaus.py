@@ -19,7 +19,7 @@ from jausml.cli import main
 from jausml.live.api.component import Component
 from jausml.live.peers.query_client import NoAnswer
 
-pytestmark = [pytest.mark.live, pytest.mark.ports]
+pytestmark = pytest.mark.ports
 ROOT = Path(__file__).resolve().parents[2]
 FLEET = str(ROOT / "models" / "examples" / "fleet" / "fleet.ros2jaus")
 FINDER = str(ROOT / "tests" / "live" / "found_peers.ros2jaus")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from counting import calls
+
 from jausml.language.validation.engine import check_project
 
 SERVICE = """  <services name="S{n}" urn="urn:example:S{n}" version="1.0"{inherits}>
@@ -42,6 +44,15 @@ def test_a_deep_line_of_inheritance_is_judged_in_one_walk(tmp_path):
     parents = [None, *range(depth - 1)]
     path = write(tmp_path / "deep.xmi", parents, range(1, depth + 1))
     assert found(path) == []
+
+
+def test_a_service_far_down_costs_no_more_than_its_parents(tmp_path):
+    def cost(depth):
+        path = write(tmp_path / "line.xmi", [None, *range(depth - 1)], range(1, depth + 1))
+        return sum(calls(lambda: found(path)).values())
+
+    cost(2)  # what is remembered of the library is remembered
+    assert cost(400) < 2.3 * cost(200)
 
 
 def test_a_code_is_compared_with_the_whole_line_above_and_with_no_other(tmp_path):

@@ -22,7 +22,6 @@ from .conftest import Studio
 pytestmark = [
     pytest.mark.needs("chromium", "page"),
     pytest.mark.ports,
-    pytest.mark.live,
     pytest.mark.timeout(300),
 ]
 

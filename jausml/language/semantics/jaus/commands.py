@@ -119,15 +119,18 @@ def controlled_by_nobody(service: jaus.Service) -> list[jaus.MessageDef]:
     is_published = str(service.urn).startswith(_OF_STANDARDS)
     if is_published or not any(needs_control(message, service) for message in service.inputs):
         return []
-    query_names = {query_name(message) for one in lineage(service) for message in one.outputs}
-    return [
+    suspects = [
         message
         for message in service.inputs
         if not is_command(message)
-        and message.name not in query_names
         and not str(message.name).startswith(_NO_COMMANDS)
         and not _is_guarded(message, service)
     ]
+    # Most services have none, and need not look through all that they inherit.
+    if not suspects:
+        return []
+    query_names = {query_name(message) for one in lineage(service) for message in one.outputs}
+    return [message for message in suspects if message.name not in query_names]
 
 
 def _is_guarded(message: jaus.MessageDef, service: jaus.Service) -> bool:
