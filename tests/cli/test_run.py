@@ -7,12 +7,12 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import warm
 
 from jausml import __version__, installing
 from jausml.cli.live import message_packages, supervisor
@@ -71,7 +71,7 @@ def write_manifest(out, processes):
 
 def start(*arguments):
     return subprocess.Popen(
-        [sys.executable, "-m", "jausml", "run", *map(str, arguments)],
+        [*warm.command(), "run", *map(str, arguments)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 
 import pytest
+import warm
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -130,7 +130,7 @@ def test_same_bytes_in_every_process(folder):
     )
     outputs = {
         subprocess.run(
-            [sys.executable, "-m", "jausml", "validate", "--format", "json", "."],
+            [*warm.command(), "validate", "--format", "json", "."],
             capture_output=True,
             env={**os.environ, "PYTHONHASHSEED": str(seed)},
         ).stdout
@@ -143,7 +143,7 @@ def test_same_bytes_in_every_process(folder):
 @pytest.mark.slow
 def test_exit_status_of_the_process():
     def status(*arguments):
-        command = [sys.executable, "-m", "jausml", "validate", *arguments]
+        command = [*warm.command(), "validate", *arguments]
         return subprocess.run(command, capture_output=True).returncode
 
     assert status("good.xmi") == 0

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+import warm
 from terminal import at_terminal
 
 from jausml.cli.shared.terminal import Verbosity, verbosity
@@ -82,7 +83,7 @@ def test_quiet_and_verbose_exclude_each_other(jausml):
 @pytest.mark.parametrize(("variables", "coloured"), [({}, True), ({"NO_COLOR": "1"}, False)])
 def test_no_color_is_heeded(folder, monkeypatch, variables, coloured):
     monkeypatch.delenv("NO_COLOR", raising=False)
-    command = (sys.executable, "-m", "jausml", "diff", "good.xmi", "doubtful.xmi")
+    command = (*warm.command(), "diff", "good.xmi", "doubtful.xmi")
     with at_terminal(*command, cwd=folder, environment=variables) as terminal:
         shown = terminal.read_all()
     assert "1 change" in shown

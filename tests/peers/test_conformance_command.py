@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from xml.etree import ElementTree
 
 import pytest
+import warm
 
 from jausml.runtime.services.definitions import Status
 
@@ -109,7 +109,7 @@ def test_a_run_that_is_ended_from_outside_clears_its_emergency(component, free_p
     target = component(control_timeout=0)
     process = subprocess.Popen(
         [
-            *(sys.executable, "-m", "jausml", "conformance", "100.1.1", "--only", "management"),
+            *(*warm.command(), "conformance", "100.1.1", "--only", "management"),
             *("--port", str(free_port), "--quiet-time", "0.2"),
         ],
         stdout=subprocess.PIPE,

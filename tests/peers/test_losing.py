@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import re
 import subprocess
-import sys
 from contextlib import ExitStack, contextmanager
 from threading import Event, Thread
 
 import pytest
+import warm
 
 from jausml.live.peers.network import identified, make_network
 from jausml.runtime import JausComponent
@@ -244,7 +244,7 @@ def test_a_watch_goes_on_while_another_tool_commands(jausml, vehicle, free_port,
     target = vehicle()
     watch = subprocess.Popen(
         [
-            *(sys.executable, "-m", "jausml", "ocu", "watch", "100.1.1", "VelocityState"),
+            *(*warm.command(), "ocu", "watch", "100.1.1", "VelocityState"),
             *("--rate", "10", "--count", "40", "--port", str(free_port)),
         ],
         stdout=subprocess.PIPE,

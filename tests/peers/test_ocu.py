@@ -7,10 +7,10 @@ import os
 import signal
 import socket
 import subprocess
-import sys
 from threading import Thread
 
 import pytest
+import warm
 from click.testing import CliRunner
 
 from jausml.cli import main
@@ -409,7 +409,7 @@ def test_ctrl_c_releases_control(vehicle, free_port, wait_until):
     target = vehicle(control_timeout=0)
     process = subprocess.Popen(
         [
-            *(sys.executable, "-m", "jausml", "ocu", "command", "100.1.1", "SetWrenchEffort"),
+            *(*warm.command(), "ocu", "command", "100.1.1", "SetWrenchEffort"),
             *("{}", "--rate", "20", "--duration", "60", "--port", str(free_port)),
         ],
         stderr=subprocess.PIPE,

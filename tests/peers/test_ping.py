@@ -6,9 +6,9 @@ import json
 import os
 import signal
 import subprocess
-import sys
 
 import pytest
+import warm
 
 from jausml.live.peers.measuring import Pings, spread_of
 from jausml.runtime.base.address import JausAddress
@@ -90,7 +90,7 @@ def test_what_is_no_component_is_refused(jausml, words):
 def test_ctrl_c_ends_with_the_summary(vehicle, free_port):
     vehicle()
     process = subprocess.Popen(
-        [sys.executable, "-m", "jausml", "ping", "100.1.1", "-i", "0.02", "--port", str(free_port)],
+        [*warm.command(), "ping", "100.1.1", "-i", "0.02", "--port", str(free_port)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

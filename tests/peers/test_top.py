@@ -9,6 +9,7 @@ import sys
 import time
 
 import pytest
+import warm
 
 from jausml import installing
 from jausml.live.peers.operator import running_operator
@@ -152,7 +153,7 @@ def test_the_view_ends_and_leaves_the_terminal_as_it_was(key, free_port):
     import pty
 
     ours, theirs = pty.openpty()
-    line = [sys.executable, "-m", "jausml", "top", "--port", str(free_port)]
+    line = [*warm.command(), "top", "--port", str(free_port)]
     environment = {**os.environ, "TERM": "xterm-256color"}
     streams = {"stdin": theirs, "stdout": theirs, "stderr": theirs}
     screen = b""

@@ -7,12 +7,12 @@ import pty
 import re
 import select
 import subprocess
-import sys
 import time
 
 import click
 import emf_check
 import pytest
+import warm
 from sweeps import sweep
 
 from jausml.authoring.proposals.topics import TopicEnd
@@ -375,7 +375,7 @@ def test_a_model_that_is_missing_is_made(tmp_path, monkeypatch, jausml):
 def test_it_asks_on_a_terminal(rover):
     model = rover("text")
     main, terminal = pty.openpty()
-    command = [sys.executable, "-m", "jausml", "new", "bridge", "rover", ODOM]
+    command = [*warm.command(), "new", "bridge", "rover", ODOM]
     process = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal)
     os.close(terminal)
     try:

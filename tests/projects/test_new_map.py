@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from pathlib import Path
 
 import emf_check
 import pytest
+import warm
 from sweeps import sweep
 from terminal import at_terminal
 
@@ -335,7 +335,7 @@ def test_eclipse_opens_it(rover, jausml):
 @pytest.mark.slow
 def test_it_asks_on_a_terminal(ears):
     model = ears("text")
-    command = (sys.executable, "-m", "jausml", "new", "map", "own", *COMMAND)
+    command = (*warm.command(), "new", "map", "own", *COMMAND)
     with at_terminal(*command, cwd=model.parents[1]) as terminal:
         terminal.wait_for("Which (numbers)")
         assert "Ready maps have both ends" in terminal.shown
@@ -356,7 +356,7 @@ def test_it_asks_on_a_terminal(ears):
 @pytest.mark.slow
 def test_a_yes_on_a_terminal_lets_zeros_stop_a_command(ears):
     model = ears("text")
-    command = (sys.executable, "-m", "jausml", "new", "map", "own", *COMMAND, "--fill")
+    command = (*warm.command(), "new", "map", "own", *COMMAND, "--fill")
     command += ("--direction", "to-ros")
     with at_terminal(*command, cwd=model.parents[1]) as terminal:
         terminal.wait_for("Do zeros stop what it moves")

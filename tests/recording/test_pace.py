@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from threading import Event, Thread
 from types import SimpleNamespace
 
 import pytest
+import warm
 from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
@@ -152,7 +152,7 @@ def test_a_loop_gives_all_again(tmp_path):
 def test_the_space_bar_pauses_and_goes_on(tmp_path):
     bag(tmp_path / "run.mcap", 3600)
     line = ["replay", "run.mcap", FLEET, "--port", str(free_port()), "--wait", "0"]
-    with at_terminal(sys.executable, "-m", "jausml", *line, cwd=tmp_path) as terminal:
+    with at_terminal(*warm.command(), *line, cwd=tmp_path) as terminal:
         terminal.wait_for("the space bar pauses")
         terminal.wait_for("replaying run.mcap ... 0%, ")
         terminal.type(" ")
@@ -166,7 +166,7 @@ def test_the_space_bar_pauses_and_goes_on(tmp_path):
 @pytest.mark.ports
 def test_a_recorder_shows_how_much_there_is(tmp_path):
     line = ["record", "-o", "run.mcap", "--port", str(free_port()), "--duration", "2"]
-    with at_terminal(sys.executable, "-m", "jausml", *line, cwd=tmp_path) as terminal:
+    with at_terminal(*warm.command(), *line, cwd=tmp_path) as terminal:
         terminal.wait_for("recording ... 0 JAUS messages, 0 of ROS, 0.0 MB of run.mcap, ")
         terminal.wait_for("0 JAUS messages on port")
         terminal.wait_for("written: run.mcap")

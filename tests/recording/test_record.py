@@ -13,6 +13,7 @@ import time
 
 import needs
 import pytest
+import warm
 from isolation import small_folder
 from ports import free_port
 from recordings import PATIENCE, by_mcap, datagram, event, pose, velocity, wait_for
@@ -122,7 +123,7 @@ def test_capture_beside_it_has_the_same_at_the_same_times(recording):
 
 def test_nothing_is_overwritten_and_nothing_is_left_behind(tmp_path):
     (tmp_path / "run.pcap").write_bytes(b"precious")
-    line = [sys.executable, "-m", "jausml", "record", "--output", str(tmp_path / "run.mcap")]
+    line = [*warm.command(), "record", "--output", str(tmp_path / "run.mcap")]
     done = subprocess.run(line, capture_output=True, text=True, timeout=PATIENCE)
     assert "run.pcap is there already; --force overwrites it" in done.stderr
     assert done.returncode == 2
