@@ -23,6 +23,25 @@ def jausml():
 
 
 @pytest.fixture(scope="session")
+def same_folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("projects")
+
+
+@pytest.fixture
+def tmp_path(same_folder):
+    """The same folder for each test, empty: what earlier ones read of its library is shared.
+
+    Copies of the library are kept by what messages call them, which is where they lie.
+    """
+    for path in same_folder.iterdir():
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+    return same_folder
+
+
+@pytest.fixture(scope="session")
 def made_projects():
     """What projects were made of, and the folders where they lie; each is made once."""
     return {}
