@@ -45,6 +45,8 @@ _WINGS = (
     "live.peers",
     "live.traffic",
 )
+_OF_EDITORS = "jausml.authoring.editor.server"
+"""What needs a protocol that takes long to load, and that no test speaks with a warm process."""
 _OF_SERVERS = (
     "uvicorn.lifespan.on",
     "uvicorn.protocols.http.h11_impl",
@@ -142,7 +144,8 @@ def _prepare() -> None:
     for wing in _WINGS:
         folder = Path(jausml.__path__[0], *wing.split("."))
         for module in pkgutil.walk_packages([str(folder)], f"jausml.{wing}."):
-            importlib.import_module(module.name)
+            if module.name != _OF_EDITORS:
+                importlib.import_module(module.name)
     for module in _OF_SERVERS:
         importlib.import_module(module)
 
