@@ -1,15 +1,17 @@
-"""Runs `jausml operate` as `studio_process.py` does, and tells how long its loops had no turn.
+"""Runs `jausml operate` as `studio_process.py` does, and tells what kept its loops from a turn.
 
-A gap counts as far as this process worked through it: one in which others had the processors is no
-matter of what this process does. Usage: gap_process.py PAGE VERB ARGUMENT...; the longest gap of
-each loop, in seconds, stands behind `gaps` on its standard error.
+Only time counts in which a thread of this process worked: how long others had the processors is no
+matter of what this process does. Usage: gap_process.py PAGE VERB ARGUMENT...; at its end it writes
+JSON to its standard error, behind `worked`: the longest work of each thread without a turn, in
+processor seconds, and which modules are loaded that read models.
 """
 
 from __future__ import annotations
 
 import asyncio
+import gc
+import json
 import sys
-import threading
 import time
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -21,45 +23,49 @@ from jausml.live.operating import serving
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator
 
+    from jausml.live.operating.knowledge import Knowledge
+
 PERIOD = 0.005
+READERS = ("jausml.language.metamodel", "jausml.language.model", "pyecore")
 
 
 class Meter:
-    """The longest time for which a loop had no turn, in processor seconds of this process."""
+    """The longest work of one thread between two turns, in its own processor seconds."""
 
     def __init__(self) -> None:
+        self.turns = 0
         self.longest = 0.0
-        self._due, self._spent = time.monotonic() + PERIOD, time.process_time()
+        self._spent = 0.0
+
+    def begin(self) -> None:
+        """Takes that the thread begins to work."""
+        self._spent = time.thread_time()
 
     def turn(self) -> None:
-        """Takes that the loop has a turn."""
-        now, spent = time.monotonic(), time.process_time()
-        self.longest = max(self.longest, min(now - self._due, spent - self._spent))
-        self._due, self._spent = now + PERIOD, spent
-
-
-METERS = {"pages": Meter(), "JAUS": Meter(), "a thread": Meter()}
-
-
-def sleep_and_measure() -> None:
-    """Measures a thread that does nothing: whoever holds the interpreter holds it up too."""
-    while True:
-        time.sleep(PERIOD)
-        METERS["a thread"].turn()
-
-
-async def measure_pages() -> None:
-    """Measures the loop of the pages."""
-    while True:
-        await asyncio.sleep(PERIOD)
-        METERS["pages"].turn()
+        """Takes that it has a turn."""
+        spent = time.thread_time()
+        self.longest = max(self.longest, spent - self._spent)
+        self._spent = spent
+        self.turns += 1
 
 
 class Measured(serving.Unit):
-    """A unit whose loops are measured from when it has begun."""
+    """A unit that is measured from when it has begun."""
 
     @asynccontextmanager
     async def _lifespan(self, app: object) -> AsyncIterator[None]:
+        names = "pages", "JAUS", "learning", "collector"
+        meters = pages, jaus, learning, collector = [Meter() for _ in names]
+        following = self.learning._next
+
+        def unpickled() -> Knowledge | None:
+            learning.begin()
+            knowledge = following()
+            learning.turn()
+            return knowledge
+
+        # Unpickling is one call, for as long as which that thread has the interpreter.
+        self.learning._next = unpickled  # type: ignore[method-assign]
         async with super()._lifespan(app):  # type: ignore[arg-type]
             system = self.operating.unit._system
             while system.running is None:
@@ -67,17 +73,32 @@ class Measured(serving.Unit):
             loop = system.running.transport.loop
 
             def turn() -> None:
-                METERS["JAUS"].turn()
+                jaus.turn()
                 loop.call_later(PERIOD, turn)
 
-            METERS.update({name: Meter() for name in METERS})
-            loop.call_later(PERIOD, turn)
-            threading.Thread(target=sleep_and_measure, daemon=True).start()
+            def begin() -> None:
+                jaus.begin()
+                turn()
+
+            async def measure_pages() -> None:
+                pages.begin()
+                while True:
+                    await asyncio.sleep(PERIOD)
+                    pages.turn()
+
+            gc.callbacks.append(
+                lambda phase, _: collector.begin() if phase == "start" else collector.turn()
+            )
+            loop.call_later(PERIOD, begin)
             measuring = asyncio.create_task(measure_pages())
             yield
             measuring.cancel()
-            found = " ".join(f"{meter.longest:.4f}" for meter in METERS.values())
-            sys.stderr.write(f"gaps {found}\n")
+            gc.callbacks.pop()
+            found = {name: meter.longest for name, meter in zip(names, meters, strict=True)}
+            loaded = [name for name in sys.modules if name.startswith(READERS)]
+            turns = min(meter.turns for meter in (pages, jaus, learning))
+            told = {"longest": found, "turns": turns, "readers": loaded}
+            sys.stderr.write(f"worked {json.dumps(told)}\n")
 
 
 if __name__ == "__main__":
