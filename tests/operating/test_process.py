@@ -163,7 +163,8 @@ def test_edits_of_a_large_model_do_not_hold_it_up(
         assert unit.process.stderr is not None
         _, _, told = unit.process.stderr.read().partition("worked ")
     worked = json.loads(told.splitlines()[0])
-    assert {name: s for name, s in worked["longest"].items() if s >= LONGEST_WORK} == {}
+    assert max(worked["longest"]) < LONGEST_WORK, worked["longest"]
+    assert worked["collections"] == []
     assert worked["readers"] == []
-    assert worked["turns"] >= EDITS
+    assert min(worked["turns"]) >= EDITS
     assert vehicle.last == 0.0

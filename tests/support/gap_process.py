@@ -1,9 +1,10 @@
 """Runs `jausml operate` as `studio_process.py` does, and tells what kept its loops from a turn.
 
-Only time counts in which a thread of this process worked: how long others had the processors is no
-matter of what this process does. Usage: gap_process.py PAGE VERB ARGUMENT...; at its end it writes
-JSON to its standard error, behind `worked`: the longest work of each thread without a turn, in
-processor seconds, and which modules are loaded that read models.
+Only what this process did counts: how long others had the processors is no matter of it. Usage:
+gap_process.py PAGE VERB ARGUMENT...; at its end it writes JSON to its standard error, behind
+`worked`: the longest work of its loops, and of who unpickles what was read, without a turn, in
+processor seconds of that thread; the collections while somebody commanded; and the modules that
+read models.
 """
 
 from __future__ import annotations
@@ -54,8 +55,8 @@ class Measured(serving.Unit):
 
     @asynccontextmanager
     async def _lifespan(self, app: object) -> AsyncIterator[None]:
-        names = "pages", "JAUS", "learning", "collector"
-        meters = pages, jaus, learning, collector = [Meter() for _ in names]
+        meters = pages, jaus, learning = Meter(), Meter(), Meter()
+        unit, collections = self.operating.unit, list[object]()
         following = self.learning._next
 
         def unpickled() -> Knowledge | None:
@@ -67,7 +68,7 @@ class Measured(serving.Unit):
         # Unpickling is one call, for as long as which that thread has the interpreter.
         self.learning._next = unpickled  # type: ignore[method-assign]
         async with super()._lifespan(app):  # type: ignore[arg-type]
-            system = self.operating.unit._system
+            system = unit._system
             while system.running is None:
                 await asyncio.sleep(0.1)
             loop = system.running.transport.loop
@@ -86,18 +87,22 @@ class Measured(serving.Unit):
                     await asyncio.sleep(PERIOD)
                     pages.turn()
 
-            gc.callbacks.append(
-                lambda phase, _: collector.begin() if phase == "start" else collector.turn()
-            )
+            def collected(_: object, generation: object) -> None:
+                if unit._commander is not None:
+                    collections.append(generation)
+
+            gc.callbacks.append(collected)
             loop.call_later(PERIOD, begin)
             measuring = asyncio.create_task(measure_pages())
             yield
             measuring.cancel()
             gc.callbacks.pop()
-            found = {name: meter.longest for name, meter in zip(names, meters, strict=True)}
-            loaded = [name for name in sys.modules if name.startswith(READERS)]
-            turns = min(meter.turns for meter in (pages, jaus, learning))
-            told = {"longest": found, "turns": turns, "readers": loaded}
+            told = {
+                "longest": [meter.longest for meter in meters],
+                "turns": [meter.turns for meter in meters],
+                "collections": collections,
+                "readers": [name for name in sys.modules if name.startswith(READERS)],
+            }
             sys.stderr.write(f"worked {json.dumps(told)}\n")
 
 
