@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import urlsplit
 
 from tables import table
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ VEHICLE, MESSAGE, FIELD = "100.1.10", "SetWrenchEffort", "PropulsiveLinearEffort
 TIMEOUT, LEASE, LATE = 0.5, 1.0, 0.1
 EFFORT = 30.0
 PATIENCE = 60.0
+JUST = 0.1
 
 
 class Vehicle:
@@ -53,18 +55,17 @@ class Vehicle:
         self.efforts.append((time.monotonic(), round(effort, 1)))
 
     def is_driven(self) -> bool:
-        """Tells whether the last words were to drive."""
-        return [effort for _, effort in self.efforts[-5:]] == [EFFORT] * 5
+        """Tells whether the last words were to drive, and were just said."""
+        last, just = self.efforts[-5:], time.monotonic() - JUST
+        return [effort for _, effort in last] == [EFFORT] * 5 and last[-1][0] > just
 
-    def lateness(self) -> float | None:
-        """Returns the seconds from the last word of the hand to the first stop, None before it."""
-        driven = 0.0
-        for moment, effort in list(self.efforts):
-            if effort == EFFORT:
-                driven = moment
-            elif driven:
-                return moment - driven
-        return None
+    def lateness(self, lost: float) -> float | None:
+        """Returns the seconds from the last word of the hand to the stop after a moment."""
+        words = list(self.efforts)
+        at = next((at for at, word in enumerate(words) if word[0] > lost and word[1] == 0), None)
+        if at is None:
+            return None
+        return words[at][0] - max(moment for moment, effort in words[:at] if effort == EFFORT)
 
 
 def ask(page: Any, method: str, **params: Any) -> Any:
@@ -84,17 +85,19 @@ def drive(address: str, right: str, port: int) -> None:
     with connect(f"ws://{parts.netloc}/socket", origin=origin, sock=raw, max_size=None) as page:
         ask(page, "hello", token=parts.fragment.removeprefix("token="))
         ask(page, "claim", right=right, name="hand")
-        end = time.monotonic() + PATIENCE
-        while "error" in ask(page, "take", component=VEHICLE, authority=205):
-            if time.monotonic() > end:
-                return
-            time.sleep(0.1)
-        ask(page, "resume", component=VEHICLE)
-        stick = ask(page, "stick.begin", component=VEHICLE, message=MESSAGE)["result"]["stick"]
         while True:
-            ask(page, "renew")
-            ask(page, "stick.move", stick=stick, fields={FIELD: EFFORT})
-            time.sleep(0.04)
+            took = ask(page, "take", component=VEHICLE, authority=205)
+            if "error" in took and "controlled already" not in took["error"]["message"]:
+                time.sleep(0.1)
+                continue
+            ask(page, "resume", component=VEHICLE)
+            stick = ask(page, "stick.begin", component=VEHICLE, message=MESSAGE).get("result", {})
+            # A busy machine may have the stick stopped: then it begins anew.
+            while "error" not in ask(
+                page, "stick.move", fields={FIELD: EFFORT}, stick=stick.get("stick", 0)
+            ):
+                ask(page, "renew")
+                time.sleep(0.04)
 
 
 class Way:
@@ -174,18 +177,21 @@ def driving(jaus_port: int) -> Iterator[Driving]:
         assert unit.stdout is not None
         address = unit.stdout.readline().strip().partition(": ")[2]
         right = unit.stdout.readline().strip().partition("&command=")[2]
+        if not right:
+            raise SystemExit("no unit has begun: try `jausml operate`, whose page may not be built")
         yield Driving(vehicle, unit, address, right)
 
 
 def one_round(kind: str, driven: Driving) -> float:
     """Drives, loses who drives, and returns how long after its last word the stop came."""
     vehicle, unit, address, right = driven
-    vehicle.efforts.clear()
+    until(lambda: not vehicle.is_driven(), "end of the round before")
     with ExitStack() as stack:
         way = Way(urlsplit(address).port or 0)
         stack.callback(way.close)
         page = stack.enter_context(child(__file__, "page", address, right, str(way.port)))
         until(vehicle.is_driven, "word of the page")
+        lost = time.monotonic()
         match kind:
             case "page killed":
                 page.kill()
@@ -201,9 +207,10 @@ def one_round(kind: str, driven: Driving) -> float:
                 port = str(urlsplit(address).port)
                 stack.enter_context(child(__file__, "page", address, right, port))
                 time.sleep(0.5)
+                lost = time.monotonic()
                 page.kill()
-        until(lambda: vehicle.lateness() is not None, "stop")
-        lateness = vehicle.lateness()
+        until(lambda: vehicle.lateness(lost) is not None, "stop")
+        lateness = vehicle.lateness(lost)
         assert lateness is not None
         return lateness
 
@@ -269,7 +276,8 @@ def main() -> int:
 if __name__ == "__main__":
     match sys.argv[1:]:
         case ["page", address, right, port]:
-            drive(address, right, int(port))
+            with suppress(ConnectionClosed):  # its unit is the one that is lost
+                drive(address, right, int(port))
         case ["loss", kind, rounds, port]:
             for lateness in rounds_of(kind, int(rounds), int(port)):
                 print(lateness, flush=True)
