@@ -112,6 +112,8 @@ def test_a_unit_that_is_killed_has_its_stops_said(
         server.process.kill()
         until(lambda: vehicle.last == 0.0)
         until(lambda: vehicle.status == "STANDBY")
+        _, log = server.process.communicate()
+    assert f"guardian: the operator unit (process {server.process.pid}) has died: 2 stops" in log
 
 
 def test_a_unit_that_stands_still_has_its_stops_said_and_says_so(

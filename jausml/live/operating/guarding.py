@@ -44,7 +44,7 @@ class Guarding:
         self._controlled: Sequence[JausAddress] = ()
         self._unreached: list[str] = []
         with self._lock:
-            self._ward = Ward(transport.loop, dict, lambda: 0, spoke)
+            self._ward = Ward(transport.loop, dict, lambda: 0, spoke, "operator unit")
             self._of_stick = self._ward.guard(self._stick_stops)
             self._of_controlled = self._ward.guard(self._controlled_stops)
 

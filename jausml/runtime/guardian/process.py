@@ -56,15 +56,19 @@ _ResultT = TypeVar("_ResultT")
 class Guardian:
     """One guardian of one bridge."""
 
-    def __init__(self, channel: socket.socket, page: Page, death: int, bridge: int) -> None:
+    def __init__(
+        self, channel: socket.socket, page: Page, death: int, name: str, bridge: int
+    ) -> None:
         """Watches nothing before `run`.
 
         Args:
             death: Descriptor of the process that the bridge is, which it opened itself: it may be
                 gone before this one runs.
+            name: What the bridge is, as people are told.
         """
         self._channel = channel
         self._page = page
+        self._name = name
         self._bridge = bridge
         self._stops: dict[int, Stops] = {}
         self._goals: dict[bytes, str] = {}
@@ -219,7 +223,7 @@ class Guardian:
         wanted = dict(self._goals) if goals else {}
         if not (count or wanted):
             return
-        _log(f"the bridge (process {self._bridge}) {why}: {count} stops, {len(wanted)} goals")
+        _log(f"the {self._name} (process {self._bridge}) {why}: {count} stops, {len(wanted)} goals")
         datagrams = [datagram for stop in stops for datagram in stop.datagrams]
         topics = [topic for stop in stops for topic in stop.topics]
         self._tell(datagrams, topics, wanted, is_halted=is_halted)
@@ -354,7 +358,7 @@ def _log(text: str) -> None:
     sys.stderr.flush()
 
 
-def main(channel: str, page: str, death: str, bridge: str) -> int:
+def main(channel: str, page: str, death: str, name: str, bridge: str) -> int:
     """Guards one bridge.
 
     Returns:
@@ -365,7 +369,7 @@ def main(channel: str, page: str, death: str, bridge: str) -> int:
         signal.signal(number, signal.SIG_IGN)
     with socket.socket(fileno=int(channel)) as own:
         try:
-            Guardian(own, Page(int(page)), int(death), int(bridge)).run()
+            Guardian(own, Page(int(page)), int(death), name, int(bridge)).run()
         except RclError as error:
             _log(f"cannot speak ROS: {error}")
             return EXIT_OF_ROS

@@ -87,6 +87,7 @@ class Ward:
         ros: Callable[[], Content],
         now: Callable[[], int],
         taken: Callable[[], None],
+        name: str = "bridge",
     ) -> None:
         """Guards nothing yet.
 
@@ -94,11 +95,13 @@ class Ward:
             ros: Returns what the guardian needs to speak ROS; nothing where there is none.
             now: Returns simulated time in nanoseconds, 0 where there is none.
             taken: Told, on the loop, that the guardian has spoken.
+            name: What this process is, as people are told.
         """
         self._loop = loop
         self._ros = ros
         self._now = now
         self._on_taken = taken
+        self._name = name
         self._guarded: list[Guarded] = []
         self._left_out = 0
         self._goals: dict[str, Content] = {}
@@ -186,7 +189,7 @@ class Ward:
     def failure(self) -> str:
         """What the guardian cannot do, to be said of it; empty while all is well."""
         if self._end_reason:
-            return f"{self._end_reason}: nothing stops the robot if this bridge dies"
+            return f"{self._end_reason}: nothing stops the robot if this {self._name} dies"
         waiting = [connection for connection in self._guarded if not connection.is_handed]
         counts = {
             f"not handed over ({self._send_fault})": len(waiting)
@@ -195,7 +198,7 @@ class Ward:
             "refused by ROS": self._page.refused if self._page is not None else 0,
         }
         lacking = ", ".join(f"{count} {what}" for what, count in counts.items() if count)
-        return f"cannot stop all if this bridge dies: {lacking}" if lacking else ""
+        return f"cannot stop all if this {self._name} dies: {lacking}" if lacking else ""
 
     def release(self) -> None:
         """Guards nothing any more: all stops were said."""
@@ -279,7 +282,7 @@ class Ward:
         line = [sys.executable, "-I", "-S", "-c", _RUN, runtime, *map(str, passed)]
         try:
             return subprocess.Popen(  # noqa: S603 - itself
-                [*line, str(os.getpid())],
+                [*line, self._name, str(os.getpid())],
                 pass_fds=passed,
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
