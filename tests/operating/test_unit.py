@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import re
 import webbrowser
 from contextlib import AsyncExitStack, suppress
+from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +14,7 @@ import pytest
 from simulated_vehicle import VEHICLE, Vehicle, until
 from starlette.websockets import WebSocket
 
+from jausml import Component
 from jausml.cli.live.operate import _opened
 from jausml.live.messages import load_catalogue
 from jausml.live.operating.guarding import Guarding
@@ -32,7 +35,6 @@ from jausml.runtime.base.address import JausAddress
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from starlette.types import Message
 
@@ -53,6 +55,7 @@ def unit(tmp_path: Path, port: int) -> Iterator[OperatorUnit]:
 
 
 ADDRESS = JausAddress.parse(VEHICLE)
+WAYPOINTS = Path(__file__).parents[2] / "models" / "examples" / "waypoints" / "waypoints.ros2jaus"
 
 
 def take_in(unit: OperatorUnit) -> Hold:
@@ -145,6 +148,23 @@ def test_the_guardian_says_whom_it_could_not_stop(port: int) -> None:
         guarding.control([JausAddress(100, 1, 99)])  # of which nothing was heard
         assert guarding.failure == "has no datagram for 100.1.99"
         guarding.close()
+
+
+def test_commands_that_a_bridge_does_not_take_are_not_offered(
+    unit: OperatorUnit, port: int, tmp_path: Path
+) -> None:
+    def offered(text: str) -> set[str]:
+        model = tmp_path / "waypoints.ros2jaus"
+        model.write_text(text, encoding="utf-8")
+        unit.learn(read(model))
+        return {command["name"] for command in unit.offers(ADDRESS)["commands"]}
+
+    text = WAYPOINTS.read_text(encoding="utf-8")
+    without_speed = re.sub(r"connection travel_speed \{.*?\n    \}", "", text, flags=re.DOTALL)
+    both = {"SetLocalWaypoint", "SetTravelSpeed"}
+    with Component(VEHICLE, provides=("LocalWaypointDriver",), port=port):
+        until(lambda: both <= offered(text))
+        assert both & offered(without_speed) == {"SetLocalWaypoint"}
 
 
 def test_what_was_asked_before_a_stop_is_not_sent_after_it(

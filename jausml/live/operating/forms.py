@@ -13,31 +13,35 @@ from jausml.live.peers.rendering import shown_fields
 if TYPE_CHECKING:
     from jausml.live.messages import MessageEntry
     from jausml.live.operating.sticks import Sticks
-    from jausml.live.peers.operator import Operator
+    from jausml.live.operating.watching import WatchedSystem
     from jausml.runtime.base.address import JausAddress
 
 
-def offers_of(operator: Operator, sticks: Sticks, target: JausAddress) -> dict[str, Any]:
+def offers_of(system: WatchedSystem, sticks: Sticks, target: JausAddress) -> dict[str, Any]:
     """Returns the services of a component, the commands that it takes, the reports it gives."""
+    operator = system.operator
     provided = operator.services(target)
     labels = {f"{identity.urn}/{identity.major}.{identity.minor}" for identity in provided}
-    commands: dict[str, dict[str, Any]] = {}
+    commands: dict[str, tuple[str, MessageEntry]] = {}
     reports: dict[str, str] = {}
     for service in operator.catalogue.services.values():
         for owner in service.lineage if service.label in labels else ():
             for entry in owner.inputs:
                 if entry.name.startswith("Query"):
                     reports.setdefault(entry.name.removeprefix("Query"), owner.name)
-                elif entry.is_command and entry.name not in commands:
-                    commands[entry.name] = {
-                        "name": entry.name,
-                        "service": owner.name,
-                        "documentation": entry.documentation,
-                        "stick": _stick(sticks, target, entry),
-                    }
+                elif entry.is_command and system.takes(target, entry.name):
+                    commands.setdefault(entry.name, (owner.name, entry))
     return {
         "services": sorted({identity.urn.rpartition(":")[2] for identity in provided}),
-        "commands": [commands[name] for name in sorted(commands)],
+        "commands": [
+            {
+                "name": name,
+                "service": service_name,
+                "documentation": entry.documentation,
+                "stick": _stick(sticks, target, entry),
+            }
+            for name, (service_name, entry) in sorted(commands.items())
+        ],
         "reports": [
             {"name": name, "service": service_name}
             for name, service_name in sorted(reports.items())

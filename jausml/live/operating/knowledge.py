@@ -51,6 +51,8 @@ class Knowledge:
         declarations: The connections that are looked for.
         components: Names of components by JAUS id.
         stops: What is declared, by JAUS id of the receiver and name of the message.
+        untaken: Names of commands that bridges do not take though their services define them, by
+            JAUS id.
         fault: Why the system cannot be read; empty where it was.
         left_out: Which files of messages are left out, and why.
     """
@@ -59,6 +61,7 @@ class Knowledge:
     declarations: tuple[DeclaredConnection, ...] = ()
     components: Mapping[str, str] = field(default_factory=dict)
     stops: Mapping[tuple[str, str], Declarations] = field(default_factory=dict)
+    untaken: Mapping[str, frozenset[str]] = field(default_factory=dict)
     fault: str = ""
     left_out: str = ""
 

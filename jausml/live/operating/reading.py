@@ -20,7 +20,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.model.project import is_model_file
 from jausml.language.model.reading.reader import read_models
 from jausml.language.project import Index
-from jausml.language.semantics.connections import stops
+from jausml.language.semantics.connections import calls, stops
 from jausml.language.semantics.paths.scopes import target_paths
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.messages import CatalogueError, load_catalogue
@@ -56,7 +56,8 @@ def read(path: Path) -> Knowledge:
             declared = tuple(declarations_of(model))
             messages, without = _messages(dict.fromkeys([file, *beside]))
             named, stops = components_of(model), stops_of(model)
-            return Knowledge(messages, declared, named, stops, left_out=without)
+            untaken = untaken_of(model)
+            return Knowledge(messages, declared, named, stops, untaken, left_out=without)
     messages, without = _messages(beside)
     return Knowledge(messages, left_out=without)
 
@@ -82,6 +83,15 @@ def stops_of(model: Model) -> dict[tuple[str, str], Declarations]:
                 declared = _declared(connection, f"{owner.name}.{connection.name}")
                 stops_by_command[key] = (*stops_by_command.get(key, ()), declared)
     return stops_by_command
+
+
+def untaken_of(model: Model) -> dict[str, frozenset[str]]:
+    """Returns which commands bridges do not take though their services define them, by JAUS id."""
+    return {
+        str(owner.address): frozenset(str(message.name) for message in calls.untaken(owner))
+        for owner in model.instances(bridge.Bridge, library=False)
+        if owner.address
+    }
 
 
 def _receivers(owner: bridge.Bridge, connection: bridge.Connection) -> Iterator[str]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from jausml.live.messages import MessageError
 from jausml.live.messages.errors import CodecError
-from jausml.live.operating.forms import form_of, offers_of
+from jausml.live.operating.forms import form_of
 from jausml.live.operating.lists import Drawn  # noqa: TC001 - methods are read with their types
 from jausml.live.operating.unit import WORD
 from jausml.live.peers.network import component_address
@@ -162,8 +162,7 @@ class Seat:
 
     def _messages(self, component: str) -> dict[str, Any]:
         """Returns the commands that a component takes and the reports that it gives."""
-        unit, target = self._unit, component_address(component)
-        return offers_of(unit.operator, unit.sticks, target)
+        return self._unit.offers(component_address(component))
 
     def _form(self, component: str, message: str) -> dict[str, Any]:
         entry = self._unit.operator.find(component_address(component), message)

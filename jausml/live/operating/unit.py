@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from threading import Event, Lock, RLock, Thread
 from typing import TYPE_CHECKING, Any
 
+from jausml.live.operating.forms import offers_of
 from jausml.live.operating.guarding import Guarding
 from jausml.live.operating.journal import Journal
 from jausml.live.operating.lists import Lists
@@ -164,6 +165,10 @@ class OperatorUnit:
         """Returns what a page is told first."""
         state = self._system.monitor.state()
         return {**self.content(), "ages": _ages(state), "components": _components(state)}
+
+    def offers(self, target: JausAddress) -> dict[str, Any]:
+        """Returns what a component takes and gives, as far as is known of it."""
+        return offers_of(self._system, self.sticks, target)
 
     def content(self) -> dict[str, Any]:
         """Returns what all pages are told of the unit itself."""

@@ -67,6 +67,7 @@ class WatchedSystem(RunningSystem):
         self._levels: dict[str, Level] = {}
         self._acts: dict[str, float] = {}
         self._names = dict(knowledge.components)
+        self._untaken = knowledge.untaken
         self._ready = Event()
 
     def learn(self, knowledge: Knowledge) -> None:
@@ -74,6 +75,7 @@ class WatchedSystem(RunningSystem):
         self.unread = knowledge.fault or knowledge.left_out
         if knowledge.fault:
             return
+        self._untaken = knowledge.untaken
         self.catalogue = ThawedCatalogue(knowledge.messages)
         self.monitor.take_model(knowledge.declarations, dict(knowledge.components))
         if self.running is not None:
@@ -98,6 +100,10 @@ class WatchedSystem(RunningSystem):
         if self.running is None:
             raise Refused(self.fault)
         return self.running
+
+    def takes(self, target: object, command: str) -> bool:
+        """Tells whether a component that provides a service takes a command of it."""
+        return command not in self._untaken.get(str(target), ())
 
     def name_of(self, address: object) -> str:
         """Returns the name of a component with its JAUS id, the id alone where it has none."""

@@ -36,7 +36,7 @@ export function Commands() {
     };
   }, [component, turn, learnt]);
   const command = offered?.find((each) => each.name === chosen);
-  const drivers = driversOf(services);
+  const drivers = driversOf(services, offered?.map((each) => each.name) ?? []);
   return (
     <>
       <h2>Commands of {nameOf(component)}</h2>

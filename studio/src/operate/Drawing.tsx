@@ -264,6 +264,7 @@ function Sending(props: SendingProps) {
   const isOurs = useUnit(commands);
   const isHeld = useUnit((unit) => unit.state?.holds.some((each) => each.component === component));
   useEffect(() => {
+    if (!execution) return;
     void tried("form", { component, message: execution }).then((found) => {
       const record = found?.fields[0];
       const members = record?.kind === "group" ? record.members : [];
@@ -301,17 +302,19 @@ function Sending(props: SendingProps) {
   async function execute() {
     if (typeof wanted !== "number" || speedFaults.size > 0) return;
     if (!isList) {
-      await tried("send", { component, message: execution, fields: { Speed: wanted } });
+      await drive(wanted);
       return;
     }
     const drawn = { component, message: frame.waypoint, elements: values };
     const done = await tried("list.execute", { ...drawn, speed: wanted, first });
     if (done) onDrawing({ execution: { time: done.time, first } });
   }
+  async function drive(speed: number) {
+    if (execution) await tried("send", { component, message: execution, fields: { Speed: speed } });
+  }
   async function end() {
-    if (!isList) {
-      await tried("send", { component, message: execution, fields: { Speed: 0 } });
-    } else if (await tried("list.end", { component })) onDrawing({ sent: "" });
+    if (!isList) await drive(0);
+    else if (await tried("list.end", { component })) onDrawing({ sent: "" });
   }
 
   return (
@@ -320,7 +323,9 @@ function Sending(props: SendingProps) {
       <p className="quiet">
         {isList
           ? "Send replaces the list of the component; one that it executes ends with that. End has it stand, and empties its list."
-          : "Send sets the waypoint: if the component has a speed, it drives there at once. Speed 0 has it stand."}
+          : execution
+            ? "Send sets the waypoint: if the component has a speed, it drives there at once. Speed 0 has it stand."
+            : "Send sets the waypoint, and the component may drive there at once: it takes no speed."}
       </p>
       <button
         type="button"
@@ -329,39 +334,46 @@ function Sending(props: SendingProps) {
       >
         Send {values.length} waypoint{values.length === 1 ? "" : "s"}
       </button>{" "}
-      <label>
-        Speed, {speedKind && rangesOf(speedKind)}{" "}
-        <input
-          size={6}
-          inputMode="decimal"
-          autoComplete="off"
-          value={speed}
-          aria-invalid={fault !== undefined}
-          onChange={(event) => setSpeed(event.currentTarget.value)}
-        />
-      </label>{" "}
-      {isList && (
-        <label>
-          from waypoint{" "}
-          <select value={first} onChange={(event) => setFirst(Number(event.currentTarget.value))}>
-            {values.map((_, at) => (
-              // biome-ignore lint/suspicious/noArrayIndexKey: waypoints have no other name
-              <option key={at}>{at + 1}</option>
-            ))}
-          </select>
-        </label>
-      )}{" "}
-      <button
-        type="button"
-        className="primary"
-        disabled={!mayCommand || !isSent || speed === "" || fault !== undefined}
-        onClick={() => void doing(execute)}
-      >
-        Execute
-      </button>{" "}
-      <button type="button" disabled={!isOurs || isHeld !== true} onClick={() => void end()}>
-        {isList ? "End the list" : "Speed 0"}
-      </button>
+      {execution && (
+        <>
+          <label>
+            Speed, {speedKind && rangesOf(speedKind)}{" "}
+            <input
+              size={6}
+              inputMode="decimal"
+              autoComplete="off"
+              value={speed}
+              aria-invalid={fault !== undefined}
+              onChange={(event) => setSpeed(event.currentTarget.value)}
+            />
+          </label>{" "}
+          {isList && (
+            <label>
+              from waypoint{" "}
+              <select
+                value={first}
+                onChange={(event) => setFirst(Number(event.currentTarget.value))}
+              >
+                {values.map((_, at) => (
+                  // biome-ignore lint/suspicious/noArrayIndexKey: waypoints have no other name
+                  <option key={at}>{at + 1}</option>
+                ))}
+              </select>
+            </label>
+          )}{" "}
+          <button
+            type="button"
+            className="primary"
+            disabled={!mayCommand || !isSent || speed === "" || fault !== undefined}
+            onClick={() => void doing(execute)}
+          >
+            Execute
+          </button>{" "}
+          <button type="button" disabled={!isOurs || isHeld !== true} onClick={() => void end()}>
+            {isList ? "End the list" : "Speed 0"}
+          </button>
+        </>
+      )}
       <Fault>{fault ?? ""}</Fault>
       <output>
         {isSent

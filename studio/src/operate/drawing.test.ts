@@ -31,7 +31,7 @@ const FIELDS: Field[] = [
     members: [number("X", 100000), number("Y", 100000), number("Z", 100000, true)],
   },
 ];
-const [driver] = driversOf(["Events", "LocalWaypointListDriver"]);
+const [driver] = driversOf(["Events", "LocalWaypointListDriver"], ["ExecuteList"]);
 if (!driver) throw new Error("there is no driver");
 const { frame } = driver;
 
@@ -39,11 +39,14 @@ beforeEach(() => localStorage.clear());
 
 it("knows the drivers of lists before those of one waypoint", () => {
   const services = ["GlobalWaypointDriver", "LocalWaypointDriver", "GlobalWaypointListDriver", "X"];
-  expect(driversOf(services).map((each) => [each.service, each.execution])).toEqual([
+  const found = (...taken: string[]) =>
+    driversOf(services, taken).map((each) => [each.service, each.execution]);
+  expect(found("ExecuteList", "SetTravelSpeed")).toEqual([
     ["GlobalWaypointListDriver", "ExecuteList"],
     ["LocalWaypointDriver", "SetTravelSpeed"],
     ["GlobalWaypointDriver", "SetTravelSpeed"],
   ]);
+  expect(found("ExecuteList")).toContainEqual(["LocalWaypointDriver", undefined]);
 });
 
 it("makes the fields of what is drawn, and no other ones", () => {

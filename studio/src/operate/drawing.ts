@@ -9,18 +9,18 @@ export interface Driver {
   service: string;
   frame: Frame;
   isList: boolean;
-  /** The command whose speed makes it drive. */
-  execution: string;
+  /** The command whose speed makes it drive; undefined where the component takes none. */
+  execution: string | undefined;
 }
 
-/** The drivers among services, those of lists first. */
-export function driversOf(services: readonly string[]): Driver[] {
+/** The drivers among services of a component that takes commands, those of lists first. */
+export function driversOf(services: readonly string[], taken: readonly string[]): Driver[] {
   const drivers = [true, false].flatMap((isList) =>
     FRAMES.map((frame) => ({
       service: `${frame.waypoint.replace(/^Set/, "")}${isList ? "List" : ""}Driver`,
       frame,
       isList,
-      execution: isList ? "ExecuteList" : "SetTravelSpeed",
+      execution: taken.find((each) => each === (isList ? "ExecuteList" : "SetTravelSpeed")),
     })),
   );
   return drivers.filter((each) => services.includes(each.service));

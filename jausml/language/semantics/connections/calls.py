@@ -11,6 +11,7 @@ from jausml.language.semantics.jaus.commands import (
     answer_alike,
     answer_by,
     command_answer,
+    is_command,
     named,
 )
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
@@ -229,6 +230,30 @@ def unanswered(service: jaus.Service, sent: Container[int]) -> list[jaus.Message
     reports = (output for output in service.outputs if code(output) not in sent)
     queries = (asked.get(query_name(report)) for report in reports)
     return [message for message in queries if message is not None]
+
+
+def untaken(owner: bridge.Bridge) -> list[jaus.MessageDef]:
+    """Returns the commands of a bridge's services that it does not take: services define more."""
+    taken = {code(message) for message in _taken(owner)}
+    return [
+        message
+        for service in owner.provides
+        # A machine may take what no connection carries.
+        if str(service.urn) not in SERVED_BY_RUNTIME and not service.machines
+        for message in service.inputs
+        if is_command(message) and code(message) not in taken
+    ]
+
+
+def _taken(owner: bridge.Bridge) -> Iterator[jaus.MessageDef]:
+    """Yields what connections of a bridge take from JAUS."""
+    yield from (connection.map.message for connection in owner.bridgeConnections)
+    for call in owner.serviceConnections:
+        yield from messages(call)
+    for action in owner.actionConnections:
+        of_driver = driver_messages(action.driver)
+        if of_driver is not None:
+            yield from (action.element.message, *of_driver.all)
 
 
 def sent_reports(owner: bridge.Bridge) -> set[int]:
