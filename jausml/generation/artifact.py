@@ -231,11 +231,11 @@ def path_problem(path: str) -> str | None:
         if not segment.strip("."):
             return "the path has an empty segment, '.' or '..'"
         if not _SEGMENT.fullmatch(segment) or segment.endswith("."):
-            return f"{segment!a} is no portable file name (letters, digits and _ . + - only)"
+            return f"{segment!r} is no portable file name (letters, digits and _ . + - only)"
         if segment.split(".")[0].lower() in _DEVICES:
-            return f"{segment!a} is a device name on Windows"
+            return f"{segment!r} is a device name on Windows"
         if segment.lower() in _RESERVED_FOLDERS:
-            return f"{segment!a} is not a target's to write"
+            return f"{segment!r} is not a target's to write"
     return _module_problem(path)
 
 
@@ -244,7 +244,7 @@ def _module_problem(path: str) -> str | None:
         return None
     for segment in path.split("/"):
         if keyword.iskeyword(segment.split(".")[0]):
-            return f"{segment!a} is a Python keyword and cannot be imported"
+            return f"{segment!r} is a Python keyword and cannot be imported"
     return None
 
 

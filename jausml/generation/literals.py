@@ -78,7 +78,7 @@ def identifier(value: object) -> str:
     name = str(value)
     for part in name.split("."):
         if not (part.isascii() and part.isidentifier()) or keyword.iskeyword(part):
-            raise ValueError(f"{name!a} is not a Python name")
+            raise ValueError(f"{name!r} is not a Python name")
     return name
 
 

@@ -176,13 +176,13 @@ def _entry_from_json(path: str, raw: Mapping[str, Any]) -> Entry:
     # A path is deleted on the word of this file: hold it to the rules of artifacts.
     problem = path_problem(path)
     if problem is not None:
-        raise ValueError(f"{path!a}: {problem}")
+        raise ValueError(f"{path!r}: {problem}")
     texts = {key: raw[key] for key in ("source", "element", "target")}
     texts["sha256"] = raw.get("sha256", "")
     models = tuple(raw.get("models", ()))
     methods = dict(raw.get("methods", {}))
     if not all(isinstance(value, str) for value in (*texts.values(), *models, *methods.values())):
-        raise TypeError(f"{path!a}: a value is not text")
+        raise TypeError(f"{path!r}: a value is not text")
     return Entry(kind=Kind(raw["kind"]), models=models, methods=methods, **texts)
 
 

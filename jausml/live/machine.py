@@ -332,7 +332,7 @@ def _discovery() -> Iterator[Finding]:
     text = os.environ.get(name, "")
     if text and text not in _RANGES:
         cure = f"set one of {', '.join(_RANGES)}"
-        yield Finding(_ROS, "discovery", Outcome.ERROR, f"{name} is {text!a}", cure)
+        yield Finding(_ROS, "discovery", Outcome.ERROR, f"{name} is {text!r}", cure)
     elif text == "OFF":
         cure = "set SUBNET, or name the hosts in ROS_STATIC_PEERS"
         yield Finding(_ROS, "discovery", Outcome.WARNING, f"{name} is OFF: nodes do not meet", cure)

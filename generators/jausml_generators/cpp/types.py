@@ -53,7 +53,7 @@ def cpp_class(name: str) -> str:
 def cpp_string(text: str) -> str:
     """Returns a text as a `std::string` of C++."""
     if not text.isascii() or not text.isprintable():
-        raise UnprintableError(f"the text {text!a}")
+        raise UnprintableError(f"the text {text!r}")
     return f"std::string({json.dumps(text)})"
 
 

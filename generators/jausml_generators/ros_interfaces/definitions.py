@@ -96,7 +96,7 @@ def code_of(element: FieldDefinition | ConstantDefinition) -> str:
     try:
         text = write_value(value, kind, is_default=mark == " ")
     except ValueTextError as error:
-        raise GenerationError(f"value {value!a} of '{element.name}' {error}") from error
+        raise GenerationError(f"value {value!r} of '{element.name}' {error}") from error
     return f"{element.type} {element.name}{mark}{text}"
 
 

@@ -157,7 +157,7 @@ def _carry(
 def check_name(name: str, whole: system.System) -> None:
     """Sees to it that a component, bridge or node can have a name."""
     if not is_identifier(name):
-        raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
+        raise ProjectError(f"{name!r} is no name: letters, digits and single _ after a letter")
     if reason := taken(name.lower()):
         raise ProjectError(f"{name} {reason}; choose another name")
     if participant_name(name, whole) != snake_case(name):
@@ -218,7 +218,7 @@ def _copies(place: Place, chosen: Sequence[Crossing]) -> dict[Path, Path]:
 def check_map_name(name: str, owner: bridge.Bridge) -> None:
     """Sees to it that a bridge can have a map of a name."""
     if not is_identifier(name):
-        raise ProjectError(f"{name!a} is no name: letters, digits and single _ after a letter")
+        raise ProjectError(f"{name!r} is no name: letters, digits and single _ after a letter")
     if any(name_of(attribute_map) == name for attribute_map in owner.maps):
         raise ProjectError(f"{name_of(owner)} has a map {name} already")
 
@@ -242,7 +242,7 @@ def bridge_in(at: Opened, name: str) -> bridge.Bridge:
         return chosen[0]
     if not bridges:
         raise ProjectError(f"{at.place.file} has no bridge; `jausml new bridge` makes one")
-    which = f"no bridge {name!a}" if name else "not one bridge"
+    which = f"no bridge {name!r}" if name else "not one bridge"
     raise ProjectError(
         f"{at.place.file} has {which}; there are: {', '.join(map(name_of, bridges))}"
     )

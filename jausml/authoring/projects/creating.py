@@ -66,7 +66,7 @@ def name_for(folder: Path) -> str:
     words = re.findall(r"[a-z0-9]+", folder.resolve().name.lower())
     name = "_".join(words)
     if not _NAME.fullmatch(name):
-        raise ProjectError(f"{folder.name!a} makes no name of a system; give one by --name")
+        raise ProjectError(f"{folder.name!r} makes no name of a system; give one by --name")
     return name
 
 
@@ -77,9 +77,9 @@ def create(folder: Path, wish: Wish) -> list[str]:
     written.
     """
     if not _NAME.fullmatch(wish.name):
-        raise ProjectError(f"{wish.name!a} is no name of a system: small letters, digits, single _")
+        raise ProjectError(f"{wish.name!r} is no name of a system: small letters, digits, single _")
     if wish.name in DEVICES:
-        raise ProjectError(f"{wish.name!a} is a device name on Windows; give another by --name")
+        raise ProjectError(f"{wish.name!r} is a device name on Windows; give another by --name")
     contents = _contents(wish)
     taken = [file for file, data in contents.items() if _differs(folder / file, data)]
     if taken:
@@ -154,7 +154,7 @@ def model_text(origin: str, name: str, metamodels: str = "", *, is_text: bool) -
     """
     point = starting_point(origin)
     if point is None:
-        raise ProjectError(f"there is no starting point {origin!a}")
+        raise ProjectError(f"there is no starting point {origin!r}")
     if point.is_text_only:
         if not is_text:
             raise ProjectError(f"{origin} uses ready maps, which are text")

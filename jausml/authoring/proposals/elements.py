@@ -74,7 +74,7 @@ class Scope:
             target = next((element for element in tried if element is not None), None)
         if target is not None:
             return target
-        raise AnswerError(f"there is no element {ref!a} any more")
+        raise AnswerError(f"there is no element {ref!r} any more")
 
     def model_of(self, element: EObject | None) -> Model:
         """Returns the model that has an element: this one, that of the library, or the rest."""
@@ -229,7 +229,7 @@ def version_of(service: jaus.Service) -> tuple[int, ...]:
 def _missing(what: str, word: str, known: Iterable[str], otherwise: str = "") -> AnswerError:
     near = suggest(word, set(known))
     hint = f"{near} Else {otherwise}" if near and otherwise else near or otherwise
-    return AnswerError(f"there is no {what} {word!a}{f'; {hint}' if hint else ''}")
+    return AnswerError(f"there is no {what} {word!r}{f'; {hint}' if hint else ''}")
 
 
 def values_of(element: EObject, feature: FeatureTable) -> list[Any]:

@@ -212,7 +212,7 @@ def new_service(
             name of a message is none, or stands twice.
     """
     if not is_identifier(name):
-        raise AnswerError(f"{name!a} is no name: letters, digits and single _ after a letter")
+        raise AnswerError(f"{name!r} is no name: letters, digits and single _ after a letter")
     urn = urn or f"urn:example:{name_of(whole)}:{name}"
     known = scope.instances(jaus.Service)
     fault = urn_fault(urn)
@@ -223,7 +223,7 @@ def new_service(
     messages = messages or [f"{_REPORT}{name}"]
     for message, count in Counter(messages).items():
         if not is_identifier(message):
-            raise AnswerError(f"{message!a} is no name of a message, such as ReportDepth")
+            raise AnswerError(f"{message!r} is no name of a message, such as ReportDepth")
         if count > 1:
             raise AnswerError(f"two messages are named {message}")
     names = list(_with_queries(messages))

@@ -168,13 +168,13 @@ def why_not(wanted: str, topic: TopicEnd, maps: Sequence[bridge.AttributeMap], s
                 }
             )
         )
-        return f"the map {wanted!a} is for {kinds or 'a type that is not known'}, not {topic.type}"
+        return f"the map {wanted!r} is for {kinds or 'a type that is not known'}, not {topic.type}"
     other = SIDES[side == VEHICLE]
     if crossings(topic, of_type, other):
-        return f"the map {wanted!a} is for the other side: add --side {other}"
+        return f"the map {wanted!r} is for the other side: add --side {other}"
     if not any(attribute_map.toRos or attribute_map.toJaus for attribute_map in of_type):
-        return f"the map {wanted!a} assigns nothing yet: fill it in, and do this again"
-    return f"the map {wanted!a} needs more than one topic and one message, or the other direction"
+        return f"the map {wanted!r} assigns nothing yet: fill it in, and do this again"
+    return f"the map {wanted!r} needs more than one topic and one message, or the other direction"
 
 
 def _possible(

@@ -95,7 +95,7 @@ class LanguageSocket:
     def _check(self, request: Request) -> None:
         """Sees to it that only texts below the root are spoken of."""
         if request.method not in METHODS:
-            message = f"there is no method {request.method[:80]!a}"
+            message = f"there is no method {request.method[:80]!r}"
             raise RpcError(rpc.METHOD_NOT_FOUND, message, id_=request.id)
         if request.method.startswith("textDocument/"):
             document = request.params.get("textDocument")

@@ -144,7 +144,7 @@ class Recordings:
         except (OSError, ValueError):
             is_below = False
         if not is_below or not name.endswith(MCAP) or path.suffix != MCAP:
-            raise AnswerError(f"the folder has no recording {name[:200]!a}")
+            raise AnswerError(f"the folder has no recording {name[:200]!r}")
         return path
 
 

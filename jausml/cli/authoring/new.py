@@ -99,7 +99,7 @@ def pairs(words: Sequence[str], sign: str, example: str) -> list[tuple[str, str]
     for word in words:
         first, mark, second = word.partition(sign)
         if not (first and mark and second):
-            raise click.UsageError(f"{word!a} should be like {example}")
+            raise click.UsageError(f"{word!r} should be like {example}")
         word_pairs.append((first.strip(), second.strip()))
     return word_pairs
 

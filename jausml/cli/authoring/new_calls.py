@@ -288,7 +288,7 @@ def _name_and_type(word: str, example: str) -> tuple[str, str]:
 
     [(name, kind)] = pairs([word], ":", example)
     if "/" not in kind:
-        raise click.UsageError(f"{word!a} should be like {example}")
+        raise click.UsageError(f"{word!r} should be like {example}")
     if fault := topic_fault(name):
-        raise click.UsageError(f"{word!a}: the name {fault}")
+        raise click.UsageError(f"{word!r}: the name {fault}")
     return name, plain_type(kind)

@@ -141,7 +141,7 @@ def _copy(
     names = [name_of(attribute_map) for attribute_map in ready_maps]
     if wanted is not None and wanted not in names:
         raise click.UsageError(
-            f"no ready map {wanted!a} of the two; there are: {', '.join(names) or 'none'}"
+            f"no ready map {wanted!r} of the two; there are: {', '.join(names) or 'none'}"
         )
     if not ready_maps:
         if joints is not None:

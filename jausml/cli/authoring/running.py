@@ -154,7 +154,7 @@ def of_one_robot(topics: Sequence[TopicEnd], namespace: str | None) -> list[Topi
         return list(topics)
     own_topics = within(topics, namespace)
     if not own_topics:
-        raise click.UsageError(f"no topic runs in the namespace {namespace!a}")
+        raise click.UsageError(f"no topic runs in the namespace {namespace!r}")
     return own_topics
 
 
@@ -165,7 +165,7 @@ def _named(word: str, known: dict[str, TopicEnd]) -> TopicEnd:
     topic = known.get(name if name.startswith("/") else f"/{name}")
     if topic is None:
         hint = suggest(f"/{name.strip('/')}", known)
-        raise click.UsageError(f"no topic {name!a} of one type runs; {hint}".rstrip("; "))
+        raise click.UsageError(f"no topic {name!r} of one type runs; {hint}".rstrip("; "))
     return replace(topic, maps=tuple(map_name for map_name in maps.split(",") if map_name))
 
 

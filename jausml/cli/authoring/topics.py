@@ -89,7 +89,7 @@ def holds_of(words: Sequence[str], topics: Sequence[TopicEnd]) -> dict[str, str]
     for word in words:
         name, _, reason = word.partition("=")
         if name not in known:
-            raise click.UsageError(f"--hold {word!a}: there is no topic {name!a} here")
+            raise click.UsageError(f"--hold {word!r}: there is no topic {name!r} here")
         if not is_reason(reason):
             raise click.UsageError(
                 f"--hold {name}: say what you know about the receiver that makes it safe"
@@ -104,7 +104,7 @@ def _with_joints(topics: Sequence[TopicEnd], words: Sequence[str]) -> list[Topic
     for word in words:
         name, _, names = word.partition("=")
         if name not in [topic.name for topic in topics]:
-            raise click.UsageError(f"--joints {word!a}: there is no topic {name!a} here")
+            raise click.UsageError(f"--joints {word!r}: there is no topic {name!r} here")
         stated[name] = joints_of(names)
     return [replace(topic, names=stated.get(topic.name, topic.names)) for topic in topics]
 
@@ -113,7 +113,7 @@ def joints_of(text: str) -> tuple[str, ...]:
     """Returns the names in `shoulder,elbow,wrist`."""
     names = tuple(word.strip() for word in text.split(","))
     if not all(names) or len({*names}) < len(names):
-        raise click.UsageError(f"--joints {text!a} should be like shoulder,elbow,wrist")
+        raise click.UsageError(f"--joints {text!r} should be like shoulder,elbow,wrist")
     return names
 
 
@@ -131,9 +131,9 @@ def topics_of(words: Sequence[str]) -> list[TopicEnd]:
         if not (is_package_name(package) and is_type_name(message)):
             full = _full(kind)
             example = f"{name}:{full}" if full else "cmd_vel:geometry_msgs/Twist"
-            raise click.UsageError(f"{word!a} is no TOPIC:TYPE[:MAP,...] such as {example}")
+            raise click.UsageError(f"{word!r} is no TOPIC:TYPE[:MAP,...] such as {example}")
         if fault := topic_fault(name):
-            raise click.UsageError(f"{word!a}: the name of the topic {fault}")
+            raise click.UsageError(f"{word!r}: the name of the topic {fault}")
         if name in topics_by_name:
             raise click.UsageError(f"the topic {name} is there twice: name its maps behind a colon")
         chosen = tuple(map_name for map_name in maps.split(",") if map_name)
@@ -363,7 +363,7 @@ def _taken(
         if missing:
             names = ", ".join(sorted(by_name))
             reason = why_not(missing[0], topic, maps, choosing.side)
-            reason = reason or f"no ready map {missing[0]!a}; there are {names}"
+            reason = reason or f"no ready map {missing[0]!r}; there are {names}"
             raise click.UsageError(f"{topic.name}: {reason}")
         return [by_name[map_name] for map_name in topic.maps]
     if yes or len(candidates) == 1:

@@ -419,5 +419,5 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     members = dict(pairs)
     if len(members) < len(pairs):
         ((twice, _),) = Counter(name for name, _ in pairs).most_common(1)
-        raise _LineError(f"{twice!a} stands twice in an object")
+        raise _LineError(f"{twice!r} stands twice in an object")
     return members

@@ -57,7 +57,7 @@ def _checks(
 
     for name in unknown(names):
         hint = did_you_mean(similar(name, known_names())) or "; --list names the checks"
-        raise click.BadParameter(f"no check {name!a}{hint}")
+        raise click.BadParameter(f"no check {name!r}{hint}")
     return names
 
 
@@ -205,9 +205,9 @@ def _waypoints(
         try:
             x, y = (float(part) for part in word.split(","))
         except ValueError:
-            raise click.BadParameter(f"{word!a} is not X,Y in metres, e.g. 2,-1.5") from None
+            raise click.BadParameter(f"{word!r} is not X,Y in metres, e.g. 2,-1.5") from None
         if not (isfinite(x) and isfinite(y) and max(abs(x), abs(y)) <= 1000):
-            raise click.BadParameter(f"{word!a} is more than 1000 m away")
+            raise click.BadParameter(f"{word!r} is more than 1000 m away")
         points.append((x, y))
     return tuple(points)
 
@@ -316,7 +316,7 @@ def _check_names(only: tuple[str, ...], competition: str) -> None:
         if name not in known and not name.startswith("codecs."):
             hint = did_you_mean(similar(name, known)) or f"; it has {', '.join(sorted(known))}"
             raise click.BadParameter(
-                f"no task {name!a} in {competition}{hint}", param_hint="--only"
+                f"no task {name!r} in {competition}{hint}", param_hint="--only"
             )
 
 

@@ -41,7 +41,7 @@ def services(set_name: str | None, output_format: str, models: tuple[str, ...]) 
         entries = [service for service in entries if set_name == service["set"]]
         if not entries:
             sets = ", ".join(known_sets)
-            raise click.UsageError(f"no service set {set_name!a}, there are: {sets}")
+            raise click.UsageError(f"no service set {set_name!r}, there are: {sets}")
     columns: Columns = {
         "SERVICE": itemgetter("service"),
         "VERSION": itemgetter("version"),
@@ -150,7 +150,7 @@ def _chosen(
         everything = {name for entry in entries for name in names(entry)}
         everything |= {name.rpartition("/")[2] for name in everything if "/" not in wanted}
         hint = did_you_mean(similar(wanted, everything))
-        raise click.UsageError(f"no map of the {what} {wanted!a}{hint}")
+        raise click.UsageError(f"no map of the {what} {wanted!r}{hint}")
     return chosen
 
 
@@ -194,6 +194,6 @@ def explain(rule_id: str) -> None:
         near = [id_ for id_, rule in entries.items() if wanted in rule["documentation"]]
         near = near or get_close_matches(wanted, entries, n=1)
         hint = f", did you mean {near[0]}?" if near else ""
-        raise click.UsageError(f"no rule {rule_id!a}{hint} ('jausml rules' lists them)")
+        raise click.UsageError(f"no rule {rule_id!r}{hint} ('jausml rules' lists them)")
     heading = f"{entry['rule']}: {entry['title']} ({entry['severity']})"
     click.echo(f"{heading}\n\n{entry['documentation']}")

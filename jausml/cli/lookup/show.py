@@ -216,7 +216,7 @@ def type_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     kinds = beside_library(ready, models, "types").instances(ros.MessageType)
     types_by_name = {ros_name(message_type): message_type for message_type in kinds}
     if plain not in types_by_name:
-        raise click.UsageError(f"no ROS type {name!a}{did_you_mean(similar(plain, types_by_name))}")
+        raise click.UsageError(f"no ROS type {name!r}{did_you_mean(similar(plain, types_by_name))}")
     kind, fields = types_by_name[plain], list(ros_rows(types_by_name[plain]))
     documentation = str(kind.documentation or "")
     if output_format == "json":
@@ -242,7 +242,7 @@ def map_(name: str, output_format: str, models: tuple[str, ...]) -> None:
     entries = [entry for entry in listed.maps(models, name) if entry["map"] == name]
     if not entries:
         hint = did_you_mean(similar(name, {entry["map"] for entry in listed.maps(models)}))
-        raise click.UsageError(f"no map {name!a}{hint or '; `jausml list maps` lists them'}")
+        raise click.UsageError(f"no map {name!r}{hint or '; `jausml list maps` lists them'}")
     if output_format == "json":
         _write(map(to_json, entries))
         return

@@ -271,7 +271,7 @@ def _at(path: str, installation: Installation) -> list[PackageSource]:
         raise EnvironmentFault(f"{shown}: {reason}") from error
     hint = suggest(path, installation.packages())
     shares = ", ".join(str(share) for share in installation.shares if share.is_dir()) or "none"
-    message = f"no package {path!a} is installed (share folders: {shares})"
+    message = f"no package {path!r} is installed (share folders: {shares})"
     raise EnvironmentFault(f"{message}; {hint}" if hint else message)
 
 

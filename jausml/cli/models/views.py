@@ -78,9 +78,9 @@ def diagram(
 
     suffix = PurePath(output).suffix
     if suffix not in SUFFIXES:
-        raise click.UsageError(f"-o {output!a} ends in none of {', '.join(SUFFIXES)}")
+        raise click.UsageError(f"-o {output!r} ends in none of {', '.join(SUFFIXES)}")
     if has_bodies and not view.startswith(SERVICE):
-        raise click.UsageError(f"--bodies is for views of services, and not for {view!a}")
+        raise click.UsageError(f"--bodies is for views of services, and not for {view!r}")
     validation_report = checked([model], reading)
     if has_bodies:
         view = BODIES + view.removeprefix(SERVICE)
@@ -172,7 +172,7 @@ def check_names(assumptions: Assumptions, system: System) -> None:
         for name in names_of(connection)
     }
     for name in sorted(assumptions.names - known):
-        raise click.UsageError(f"no connection {name!a} of which to assume something")
+        raise click.UsageError(f"no connection {name!r} of which to assume something")
 
 
 def _named(values: tuple[str, ...], parse: Callable[[str], Number]) -> dict[str, Number]:
@@ -190,7 +190,7 @@ def _rate(text: str) -> float:
     except ValueError:
         rate = math.nan
     if not 0 < rate <= _LARGEST_RATE:
-        raise click.UsageError(f"--assume-rate: {text!a} is no rate above 0 in hertz")
+        raise click.UsageError(f"--assume-rate: {text!r} is no rate above 0 in hertz")
     return rate
 
 
@@ -198,7 +198,7 @@ def _length(text: str) -> int:
     is_number = text.isascii() and text.isdigit() and len(text) <= _MOST_DIGITS
     length = int(text) if is_number else None
     if length is None or length > _LARGEST_LENGTH:
-        raise click.UsageError(f"--assume-length: {text!a} is no number of elements")
+        raise click.UsageError(f"--assume-length: {text!r} is no number of elements")
     return length
 
 
@@ -241,7 +241,7 @@ def report(
         chosen = tuple(bridge for bridge in report.bridges if bridge.name == bridge_name)
         if not chosen:
             known = ", ".join(bridge.name for bridge in report.bridges) or "none"
-            raise click.UsageError(f"no bridge {bridge_name!a}; there are: {known}")
+            raise click.UsageError(f"no bridge {bridge_name!r}; there are: {known}")
         report = replace(report, components=chosen, hosts=(), changes=())
     render = import_module(f"jausml.views.analysis.formats.{output_format}").render
     write_report(render(report), output, (document.path for document in read.documents))

@@ -64,7 +64,7 @@ class FiniteRange(click.FloatRange):
         """Returns the number, or tells that it is none."""
         number: float = super().convert(value, param, ctx)
         if not math.isfinite(number):
-            self.fail(f"{value!a} is no finite number.", param, ctx)
+            self.fail(f"{value!r} is no finite number.", param, ctx)
         return number
 
 

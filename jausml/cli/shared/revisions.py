@@ -62,7 +62,7 @@ def _commit(revision: str) -> str:
     try:
         return _line("--verify", "--quiet", "--end-of-options", f"{revision}^{{commit}}")
     except EnvironmentFault as error:
-        raise EnvironmentFault(f"git knows no revision {revision!a}") from error
+        raise EnvironmentFault(f"git knows no revision {revision!r}") from error
 
 
 def _line(*arguments: str) -> str:

@@ -121,7 +121,7 @@ class TokenCursor:
             match = self._language.tokens.match(text, position)
             if match is None or match.lastgroup is None:
                 start = end - len(text[position:end].lstrip())
-                message = f"{text[start]!a} belongs in no {self._language.noun}"
+                message = f"{text[start]!r} belongs in no {self._language.noun}"
                 raise self._language.error(message, start + 1)
             kind = match.lastgroup
             tokens.append(Token(kind, match[kind], match.start(kind) + 1))

@@ -163,7 +163,7 @@ def parse_type(text: str) -> FieldType:
     """Returns the type that a text means."""
     match = _BASE.fullmatch(text)
     if match is None:
-        raise TypeTextError(f"{text!a} is no type")
+        raise TypeTextError(f"{text!r} is no type")
     base = _base(match["base"])
     if match["bound"]:
         base = replace(base, string_bound=_string_bound(text, base, match["bound"]))
@@ -177,33 +177,33 @@ def _base(text: str) -> FieldType:
     if slash:
         parts = package.split("/")
         if len(parts) == 2 and parts[1] == "msg" and is_type_name(name):
-            raise TypeTextError(f"{text!a} is no type", f"write {parts[0]}/{name}")
+            raise TypeTextError(f"{text!r} is no type", f"write {parts[0]}/{name}")
         if not is_package_name(package):
-            raise TypeTextError(f"{package!a} is no name of a package")
+            raise TypeTextError(f"{package!r} is no name of a package")
     if is_type_name(name):
         return FieldType(name, package)
     near = _OTHER_NAMES.get(text.lower()) or (nearest(text, PRIMITIVES) if not slash else "")
     hint = f"did you mean '{near}'?" if near else "message types are in CamelCase"
-    raise TypeTextError(f"{text!a} is no type", hint)
+    raise TypeTextError(f"{text!r} is no type", hint)
 
 
 def _string_bound(text: str, base: FieldType, bound: str) -> int:
     match = _BOUND.fullmatch(bound)
     if base.name not in TEXTS:
-        raise TypeTextError(f"{text!a} bounds what is no string", "a sequence is bounded by [<=N]")
+        raise TypeTextError(f"{text!r} bounds what is no string", "a sequence is bounded by [<=N]")
     if match is None or int(match["size"]) == 0:
-        raise TypeTextError(f"{text!a} has no bound of 1 or more", f"write {base.name}<=N")
+        raise TypeTextError(f"{text!r} has no bound of 1 or more", f"write {base.name}<=N")
     return int(match["size"])
 
 
 def _with_array(base: FieldType, text: str) -> FieldType:
     match = _ARRAY.fullmatch(text)
     if match is None or (match["bounded"] and not match["size"]):
-        raise TypeTextError(f"{text!a} is no array", "write [N], [<=N] or []")
+        raise TypeTextError(f"{text!r} is no array", "write [N], [<=N] or []")
     if not match["size"]:
         return replace(base, array=UNBOUNDED)
     if int(match["size"]) == 0:
-        raise TypeTextError(f"{text!a} has no size of 1 or more")
+        raise TypeTextError(f"{text!r} has no size of 1 or more")
     kind = BOUNDED if match["bounded"] else FIXED
     return replace(base, array=kind, array_size=int(match["size"]))
 
@@ -251,7 +251,7 @@ def write_value(value: str, kind: FieldType, *, is_default: bool = False) -> str
     unsayable = _UNSAYABLE.search(value)
     if unsayable or (is_default and "=" in value):
         character = unsayable[0] if unsayable else "="
-        raise ValueTextError(f"has a {character!a}, which no definition can hold there")
+        raise ValueTextError(f"has a {character!r}, which no definition can hold there")
     if kind.name not in TEXTS or not kind.is_primitive:
         parse_value(value, kind)
         return value

@@ -99,7 +99,7 @@ def parse_interface(path: str, kind: str, text: str) -> Definition:
         return Definition([], [Fault("JML652", 1, 1, "the file is nested too deeply")])
     missing = [section_name for section_name in names if section_name not in reader.sections]
     if missing and not reader.faults:
-        message = f"the file has no structure {missing[0]!a}"
+        message = f"the file has no structure {missing[0]!r}"
         hint = f"it defines {', '.join(names)}, as its name says"
         reader.faults.append(Fault("JML652", 1, 1, message, hint))
     return Definition([] if missing else [reader.sections[n] for n in names], reader.faults)
@@ -112,7 +112,7 @@ def _tokens(text: str) -> list[_Token]:
         match = _TOKEN.match(text, at)
         token = _Token("", text[at], line, at - start + 1)
         if match is None:
-            raise _SyntaxError(token, f"{text[at]!a} begins nothing in IDL")
+            raise _SyntaxError(token, f"{text[at]!r} begins nothing in IDL")
         kind, part, at = str(match.lastgroup), match.group(), match.end()
         if kind == "comment":
             said = _MARKS.sub("", part).strip()
@@ -172,14 +172,14 @@ class _Reader:
             self._constant(comment, modules)
         else:
             hint = "rosidl reads modules, structures, constants and typedefs"
-            raise _SyntaxError(token, f"{token.text!a} declares nothing that ROS has", hint)
+            raise _SyntaxError(token, f"{token.text!r} declares nothing that ROS has", hint)
         self._expect(";")
 
     def _structure(self, comment: str, modules: list[str]) -> None:
         token = self._take("name")
         section = Section(comment=comment, line=token.line)
         if token.text not in self.names or modules[1:] != [self.kind]:
-            message = f"the structure {'::'.join([*modules, token.text])!a} is of no use here"
+            message = f"the structure {'::'.join([*modules, token.text])!r} is of no use here"
             hint = f"the file defines <package>::{self.kind}::{' and '.join(self.names)}"
             raise _SyntaxError(token, message, hint)
         self.sections[token.text] = section
@@ -201,7 +201,7 @@ class _Reader:
         beside = "\n".join(filter(None, (first.before, self._tokens[self._at - 1].behind)))
         for token, whole in names:
             if FIELD_NAME.fullmatch(token.text) is None:
-                self._report(token, "JML645", f"{token.text!a} is no field name")
+                self._report(token, "JML645", f"{token.text!r} is no field name")
             default = annotations.get("default")
             section.fields.append(
                 FieldDefinition(
@@ -216,13 +216,13 @@ class _Reader:
             )
         taken = [member.name for member in section.fields]
         if len(set(taken)) < len(taken):
-            self._report(names[-1][0], "JML647", f"field {taken[-1]!a} is there already")
+            self._report(names[-1][0], "JML647", f"field {taken[-1]!r} is there already")
 
     def _constant(self, comment: str, modules: list[str]) -> None:
         kind = self._type()
         token = self._take("name")
         if CONSTANT_NAME.fullmatch(token.text) is None:
-            self._report(token, "JML645", f"{token.text!a} is no constant name")
+            self._report(token, "JML645", f"{token.text!r} is no constant name")
         self._expect("=")
         value = self._value(token, self._literal(), kind)
         comment = comment or self._next.behind
@@ -239,7 +239,7 @@ class _Reader:
         try:
             return parse_value(text, kind)
         except ValueTextError as fault:
-            self._report(token, "JML646", f"value {text!a} of {token.text!a} {fault}")
+            self._report(token, "JML646", f"value {text!r} of {token.text!r} {fault}")
             return ""
 
     # -- types -----------------------------------------------------------------------------------
@@ -268,7 +268,7 @@ class _Reader:
             return FieldType(known) if known else self._types[words[0]]
         if len(words) == 3 and words[1] == "msg":
             return FieldType(words[2], words[0])
-        message = f"{' '.join(words)!a} is no type of a field in ROS"
+        message = f"{' '.join(words)!r} is no type of a field in ROS"
         raise _SyntaxError(token, message, "write <package>::msg::<Type>", "JML644")
 
     def _array(self, kind: FieldType) -> FieldType:
@@ -293,7 +293,7 @@ class _Reader:
         }
         text = known.get(text, text)
         if not text.isdecimal() or not 0 < int(text[:11]) < 2**32:
-            raise _SyntaxError(token, f"{token.text!a} is no size of 1 or more", rule="JML644")
+            raise _SyntaxError(token, f"{token.text!r} is no size of 1 or more", rule="JML644")
         return int(text)
 
     # -- values ----------------------------------------------------------------------------------
@@ -341,12 +341,12 @@ class _Reader:
 
     def _expect(self, sign: str) -> None:
         if not self._accept(sign):
-            raise _SyntaxError(self._next, f"{sign!a} is missing before {self._next.text!a}")
+            raise _SyntaxError(self._next, f"{sign!r} is missing before {self._next.text!r}")
 
     def _take(self, kind: str) -> _Token:
         token = self._next
         if token.kind != kind:
-            raise _SyntaxError(token, f"a {kind} is missing before {token.text!a}")
+            raise _SyntaxError(token, f"a {kind} is missing before {token.text!r}")
         self._at += 1
         return token
 

@@ -149,7 +149,7 @@ class _SectionReader:
             hint = (
                 "a field is written as <type> <name> [default], a constant as <type> <NAME>=<value>"
             )
-            self._report("JML643", number, column, f"{text!a} is no field and no constant", hint)
+            self._report("JML643", number, column, f"{text!r} is no field and no constant", hint)
             return None
         kind = self._type(number, column, type_text)
         if "=" in rest:
@@ -193,7 +193,7 @@ class _SectionReader:
             hint = "a = makes a constant of the line; a default cannot hold one"
         is_named = self._is_name(number, name_column, name, CONSTANT_NAME, "constant", hint)
         if kind is not None and type_text not in PRIMITIVES:
-            message = f"a constant cannot be of type {type_text!a}"
+            message = f"a constant cannot be of type {type_text!r}"
             self._report("JML644", number, column, message, "use a primitive type without bounds")
             return None
         if not is_named or kind is None:
@@ -206,10 +206,10 @@ class _SectionReader:
         self, number: int, column: int, name: str, pattern: re.Pattern[str], noun: str, hint: str
     ) -> bool:
         if pattern.fullmatch(name) is None:
-            self._report("JML645", number, column, f"{name!a} is no {noun} name", hint)
+            self._report("JML645", number, column, f"{name!r} is no {noun} name", hint)
             return False
         if name in self._names:
-            self._report("JML647", number, column, f"{noun} {name!a} is there already")
+            self._report("JML647", number, column, f"{noun} {name!r} is there already")
             return False
         self._names.add(name)
         return True
@@ -222,7 +222,7 @@ class _SectionReader:
         except ValueTextError as fault:
             near = nearest(text, ("true", "false")) if kind.name == "bool" else ""
             hint = f"did you mean '{near}'?" if near else ""
-            message = f"{noun} {text!a} of {name!a} {fault}"
+            message = f"{noun} {text!r} of {name!r} {fault}"
             self._report("JML646", number, column, message, hint)
             return None
 

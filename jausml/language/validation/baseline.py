@@ -61,7 +61,7 @@ def _entry(entry: object) -> tuple[Identity, int]:
             case [str(rule), str(file), str(element), str(message)]:
                 if type(count) is int and count > 0:
                     return (rule, file, element, message), count
-    raise BaselineError(f"'findings' has what is no finding: {str(entry)[:60]!a}")
+    raise BaselineError(f"'findings' has what is no finding: {str(entry)[:60]!r}")
 
 
 def written(report: Report, former: Counter[Identity], path: Path) -> str:

@@ -110,7 +110,7 @@ class Journal:
             for alarm in alarms:
                 alarm.silenced = f"{who}: {reason}"
         for alarm in alarms:
-            text = f"silenced the alarm {alarm.subject}: {alarm.text!a}, because {reason!a}"
+            text = f"silenced the alarm {alarm.subject}: {alarm.text!r}, because {reason!r}"
             self.note(who, text)
         return bool(alarms)
 

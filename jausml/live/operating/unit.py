@@ -234,7 +234,7 @@ class OperatorUnit:
     ) -> None:
         """Asks whoever controls a component for control, and waits for the decision."""
         self._begin(page, name, target)
-        self.journal.note(name, f"asks for control of {target}: {reason!a}")
+        self.journal.note(name, f"asks for control of {target}: {reason!r}")
         self._try_holding(
             page,
             target,

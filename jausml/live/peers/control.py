@@ -158,7 +158,7 @@ class Handoffs:
         for request in requests:
             self.on_news(
                 f"{request.client} asks for control of {target} with authority "
-                f"{request.authority}: {request.explanation!a}; "
+                f"{request.authority}: {request.explanation!r}; "
                 f"'grant {target} {request.number}', 'deny' or 'defer'"
             )
         if not requests:

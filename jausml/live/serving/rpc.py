@@ -72,7 +72,7 @@ def _bound(call: Any, value: Any, where: str) -> Any:
     hints, known = _hints(getattr(call, "func", call)), signature(call).parameters
     unknown = [member for member in value if member not in known]
     if unknown:
-        raise TypedError(f"{where} has no {unknown[0]!a}")
+        raise TypedError(f"{where} has no {unknown[0]!r}")
     for name, parameter in known.items():
         if parameter.default is Parameter.empty and name not in value:
             raise TypedError(f"{where} lacks {name}")
@@ -118,7 +118,7 @@ def _mapping(kind: Any, value: Any, where: str) -> Any:
     if not isinstance(value, dict):
         raise TypedError(f"{where} is an object")
     return {
-        _plain(str, name, f"a name in {where}"): _typed(kind, member, f"{where}[{name!a}]")
+        _plain(str, name, f"a name in {where}"): _typed(kind, member, f"{where}[{name!r}]")
         for name, member in value.items()
     }
 
@@ -312,7 +312,7 @@ class Answering:
         """Returns the result of a request (`context`: what its function takes before that)."""
         method = self._methods.get(request.method)
         if method is None:
-            raise RpcError(METHOD_NOT_FOUND, f"there is no method {request.method[:80]!a}")
+            raise RpcError(METHOD_NOT_FOUND, f"there is no method {request.method[:80]!r}")
         try:
             call = typed(partial(method.answer, *context), dict(request.params))
             if method.in_turn:

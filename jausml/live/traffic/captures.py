@@ -286,7 +286,7 @@ def parse_hex(line: str) -> bytes:
     wrong = _WRONG.search(digits)
     if wrong is not None:
         column = wrong.start() + 1
-        raise TrafficError(f"column {column}: {wrong.group()!a} is no hexadecimal digit")
+        raise TrafficError(f"column {column}: {wrong.group()!r} is no hexadecimal digit")
     packed = digits.translate(_SEPARATORS)
     if len(packed) % 2:
         raise TrafficError(f"{len(packed)} hexadecimal digits make no whole number of bytes")

@@ -111,7 +111,7 @@ class Place:
             if self.kind == INTEGER:
                 return int(known in {"true"}) if known in {"true", "false"} else int(known, 0)
         except ValueError:
-            raise ValueTextError(f"{text!a} is no number ({self.path})") from None
+            raise ValueTextError(f"{text!r} is no number ({self.path})") from None
         if self.kind == BOOLEAN and known in {"true", "false", "0", "1"}:
             return known in {"true", "1"}
         if self.kind == TEXT:

@@ -253,17 +253,17 @@ def constant(
         try:
             value = float(text) if kind == REAL else int(text, 0)
         except ValueError as error:
-            raise AssignmentError(f"{text!a} is no number ({place})") from error
+            raise AssignmentError(f"{text!r} is no number ({place})") from error
         # Some ROS fields say by NaN that a value is unknown; where there is a range, none does.
         is_unknown = math.isnan(value) and limits == UNLIMITED
         if not limits[0] <= value <= limits[1] and not is_unknown:
-            raise AssignmentError(f"{text!a} is out of the range of {place}")
+            raise AssignmentError(f"{text!r} is out of the range of {place}")
         return Constant(value, kind)
     if kind == BOOLEAN and text in {"true", "false"}:
         return Constant(text == "true", kind)
     if kind == TEXT:
         return Constant(text, kind)
-    raise AssignmentError(f"{text!a} does not fit {place}")
+    raise AssignmentError(f"{text!r} does not fit {place}")
 
 
 def ros_constant(target: RosField, text: str) -> Value:

@@ -288,7 +288,7 @@ def _conversions(text: str) -> tuple[Child, ...]:
         if call is None or call["name"] not in CONVERSIONS:
             name = call["name"] if call else rest
             hint = suggest(name, CONVERSIONS)
-            raise AnswerError(f"there is no conversion {name!a}{f'; {hint}' if hint else ''}")
+            raise AnswerError(f"there is no conversion {name!r}{f'; {hint}' if hint else ''}")
         values: dict[str, tuple[str, ...]] = {"kind": (call["name"],)}
         if arguments := tuple(word.strip() for word in (call["arguments"] or "").split(",")):
             values |= {"arguments": arguments} if any(arguments) else {}

@@ -55,7 +55,7 @@ def member(used: bridge.AttributeMap, path: str, *, is_jaus: bool) -> Member:
             if leaf is not None:
                 return Member(is_jaus, path, outer, inner, leaf.attribute())
             break
-    raise AnswerError(f"there is no member {path!a} that can be assigned by itself")
+    raise AnswerError(f"there is no member {path!r} that can be assigned by itself")
 
 
 def _within(around: PathPlace, path: str) -> PathPlace | None:

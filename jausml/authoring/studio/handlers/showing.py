@@ -259,7 +259,7 @@ def _library_text(file: str) -> str:
     root = library_root().resolve()
     path = (root / file.removeprefix(refs.LIBRARY)).resolve()
     if not path.is_relative_to(root) or not path.is_file():
-        raise AnswerError(f"the library has no file {file!a}")
+        raise AnswerError(f"the library has no file {file!r}")
     return path.read_text(encoding="utf-8")
 
 

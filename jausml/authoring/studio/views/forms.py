@@ -359,7 +359,7 @@ def choices(scope: Scope, ref: str, feature: str, query: str = "") -> Choices:
     element = scope.find(ref)
     table = scope.model.metamodels.class_of(element).features.get(feature)
     if table is None or table.kind is not FeatureKind.CROSS_REFERENCE:
-        raise AnswerError(f"{label_of(element)} has no reference {feature!a}")
+        raise AnswerError(f"{label_of(element)} has no reference {feature!r}")
     words = query.lower().split()
     targets = {
         legal_target.value: legal_target for legal_target in legal_targets(scope, element, table)

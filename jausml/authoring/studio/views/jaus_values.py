@@ -62,7 +62,7 @@ def moment(text: str) -> datetime:
     try:
         instant = datetime.fromisoformat(text.strip().replace("Z", "+00:00"))
     except ValueError as error:
-        raise AnswerError(f"{text!a} is no time such as 2026-05-17T12:30:15.250") from error
+        raise AnswerError(f"{text!r} is no time such as 2026-05-17T12:30:15.250") from error
     return instant if instant.tzinfo is not None else instant.replace(tzinfo=timezone.utc)
 
 
@@ -152,7 +152,7 @@ def _value(kind: wire.Kind, text: str, path: str) -> Any:
             try:
                 return float(text)
             except ValueError as error:
-                raise AnswerError(f"{path}: {text!a} is no number") from error
+                raise AnswerError(f"{path}: {text!r} is no number") from error
         case wire.Record() | wire.List() | wire.Array() | wire.Variant():
             raise AnswerError(f"{path}: give its members values")
         case _:

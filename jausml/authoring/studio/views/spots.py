@@ -61,7 +61,7 @@ def element_of(scope: Scope, identifier: str) -> EObject:
     for document in scope.model.documents:
         if not mark or document.path.name == name:
             return scope.find_in(document, fragment)
-    raise AnswerError(f"there is no element {identifier!a} any more")
+    raise AnswerError(f"there is no element {identifier!r} any more")
 
 
 def all_spots(scope: Scope) -> Iterator[Spot]:
@@ -105,7 +105,7 @@ def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
     for attribute_map in scope.model.instances(bridge.AttributeMap):
         if attribute_map.name == name:
             return attribute_map
-    raise AnswerError(f"there is no map {name!a} any more")
+    raise AnswerError(f"there is no map {name!r} any more")
 
 
 def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Member:

@@ -99,9 +99,9 @@ class _Import:
         first = Location(source.files[0].path if source.files else source.name)
         if not is_package_name(source.name):
             hint = "put the file into <package>/msg, or write a package.xml"
-            self._report("JML641", first, f"{source.name!a} is no name of a package", hint)
+            self._report("JML641", first, f"{source.name!r} is no name of a package", hint)
         if not source.files:
-            self._report("JML651", first, f"package {source.name!a} defines no interface")
+            self._report("JML651", first, f"package {source.name!r} defines no interface")
         package = None
         taken: set[tuple[str, str]] = set()
         for file in source.files:
@@ -110,7 +110,7 @@ class _Import:
             if package is None:
                 package = self._builder.package(source.name, document)
             if (file.kind, file.name) in taken:
-                message = f"package {source.name!a} has two definitions of {file.name!a}"
+                message = f"package {source.name!r} has two definitions of {file.name!r}"
                 self._report("JML647", Location(file.path), message)
                 continue
             taken.add((file.kind, file.name))
@@ -129,7 +129,7 @@ class _Import:
             return
         if not is_type_name(file.name):
             hint = "CamelCase without underscores"
-            self._report("JML641", place, f"{file.name!a} is no name of an interface", hint)
+            self._report("JML641", place, f"{file.name!r} is no name of an interface", hint)
         try:
             text = file.data.decode("utf-8")
         except UnicodeDecodeError as error:

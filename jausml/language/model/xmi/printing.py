@@ -181,5 +181,5 @@ def element_text(text: str) -> str:
 def _checked(text: str) -> str:
     wrong = _NOT_XML.search(text)
     if wrong:
-        raise UnwritableError(f"XML cannot hold the character {wrong.group()!a}")
+        raise UnwritableError(f"XML cannot hold the character {wrong.group()!r}")
     return text

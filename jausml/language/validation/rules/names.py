@@ -49,7 +49,7 @@ def identifiers(_: Subject, element: Named) -> Iterator[Finding]:
     if name is not None and not is_identifier(name):
         noun = element.eClass.name
         hint = "letters, digits and underscores, with a letter first"
-        yield Finding(element, f"{noun} name {name!a} is no identifier", "name", hint)
+        yield Finding(element, f"{noun} name {name!r} is no identifier", "name", hint)
     elif isinstance(element, files) and snake_case(name or "") in DEVICES:
         message = f"{element.eClass.name} name '{name}' is a device name on Windows"
         yield Finding(element, message, "name", "files would have that name")
@@ -59,7 +59,7 @@ def identifiers(_: Subject, element: Named) -> Iterator[Finding]:
 def _field_names(_: Subject, field: jaus.Field | jaus.SubField) -> Iterator[Finding]:
     name = field.name
     if name is not None and not _LETTER.search(name):
-        message = f"field name {name!a} has no letter to make a name in code of"
+        message = f"field name {name!r} has no letter to make a name in code of"
         yield Finding(field, message, "name")
 
 
@@ -207,7 +207,7 @@ def machine_names(_: Subject, element: jaus.State | jaus.Action) -> Iterator[Fin
     name = element.name
     if name is not None and not all(is_identifier(part) for part in name.split(".")):
         hint = "letters, digits and underscores, with a letter first, joined by dots"
-        message = f"{element.eClass.name.lower()} name {name!a} is no identifier"
+        message = f"{element.eClass.name.lower()} name {name!r} is no identifier"
         yield Finding(element, message, "name", hint)
 
 

@@ -34,14 +34,14 @@ def metadata(_: Subject, whole: system.System) -> Iterator[Finding]:
     Good: `version="1.0.0"`
     """
     if not _VERSION.fullmatch(whole.version or ""):
-        message = f"version {whole.version!a} is not three numbers joined by dots"
+        message = f"version {whole.version!r} is not three numbers joined by dots"
         yield Finding(whole, message, "version")
     if not _EMAIL.fullmatch(whole.maintainerEmail or ""):
-        message = f"maintainerEmail {whole.maintainerEmail!a} is no e-mail address"
+        message = f"maintainerEmail {whole.maintainerEmail!r} is no e-mail address"
         yield Finding(whole, message, "maintainerEmail")
     for feature, text in (("maintainer", whole.maintainer), ("license", whole.license)):
         if not text.strip() or not text.isprintable():
-            yield Finding(whole, f"{feature} {text!a} is blank or not of one line", feature)
+            yield Finding(whole, f"{feature} {text!r} is blank or not of one line", feature)
 
 
 @metadata.also(system.System, needs=())
@@ -98,11 +98,11 @@ def _network_host(_: Subject, host: system.Host) -> Iterator[Finding]:
     interface = _ipv4(host.interface)
     if interface is None or _is_of_many(interface):
         what = "no IPv4 address" if interface is None else "no address of one computer"
-        message = f"interface {host.interface!a} of '{host.name}' is {what}"
+        message = f"interface {host.interface!r} of '{host.name}' is {what}"
         yield Finding(host, message, "interface")
     group = _ipv4(host.multicastGroup)
     if group is None or not group.is_multicast:
-        message = f"multicastGroup {host.multicastGroup!a} of '{host.name}'"
+        message = f"multicastGroup {host.multicastGroup!r} of '{host.name}'"
         yield Finding(host, f"{message} is no multicast address", "multicastGroup")
 
 

@@ -34,7 +34,7 @@ class UnknownViewError(Exception):
         else:
             shown = ", ".join((same or names)[:_MOST_SHOWN])
             hint = f"there are: {shown}" if shown else "the model has none"
-        super().__init__(f"no view {view!a}; {hint}")
+        super().__init__(f"no view {view!r}; {hint}")
 
 
 _MOST_SHOWN = 12

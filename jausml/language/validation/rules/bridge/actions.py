@@ -239,7 +239,7 @@ def action_names(_: Subject, connection: bridge.RosActionConnection) -> Iterator
     """
     fault = topic_fault(connection.action) if connection.action is not None else ""
     if fault:
-        yield Finding(connection, f"action name {connection.action!a} {fault}", "action")
+        yield Finding(connection, f"action name {connection.action!r} {fault}", "action")
 
 
 @rule(

@@ -300,7 +300,7 @@ def names(_: Subject, connection: bridge.RosServiceConnection) -> Iterator[Findi
     """
     fault = topic_fault(connection.service or "")
     if fault:
-        message = f"service name {connection.service!a} of '{connection.name}' {fault}"
+        message = f"service name {connection.service!r} of '{connection.name}' {fault}"
         yield Finding(connection, message, "service")
 
 

@@ -117,7 +117,7 @@ def user_methods(subject: Subject) -> Iterator[Finding]:
         for bridge_, conversion, inputs in subject.once(_own_methods, owner):
             name = str(conversion.method)
             if not _METHOD.fullmatch(name) or keyword.iskeyword(name):
-                message = f"method {name!a} is no name of lower-case letters, digits and _"
+                message = f"method {name!r} is no name of lower-case letters, digits and _"
                 yield Finding(conversion, message, "method")
                 continue
             count, first = known.setdefault((bridge_, name), (inputs, conversion))
@@ -292,7 +292,7 @@ def unknown_unit(_: Subject, element: WithUnits) -> Iterator[Finding]:
     except UnitError as error:
         near = nearest_units(text)
         hint = f"did you mean {' or '.join(near)}?" if near else ""
-        yield Finding(element, f"unit {text!a}: {error}", "units", hint)
+        yield Finding(element, f"unit {text!r}: {error}", "units", hint)
 
 
 @rule("JML445", "quantity used wrongly", kinds=bridge.Conversion)

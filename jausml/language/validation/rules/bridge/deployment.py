@@ -122,7 +122,7 @@ def allowed_hosts(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
     for text in owner.allowedHosts:
         fault = _fault(text)
         if fault:
-            message = f"allowedHosts {text!a} of '{owner.name}' {fault}"
+            message = f"allowedHosts {text!r} of '{owner.name}' {fault}"
             yield Finding(owner, message, "allowedHosts")
 
 

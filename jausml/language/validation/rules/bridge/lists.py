@@ -82,7 +82,7 @@ def _name_findings(placed: scopes.Placed[bridge.ListAssignment]) -> Iterator[Fin
         return
     repeated = sorted({name for name in assignment.names if assignment.names.count(name) > 1})
     if repeated:
-        message = f"{repeated[0]!a} stands twice among the names of '{assignment.target}'"
+        message = f"{repeated[0]!r} stands twice among the names of '{assignment.target}'"
         yield Finding(assignment, message, "names")
     if not assignment.keys:
         return

@@ -105,7 +105,7 @@ def constants(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
             for path, target in placed.targets:
                 fault = _constant_fault(value, target)
                 if fault:
-                    message = f"constant {value!a} of '{path}' {fault}"
+                    message = f"constant {value!r} of '{path}' {fault}"
                     yield Finding(placed.assignment, message, "value")
         for copied in direction.of_kind(bridge.FieldAssignment):
             yield from _default_findings(copied)
@@ -133,7 +133,7 @@ def _default_findings(placed: scopes.Placed[bridge.FieldAssignment]) -> Iterator
     for path, end in placed.sources if of_sources else placed.targets:
         fault = _constant_fault(value, end)
         if fault:
-            message = f"defaultValue {value!a} of '{path}' {fault}"
+            message = f"defaultValue {value!r} of '{path}' {fault}"
             yield Finding(assignment, message, "defaultValue")
 
 
@@ -273,7 +273,7 @@ def _value_findings(
         attribute = replace(attribute, lower=able.lower, upper=able.upper)
     fault = _value_fault(value.value, attribute, is_jaus=is_given == scope.to_ros)
     if fault:
-        yield Finding(value, f"{value.value!a} of '{value.path}' {fault}", "value")
+        yield Finding(value, f"{value.value!r} of '{value.path}' {fault}", "value")
 
 
 def _value_fault(text: str, attribute: attributes.Attribute, *, is_jaus: bool) -> str:

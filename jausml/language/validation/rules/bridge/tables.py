@@ -208,7 +208,7 @@ def _entry_findings(
         fault = attributes.constant_fault(value, attribute, names) if value is not None else ""
         if fault:
             hint = _known(attribute)
-            yield Finding(entry, f"{value!a} for '{attribute.label}' {fault}", feature, hint)
+            yield Finding(entry, f"{value!r} for '{attribute.label}' {fault}", feature, hint)
 
 
 def _repeated(
@@ -222,7 +222,7 @@ def _repeated(
         values = jaus.of(entry.jaus), ros.of(entry.ros)
         firsts = [known.setdefault(value, entry) for known, value in zip(seen, values, strict=True)]
         if all(first is not entry for first in firsts):
-            message = f"{entry.jaus!a} and {entry.ros!a} stand in earlier entries, which count"
+            message = f"{entry.jaus!r} and {entry.ros!r} stand in earlier entries, which count"
             note = Note(firsts[0], "the earlier entry", "jaus")
             yield Finding(entry, message, "jaus", related=(note,), severity=Severity.WARNING)
 
@@ -236,7 +236,7 @@ def _unnamed(looked: _LookedUp) -> Iterator[Finding]:
     known = {str(value.number) for value in named}
     for entry, taken, result in looked.given:
         if (result if to_ros else taken) not in known:
-            message = f"no constant of the ROS type is {entry.ros!a}"
+            message = f"no constant of the ROS type is {entry.ros!r}"
             hint = f"it has {', '.join(value.name for value in named)}"
             yield Finding(entry, message, "ros", hint, severity=Severity.WARNING)
 

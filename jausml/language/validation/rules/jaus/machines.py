@@ -65,7 +65,7 @@ def targets(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
         for path, transition in behaviour.transitions():
             target = transition.target
             if target and behaviour.machine.resolve(path, target) is None:
-                message = f"'{behaviour.machine.name}' has no state {target!a}"
+                message = f"'{behaviour.machine.name}' has no state {target!r}"
                 names = [node.rpartition(".")[2] for node in behaviour.machine.nodes]
                 hint = _suggestion(target.rpartition(".")[2], names)
                 yield Finding(transition, message, "target", hint)
@@ -116,10 +116,10 @@ def events(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
         for _, transition in behaviour.transitions():
             name = event_name(transition.event)
             if name and transition.message is not None:
-                text = f"a transition on {transition.message.name} and on the event {name!a}"
+                text = f"a transition on {transition.message.name} and on the event {name!r}"
                 yield Finding(transition, text, "event", "make two transitions of it")
             elif name and name not in known:
-                text = f"'{behaviour.service.name}' has no internal event {name!a}"
+                text = f"'{behaviour.service.name}' has no internal event {name!r}"
                 yield Finding(transition, text, "event", _suggestion(name, known))
 
 
@@ -346,4 +346,4 @@ def _with_outer(path: str) -> Iterator[str]:
 
 def _suggestion(name: str, known: Iterable[str]) -> str:
     close = difflib.get_close_matches(name, sorted(known), 1)
-    return f"did you mean {close[0]!a}?" if close else ""
+    return f"did you mean {close[0]!r}?" if close else ""

@@ -65,7 +65,7 @@ def interfaces(_: Subject, element: ros.NamedElement) -> Iterator[Finding]:
     pattern, noun, hint = spelling[1:]
     name = element.name
     if name is not None and not pattern.fullmatch(name):
-        yield Finding(element, f"{name!a} is no {noun} name", "name", hint)
+        yield Finding(element, f"{name!r} is no {noun} name", "name", hint)
     elif noun == "type" and (name or "").lower() in DEVICES:
         message = f"type name '{name}' is a device name on Windows"
         yield Finding(element, message, "name", "its file would have that name")
@@ -99,7 +99,7 @@ def constant_values(_: Subject, constant: ros.Constant) -> Iterator[Finding]:
     if not fault and kind in TEXTS:
         fault = _text_fault(constant.value or "", kind)
     if fault:
-        message = f"value {constant.value!a} of constant '{constant.name}' {fault}"
+        message = f"value {constant.value!r} of constant '{constant.name}' {fault}"
         yield Finding(constant, message, "value")
 
 
@@ -138,7 +138,7 @@ def _markers(subject: Subject, marker: ros.Marker) -> Iterator[Finding]:
     try:
         condition = parse_expression(marker.condition)
     except ExpressionError as error:
-        yield Finding(marker, f"condition {marker.condition!a}: {error}", "condition")
+        yield Finding(marker, f"condition {marker.condition!r}: {error}", "condition")
         return
     paths = {
         variable: str(field.name) if variable == VALUE else variable
@@ -147,7 +147,7 @@ def _markers(subject: Subject, marker: ros.Marker) -> Iterator[Finding]:
     faults = {variable: _number_fault(owner, path) for variable, path in paths.items()}
     for name, fault in faults.items():
         if fault:
-            message = f"condition {marker.condition!a}: '{name}' {fault}"
+            message = f"condition {marker.condition!r}: '{name}' {fault}"
             yield Finding(marker, message, "condition")
     if marker.value is None:
         return
@@ -160,7 +160,7 @@ def _markers(subject: Subject, marker: ros.Marker) -> Iterator[Finding]:
         numbers = dict.fromkeys(paths, float(text) if number is None else number)
         fault = "" if is_said(condition, numbers) else "does not make its condition true"
     if fault:
-        yield Finding(marker, f"value {text!a} of a marker of '{field.name}' {fault}", "value")
+        yield Finding(marker, f"value {text!r} of a marker of '{field.name}' {fault}", "value")
 
 
 def _number_fault(owner: ros.MessageType, path: str) -> str:

@@ -60,7 +60,7 @@ def _ros_names_topic(_: Subject, topic: bridge.Topic) -> Iterator[Finding]:
 def _ros_names_node(_: Subject, node: ros.Node | bridge.Bridge) -> Iterator[Finding]:
     fault = namespace_fault(node.namespace or "")
     if fault:
-        message = f"namespace {node.namespace!a} of '{node.name}' {fault}"
+        message = f"namespace {node.namespace!r} of '{node.name}' {fault}"
         yield Finding(node, message, "namespace")
 
 
@@ -166,7 +166,7 @@ def parameter_values(_: Subject, parameter: ros.Parameter) -> Iterator[Finding]:
         return
     fault = _parameter_fault(parameter)
     if fault:
-        message = f"value {parameter.value!a} of parameter '{parameter.name}' {fault}"
+        message = f"value {parameter.value!r} of parameter '{parameter.name}' {fault}"
         yield Finding(parameter, message, "value")
     for feature, limit in (("minimum", parameter.minimum), ("maximum", parameter.maximum)):
         if not math.isfinite(limit):
@@ -240,7 +240,7 @@ def _name_findings(
 ) -> Iterator[Finding]:
     fault = topic_fault(name) if name is not None else ""
     if fault:
-        yield Finding(element, f"{noun} name {name!a} {fault}", feature)
+        yield Finding(element, f"{noun} name {name!r} {fault}", feature)
 
 
 def _parameter_fault(parameter: ros.Parameter) -> str:
