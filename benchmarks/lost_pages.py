@@ -3,6 +3,7 @@
 Usage: lost_pages.py [--rounds 100] [--load 8] [--port 49100]
        lost_pages.py loss KIND ROUNDS PORT     the rounds of one kind; prints JSON
        lost_pages.py page ADDRESS RIGHT PORT   a page that drives until it is ended
+       lost_pages.py beside ADDRESS RIGHT PORT a page that may, and tries while another one does
 
 Real components are driven by `jausml operate`, all kinds of loss at once, beside so many processes
 that do nothing but work. Times are those of the vehicle, from the last word of the hand to the
@@ -59,10 +60,26 @@ class Vehicle:
         last, just = self.efforts[-5:], time.monotonic() - JUST
         return [effort for _, effort in last] == [EFFORT] * 5 and last[-1][0] > just
 
-    def lateness(self, lost: float) -> float | None:
-        """Returns the seconds from the last word of the hand to the stop after a moment."""
+    def driven(self) -> int:
+        """Waits until it is driven, and returns how many words were told before that was seen."""
+        told = 0
+
+        def is_driven() -> bool:
+            nonlocal told
+            told = len(self.efforts)
+            return self.is_driven()
+
+        until(is_driven, "word of the page")
+        return told
+
+    def lateness(self, told: int) -> float | None:
+        """Returns the seconds from the last word of the hand to the first stop.
+
+        Args:
+            told: So many words were told before the loss.
+        """
         words = list(self.efforts)
-        at = next((at for at, word in enumerate(words) if word[0] > lost and word[1] == 0), None)
+        at = next((at for at in range(told, len(words)) if words[at][1] == 0), None)
         if at is None:
             return None
         return words[at][0] - max(moment for moment, effort in words[:at] if effort == EFFORT)
@@ -77,21 +94,25 @@ def ask(page: Any, method: str, **params: Any) -> Any:
     return message
 
 
-def drive(address: str, right: str, port: int) -> None:
-    """Takes control, and drives for ever."""
+def drive(address: str, right: str, port: int, *, takes: bool) -> None:
+    """Takes control, and drives for ever; or tries to without control."""
     parts = urlsplit(address)
     origin = f"http://{parts.netloc}"
     raw = socket.create_connection(("127.0.0.1", port))
     with connect(f"ws://{parts.netloc}/socket", origin=origin, sock=raw, max_size=None) as page:
         ask(page, "hello", token=parts.fragment.removeprefix("token="))
         ask(page, "claim", right=right, name="hand")
+        begin = {"component": VEHICLE, "message": MESSAGE}
+        while not takes:
+            ask(page, "stick.begin", **begin)
+            time.sleep(0.1)
         while True:
             took = ask(page, "take", component=VEHICLE, authority=205)
             if "error" in took and "controlled already" not in took["error"]["message"]:
                 time.sleep(0.1)
                 continue
             ask(page, "resume", component=VEHICLE)
-            stick = ask(page, "stick.begin", component=VEHICLE, message=MESSAGE).get("result", {})
+            stick = ask(page, "stick.begin", **begin).get("result", {})
             # A busy machine may have the stick stopped: then it begins anew.
             while "error" not in ask(
                 page, "stick.move", fields={FIELD: EFFORT}, stick=stick.get("stick", 0)
@@ -190,10 +211,14 @@ def one_round(kind: str, driven: Driving) -> float:
         way = Way(urlsplit(address).port or 0)
         stack.callback(way.close)
         page = stack.enter_context(child(__file__, "page", address, right, str(way.port)))
-        until(vehicle.is_driven, "word of the page")
-        lost = time.monotonic()
+        if kind == "second page, first killed":
+            until(vehicle.is_driven, "word of the page")
+            second = child(__file__, "beside", address, right, str(urlsplit(address).port))
+            stack.enter_context(second)
+            time.sleep(0.5)
+        told = vehicle.driven()
         match kind:
-            case "page killed":
+            case "page killed" | "second page, first killed":
                 page.kill()
             case "page frozen":
                 page.send_signal(signal.SIGSTOP)
@@ -203,14 +228,8 @@ def one_round(kind: str, driven: Driving) -> float:
                 unit.send_signal(signal.SIGSTOP)
             case "way lost":
                 way.is_cut = True
-            case "second page, first killed":
-                port = str(urlsplit(address).port)
-                stack.enter_context(child(__file__, "page", address, right, port))
-                time.sleep(0.5)
-                lost = time.monotonic()
-                page.kill()
-        until(lambda: vehicle.lateness(lost) is not None, "stop")
-        lateness = vehicle.lateness(lost)
+        until(lambda: vehicle.lateness(told) is not None, "stop")
+        lateness = vehicle.lateness(told)
         assert lateness is not None
         return lateness
 
@@ -275,9 +294,9 @@ def main() -> int:
 
 if __name__ == "__main__":
     match sys.argv[1:]:
-        case ["page", address, right, port]:
+        case ["page" | "beside" as role, address, right, port]:
             with suppress(ConnectionClosed):  # its unit is the one that is lost
-                drive(address, right, int(port))
+                drive(address, right, int(port), takes=role == "page")
         case ["loss", kind, rounds, port]:
             for lateness in rounds_of(kind, int(rounds), int(port)):
                 print(lateness, flush=True)

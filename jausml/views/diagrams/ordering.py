@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, TypeVar
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from jausml.views.diagrams.graph import Edge, Graph, Node
+    from jausml.views.diagrams.graph import Graph, Node
 
 _ROUNDS, _FEW_ROUNDS = 6, 2
 """Rounds after which an order is good enough, and that of a large graph."""
@@ -28,6 +28,9 @@ _MOVABLE = ("system", "map:")
 """Views of which boxes may change places; services stand in the order of inheritance."""
 
 _Cost = tuple[int, float]
+
+_End = tuple[str, str]
+"""The ids of a box and of its row."""
 
 PartT = TypeVar("PartT")
 _Part = tuple[str, bool]
@@ -46,7 +49,9 @@ def ordered(graph: Graph) -> Graph:
 class _Work:
     """One search.
 
-    `siblings`: what stands in each frame, from above: boxes, and frames in it.
+    `siblings`: what stands in each frame, from above: boxes, and frames in it. `joined`: the other
+    ends of the edges at an end. `lines`: the left column of each edge, whether both of its ends
+    stand in it, and its ends from the left.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -64,11 +69,17 @@ class _Work:
                 key=lambda part: min((positions[name] for name in self._boxes(part)), default=0)
             )
         self._rows = {node.id: [port.id for port in node.ports] for node in graph.nodes}
-        self._edges = [edge for edge in graph.edges if edge.source.node != edge.target.node]
-        self._edges_at: dict[tuple[str, str], list[Edge]] = defaultdict(list)
-        for edge in self._edges:
-            for end in (edge.source, edge.target):
-                self._edges_at[end.node, end.port].append(edge)
+        self._joined: dict[_End, list[_End]] = defaultdict(list)
+        self._lines: list[tuple[int, bool, _End, _End]] = []
+        for edge in graph.edges:
+            if edge.source.node == edge.target.node:
+                continue
+            first, second = ends = [(end.node, end.port) for end in (edge.source, edge.target)]
+            self._joined[first].append(second)
+            self._joined[second].append(first)
+            ends.sort(key=lambda end: self._nodes[end[0]].column)
+            left, right = (self._nodes[name].column for name, _ in ends)
+            self._lines.append((left, left == right, ends[0], ends[1]))
 
     def nodes(self) -> Iterator[Node]:
         """Yields the boxes in their order, with their rows in theirs."""
@@ -79,7 +90,7 @@ class _Work:
     def improve(self) -> None:
         """Finds an order; the first of equally good ones stays."""
         best, least = self._order(), self._cost()
-        is_large = len(self._edges) > _MOST_EDGES
+        is_large = len(self._lines) > _MOST_EDGES
         for _ in range(_FEW_ROUNDS if is_large else _ROUNDS):
             self._sort_by_means()
             if (cost := self._cost()) < least:
@@ -111,10 +122,10 @@ class _Work:
         for inner in self._siblings.get(name, ()) if is_frame else ():
             yield from self._boxes(inner)
 
-    def _heights(self) -> dict[tuple[str, str], float]:
+    def _heights(self) -> dict[_End, float]:
         """Returns about how high the ends of edges stand: rows counted, columns centred."""
         counts: dict[int, int] = defaultdict(int)
-        heights: dict[tuple[str, str], float] = {}
+        heights: dict[_End, float] = {}
         for name in self._boxes():
             column = self._nodes[name].column
             for row in ("", *self._rows[name]):
@@ -135,22 +146,19 @@ class _Work:
             of_rows = {row: self._mean_of([(name, row)], heights) for row in rows}
             rows.sort(key=of_rows.__getitem__)
 
-    def _mean(self, boxes: Sequence[str], heights: Mapping[tuple[str, str], float]) -> float:
+    def _mean(self, boxes: Sequence[str], heights: Mapping[_End, float]) -> float:
         return self._mean_of(
             [(box, row) for box in boxes for row in ("", *self._rows[box])], heights
         )
 
-    def _mean_of(
-        self, ends: Sequence[tuple[str, str]], heights: Mapping[tuple[str, str], float]
-    ) -> float:
+    def _mean_of(self, ends: Sequence[_End], heights: Mapping[_End, float]) -> float:
         """Returns the mean height of what some ends are joined with, their own without any."""
         inside = {box for box, _ in ends}
         others = [
-            heights[end.node, end.port]
+            heights[other]
             for own in ends
-            for edge in self._edges_at.get(own, ())
-            for end in (edge.source, edge.target)
-            if end.node not in inside
+            for other in self._joined.get(own, ())
+            if other[0] not in inside
         ]
         if not others:
             return sum(heights[end] for end in ends) / len(ends) if ends else 0
@@ -172,15 +180,12 @@ class _Work:
         heights = self._heights()
         lanes: dict[int, list[tuple[float, float]]] = defaultdict(list)
         arcs: dict[int, list[tuple[float, float]]] = defaultdict(list)
-        for edge in self._edges:
-            (first, one), (second, other) = sorted(
-                (self._nodes[end.node].column, heights[end.node, end.port])
-                for end in (edge.source, edge.target)
-            )
-            if first == second:
-                arcs[first].append((one, other))
+        for column, is_arc, first, second in self._lines:
+            one, other = heights[first], heights[second]
+            if is_arc:
+                arcs[column].append((min(one, other), max(one, other)))
             else:
-                lanes[first].append((one, other))
+                lanes[column].append((one, other))
         crossed = sum(map(_inversions, lanes.values()))
         for column, bent in arcs.items():
             crossed += sum(

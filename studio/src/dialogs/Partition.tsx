@@ -95,7 +95,7 @@ function Figures({ plan }: { plan: Plan }) {
     <table className="figures">
       <thead>
         <tr>
-          {["", "host", "connections", "CPU %", "datagrams/s", "kB/s to hosts", "wait ms"].map(
+          {["bridge", "host", "connections", "CPU %", "datagrams/s", "kB/s to hosts", "wait ms"].map(
             (each) => (
               <th key={each}>{each}</th>
             ),

@@ -320,8 +320,26 @@ def test_on_a_phone_the_stop_is_in_reach(studio, vehicle, open_studio):
     assert box["y"] + box["height"] <= 844
     assert min(box["width"], box["height"]) >= 44
     assert page.locator(".operate").evaluate("room => room.scrollWidth") <= 390
+    for part in (page.locator(".operate > header"), page.get_by_label("Your name")):
+        assert part.evaluate("part => part.scrollWidth <= part.clientWidth")
+        assert part.bounding_box()["x"] + part.bounding_box()["width"] <= 390
     button.tap()
     until(lambda: vehicle.status == "STANDBY")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"color_scheme": "dark"}, {"viewport": {"width": 400, "height": 844}}],
+    ids=["desktop", "dark", "narrow"],
+)
+@pytest.mark.usefixtures("vehicle")
+def test_the_page_of_a_vehicle_breaks_no_rule_of_axe(studio, open_studio, options):
+    page = open_studio.page_of(studio.commanding_address, **options)
+    control(page)
+    choose_effort(page)
+    expect(page.get_by_role("application", name="Stick of")).to_be_visible()
+    assert (broken(page), misplaced(page)) == ({}, [])
 
 
 # ---- waypoints that are drawn --------------------------------------------------------------------

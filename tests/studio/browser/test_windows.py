@@ -81,6 +81,10 @@ def test_the_page_breaks_no_rule_of_axe(open_shared, size):
         assert misplaced(desk.page) == [], dialog
         desk.keyboard.press("Escape")
         expect(desk.page.get_by_role("button", name=button)).to_be_focused()
+    desk.page.get_by_role("button", name="Bridges…").click()
+    bridges = desk.dialog("Which bridge carries what")
+    expect(bridges.locator("table").first).to_be_visible()
+    assert (broken(desk.page), misplaced(desk.page)) == ({}, [])
 
 
 @pytest.mark.parametrize("size", sweep(SIZES, every=6), ids=str)
@@ -104,13 +108,19 @@ def test_every_control_is_whole_and_reached(open_shared, size):
     assert broken(desk.page) == {}
 
 
-@pytest.mark.parametrize("mode", [{}, *MODES], ids=str)
-def test_a_machine_is_stepped_in_all_colours(open_studio, tmp_path, mode):
+@pytest.mark.parametrize("mode", [{}, *MODES, {"viewport": {"width": 400, "height": 844}}], ids=str)
+def test_a_machine_is_stepped_in_all_colours_and_rows_are_whole(open_studio, tmp_path, mode):
     desk = Desktop(open_studio(telling_winch(tmp_path), **mode))
     for view in ("service:Winch", "machine:Winch.ReceiveFSM"):
         desk.view.select_option(view)
         expect(desk.page.locator(".view-bar")).to_contain_text("Add to")
         assert (misplaced(desk.page), broken(desk.page)) == ([], {}), view
+    desk.view.select_option("service:Winch")
+    desk.title("Winch").click()
+    desk.tab("Properties")
+    expect(desk.page.locator(".property-form .values li").first).to_be_visible()
+    assert (misplaced(desk.page), broken(desk.page)) == ([], {})
+    desk.view.select_option("machine:Winch.ReceiveFSM")
     desk.tab("Step")
     desk.page.locator(".stepping .choices button").first.click()
     expect(desk.page.locator(".stepping ol li")).not_to_have_count(0)

@@ -279,6 +279,20 @@ def _cells(area: Area) -> Iterator[tuple[int, int]]:
             yield column, row
 
 
+_Cells = defaultdict[tuple[int, int], set[str]]
+"""What has a part in a cell."""
+
+
+def _note(cells: _Cells, name: str, area: Area) -> None:
+    for cell in _cells(area):
+        cells[cell].add(name)
+
+
+def _near(cells: _Cells, area: Area) -> set[str]:
+    """Returns what shares a cell with an area."""
+    return set().union(*(cells[cell] for cell in _cells(area) if cell in cells))
+
+
 def _centred(box: Box, other: Area) -> float:
     return (other.left + other.right - box.width) / 2
 
@@ -309,39 +323,36 @@ def surrounding(
             between = () if route is not None else _bent(line, boxes, corners)
             more.setdefault(frame, []).extend(covered(line, route) if route else between)
     areas = {box.id: area_of(box, corners[box.id]) for box in sheet.boxes}
-    cells: defaultdict[tuple[int, int], set[str]] = defaultdict(set)
+    cells, frame_cells = _Cells(set), _Cells(set)
     for name, area in areas.items():
-        for cell in _cells(area):
-            cells[cell].add(name)
+        _note(cells, name, area)
+    for name, area in grown.items():
+        _note(frame_cells, name, area)
     frames = {sheet_frame.id: sheet_frame for sheet_frame in sheet.frames}
     for frame, line_areas in more.items():
-        reach = reduce(
-            Area.around,
-            (_framed(frames[frame], line_area) for line_area in line_areas),
-            grown[frame],
-        )
-        reach = reach.wider(_APART)
-        near = set().union(*(cells[grid_cell] for grid_cell in _cells(reach) if grid_cell in cells))
-        outside = [areas[name] for name in near if frame not in chains[name]]
+        framed = [_framed(frames[frame], line_area) for line_area in line_areas]
+        reach = reduce(Area.around, framed, grown[frame]).wider(_APART)
+        outside = [areas[name] for name in _near(cells, reach) if frame not in chains[name]]
         around = set(chain(frame, parents))
         outside += [
-            area
-            for name, area in grown.items()
-            if area.overlaps(reach) and name not in around and frame not in chain(name, parents)
+            grown[name]
+            for name in _near(frame_cells, reach)
+            if name not in around and frame not in chain(name, parents)
         ]
+        outside = [area for area in outside if area.overlaps(reach)]
         more[frame] = [
             line_area
-            for line_area in line_areas
-            if not any(
-                _framed(frames[frame], line_area).overlaps(other, _APART) for other in outside
-            )
+            for line_area, around_it in zip(line_areas, framed, strict=True)
+            if not any(around_it.overlaps(other, _APART) for other in outside)
         ]
         # What grows later shall not cover this one.
         for area in more[frame]:
             inner = area
             for name in chain(frame, parents):
                 inner = _framed(frames[name], inner)
-                grown[name] = grown[name].around(inner)
+                before, grown[name] = grown[name], grown[name].around(inner)
+                if grown[name] != before:
+                    _note(frame_cells, name, grown[name])
     return frames_around(sheet, corners, more)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Literal, Protocol
 
@@ -41,7 +41,7 @@ class Box:
     group: str
     column: int
 
-    @property
+    @cached_property
     def height(self) -> int:
         """Its height."""
         return self.head + sum(row.height for row in self.rows)
