@@ -133,6 +133,7 @@ def test_the_name(project, folder, options, name):
         ("42", (), "makes no name of a system"),
         ("rover", ("--name", "../rover"), "is no name of a system"),
         ("rover", ("--name", 'a"b'), "is no name of a system"),
+        ("rover", ("--name", "übergroß"), "'übergroß' is no name of a system"),
         ("rover/file/below", (), "cannot be written"),
     ],
 )
