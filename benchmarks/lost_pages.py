@@ -62,24 +62,24 @@ class Vehicle:
 
     def driven(self) -> int:
         """Waits until it is driven, and returns how many words were told before that was seen."""
-        told = 0
+        count = 0
 
         def is_driven() -> bool:
-            nonlocal told
-            told = len(self.efforts)
+            nonlocal count
+            count = len(self.efforts)
             return self.is_driven()
 
         until(is_driven, "word of the page")
-        return told
+        return count
 
-    def lateness(self, told: int) -> float | None:
+    def lateness(self, count: int) -> float | None:
         """Returns the seconds from the last word of the hand to the first stop.
 
         Args:
-            told: So many words were told before the loss.
+            count: So many words were told before the loss.
         """
         words = list(self.efforts)
-        at = next((at for at in range(told, len(words)) if words[at][1] == 0), None)
+        at = next((at for at in range(count, len(words)) if words[at][1] == 0), None)
         if at is None:
             return None
         return words[at][0] - max(moment for moment, effort in words[:at] if effort == EFFORT)
@@ -107,8 +107,8 @@ def drive(address: str, right: str, port: int, *, takes: bool) -> None:
             ask(page, "stick.begin", **begin)
             time.sleep(0.1)
         while True:
-            took = ask(page, "take", component=VEHICLE, authority=205)
-            if "error" in took and "controlled already" not in took["error"]["message"]:
+            answer = ask(page, "take", component=VEHICLE, authority=205)
+            if "error" in answer and "controlled already" not in answer["error"]["message"]:
                 time.sleep(0.1)
                 continue
             ask(page, "resume", component=VEHICLE)
@@ -149,8 +149,8 @@ class Way:
 
     def close(self) -> None:
         """Ends it: both ends are told."""
-        for each in (self._server, *self._sockets):
-            each.close()
+        for end in (self._server, *self._sockets):
+            end.close()
 
 
 @contextmanager
@@ -216,7 +216,7 @@ def one_round(kind: str, driven: Driving) -> float:
             second = child(__file__, "beside", address, right, str(urlsplit(address).port))
             stack.enter_context(second)
             time.sleep(0.5)
-        told = vehicle.driven()
+        count = vehicle.driven()
         match kind:
             case "page killed" | "second page, first killed":
                 page.kill()
@@ -228,8 +228,8 @@ def one_round(kind: str, driven: Driving) -> float:
                 unit.send_signal(signal.SIGSTOP)
             case "way lost":
                 way.is_cut = True
-        until(lambda: vehicle.lateness(told) is not None, "stop")
-        lateness = vehicle.lateness(told)
+        until(lambda: vehicle.lateness(count) is not None, "stop")
+        lateness = vehicle.lateness(count)
         assert lateness is not None
         return lateness
 
