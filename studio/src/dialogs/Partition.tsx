@@ -95,11 +95,17 @@ function Figures({ plan }: { plan: Plan }) {
     <table className="figures">
       <thead>
         <tr>
-          {["bridge", "host", "connections", "CPU %", "datagrams/s", "kB/s to hosts", "wait ms"].map(
-            (each) => (
-              <th key={each}>{each}</th>
-            ),
-          )}
+          {[
+            "bridge",
+            "host",
+            "connections",
+            "CPU %",
+            "datagrams/s",
+            "kB/s to hosts",
+            "wait ms",
+          ].map((each) => (
+            <th key={each}>{each}</th>
+          ))}
         </tr>
       </thead>
       {(["before", "after"] as const).map((when) => (
