@@ -95,6 +95,7 @@ def test_a_delay_of_20_ms_is_shown_to_differ() -> None:
     assert verdict.differs
 
 
+@pytest.mark.slow
 def test_rare_long_delays_are_shown_to_differ() -> None:
     # Two of a hundred messages wait 50 ms each way: no median tells of them.
     def with_tail(run: Run) -> Run:

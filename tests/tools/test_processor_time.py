@@ -12,7 +12,6 @@ from pathlib import Path
 import processor_time
 import pytest
 import warm
-from sweeps import sweep
 
 GUARDS = ("CONTRIBUTING.md",)
 
@@ -75,7 +74,8 @@ def test_commands_of_the_warm_process_are_counted():
         time.sleep(0.01)
 
 
-@pytest.mark.parametrize(("seconds", "status"), sweep([(12, 1), (0, 0)], every=2))
+@pytest.mark.slow
+@pytest.mark.parametrize(("seconds", "status"), [(12, 1), (0, 0)])
 def test_a_run_fails_by_its_table_alone(tmp_path, seconds, status):
     (tmp_path / "support").mkdir()
     for name in ("processor_time.py", "warm.py"):

@@ -69,6 +69,7 @@ def test_what_fails_alone_too_fails(suite):
     assert "test_bad.py::test_bad: fails alone too" in output
 
 
+@pytest.mark.slow
 def test_each_gets_its_own_verdict(suite):
     bad = "def test_bad(): assert False"
     status, output = suite(bad=bad, once=FAILS_ONCE.format(name="once"))
@@ -98,6 +99,7 @@ def test_nothing_chosen_is_no_failure(suite):
     assert suite()[0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("suite")
 def test_an_interrupt_is_no_traceback(tmp_path):
     test = "def test_long():\n    import time\n    open('begun', 'x')\n    time.sleep(60)\n"
