@@ -255,3 +255,9 @@ def test_a_message_is_named_by_name_or_code(catalogue):
 def test_wrong_objects(catalogue, message, error, reason):
     with pytest.raises(error, match=reason):
         catalogue.encode(message)
+
+
+def test_what_a_service_takes_below_the_codes_of_queries_commands(catalogue):
+    """The JSIDL of ExecuteList forgets to say so, in six services."""
+    inputs = [entry for service in catalogue.services.values() for entry in service.inputs]
+    assert [entry.name for entry in inputs if entry.code < 0x2000 and not entry.is_command] == []

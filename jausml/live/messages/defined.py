@@ -12,7 +12,12 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.model.library import library_paths
 from jausml.language.model.model import without_collector
 from jausml.language.project import services_alone
-from jausml.language.semantics.jaus.commands import obeys_controller_alone, responses, told_after
+from jausml.language.semantics.jaus.commands import (
+    is_command,
+    obeys_controller_alone,
+    responses,
+    told_after,
+)
 from jausml.live.messages.catalogue import Catalogue
 from jausml.live.messages.entries import MessageEntry, ServiceEntry
 from jausml.live.messages.errors import CatalogueError, MessageError
@@ -151,7 +156,7 @@ def message_entry(
         _Facts(definition, catalogue),
         encode_message,
         decode_message,
-        is_command=bool(definition.isCommand),
+        is_command=is_command(definition),
     )
 
 
