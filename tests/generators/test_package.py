@@ -165,7 +165,7 @@ def test_installation_of_the_runtime_has_its_subpackages(workspace, tmp_path):
     }
     copied = workspace / "jausml_runtime" / "jausml_runtime"
     assert installed == {path.relative_to(copied).as_posix() for path in copied.rglob("*.py")}
-    assert "base/loop.py" in installed
+    assert "base/process.py" in installed
 
 
 @pytest.mark.slow
