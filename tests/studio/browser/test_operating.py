@@ -200,7 +200,7 @@ def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
     """An alarm comes while the stick is held: no part has another place, no other value is sent."""
     window = {"width": size[0], "height": size[1]}
     # One of its own: the name of one that was there before would be known before it is met again.
-    gps = f"100.1.{size[1] % 250}"
+    gps = f"100.{size[0] % 250}.{size[1] % 250}"
     with Component(gps, name="gps", provides=("PrimitiveDriver",), port=port):
         page = open_studio.page_of(studio.commanding_address, viewport=window)
         control(page)
