@@ -124,15 +124,13 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 
 
 @pytest.hookimpl(optionalhook=True)
-def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
-    """More workers than processors, since tests wait for processes and periods.
+def pytest_xdist_auto_num_workers() -> int:
+    """More workers than processors: for half of the time tests wait for processes and periods.
 
-    Each collects, and reads the library: 8 seconds of a processor. Slow tests wait for half of
-    their time: with three workers a third of two processors stood idle. Not many more: what is said
-    to come in time shall come on a computer that is busy with tests.
+    With three for two processors a third of these stood idle. Not many more: what is said to come
+    in time shall come on a computer that is busy with tests.
     """
-    workers_by_processor = 2.5 if config.option.markexpr == "slow" else 1.5
-    return min(int(workers_by_processor * (os.cpu_count() or 2)), MOST_WORKERS)
+    return min(5 * (os.cpu_count() or 2) // 2, MOST_WORKERS)
 
 
 def pytest_report_header(config: pytest.Config) -> str:
