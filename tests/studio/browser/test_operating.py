@@ -65,8 +65,18 @@ def control(page, component=VEHICLE):
     components = page.get_by_role("region", name="Components")
     components.get_by_role("button", name=component).click()
     page.get_by_label("Authority, 0 .. 255").fill("205")
-    page.get_by_role("button", name="Take control").click()
-    page.get_by_role("button", name="Resume").click()
+    take = page.get_by_role("button", name="Take control")
+    resume = page.get_by_role("button", name="Resume")
+
+    def is_taken():
+        """Nobody is given control while what the page before commanded is being stopped."""
+        if not resume.is_enabled() and take.is_enabled():
+            take.click()
+            page.wait_for_timeout(500)
+        return resume.is_enabled()
+
+    until(is_taken)
+    resume.click()
     expect(page.get_by_role("row", name=component)).to_contain_text("READY")
 
 
