@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterator
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import TypeVar
@@ -197,8 +197,7 @@ def ask(
             raise CheckFailed(f"{message.NAME} is not answered with {kind.NAME}")
         unanswered(session)
         return
-    for judge in judgements:
-        judge(session, report, f"{kind.NAME} after {message.NAME}")
+    _judge(session, report, judgements, message.NAME)
 
 
 @step
@@ -218,8 +217,12 @@ def expect(
     elif message is None:
         raise CheckFailed(f"no {kind.NAME} came after {session.latest}")
     else:
-        for judge in judgements:
-            judge(session, message, f"{kind.NAME} after {session.latest}")
+        _judge(session, message, judgements, session.latest)
+
+
+def _judge(session: Session, message: M, judgements: Sequence[Judgement[M]], after: str) -> None:
+    for judgement in judgements:
+        judgement(session, message, f"{message.NAME} after {after}")
 
 
 @step
