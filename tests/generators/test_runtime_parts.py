@@ -211,14 +211,32 @@ def test_a_package_passes_on_what_is_kept_alone() -> None:
     assert copied(module, runtime_modules()) == module.text
 
 
-def test_modules_of_the_runtime_import_in_lines_of_their_own() -> None:
+def test_modules_of_the_runtime_have_all_that_they_import() -> None:
     for module in runtime_modules().values():
         imports = {
-            ast.unparse(node)
+            alias.name.partition(".")[0] if isinstance(node, ast.Import) else node.module
             for node in ast.walk(ast.parse(module.text))
-            if isinstance(node, ast.Import | ast.ImportFrom)
+            if isinstance(node, ast.Import) or (isinstance(node, ast.ImportFrom) and not node.level)
+            for alias in node.names
         }
-        assert {ast.unparse(node) for node in module.statements} == imports, module.name
+        assert module.foreign == {name.partition(".")[0] for name in imports}, module.name
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        f"import os; from {FACE}.virtual import world",
+        f"if os.name: import {FACE}.virtual.world",
+        f"from {FACE}.virtual \\\n    import world",
+        f"from  \\\n {FACE}.virtual  import world",
+        f"from {FACE}.virtual import (  # the world (of one loop)\n    world,\n)",
+        f"\tfrom {FACE}.virtual import world  # (for the loop",
+        f'"""It may\nimport (much)\n"""\nfrom {FACE}.virtual import world',
+    ],
+)
+def test_imports_of_any_layout_count(code: str) -> None:
+    text = f"class Loop:\n{code}" if code.startswith("\t") else code
+    assert "virtual.world" in needed([("a.py", f"{text}\n")])
 
 
 def test_imports_in_functions_and_for_type_checkers_count() -> None:
