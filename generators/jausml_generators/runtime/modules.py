@@ -28,7 +28,7 @@ _WHOLE = "*"
 _GAP = r"[ \t]+"
 _FROM = rf"(?:from{_GAP}\S+{_GAP})?import{_GAP}"
 _IMPORT = re.compile(rf"^[ \t]*({_FROM}(?:\([^)]*\)|.*))$", re.MULTILINE)
-_IMPORT_IN_LINE = re.compile(rf"[;:][ \t]*{_FROM}|\bfrom{_GAP}.*\\$", re.MULTILINE)
+_IMPORT_IN_LINE = re.compile(rf"[;:][ \t]*{_FROM}|from{_GAP}.*\\$", re.MULTILINE)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import builtins
 import re
-import string
 import sys
 import warnings
 from collections import defaultdict
@@ -178,13 +177,16 @@ def _natural(text: str) -> str:
 
 
 _START = re.compile(r"\n\n(?=(?: {4})?(?:@|def |class |async ))")
-_HEAD = re.compile(r"(?:def |class |\.)(\w+)|\b([A-Z]\w*)")
+_HEAD = re.compile(r"(?:def |class |\.|\b(?=[A-Z]))(\w+)")
 _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
-_STAND_INS = frozenset("\u01c2\u01c3")
+_STAND_INS = "\u01c2\u01c3"
 """Letters that no rendered word has; as many of one as a word has letters stand in for it."""
-_LONGER = frozenset(string.ascii_letters + string.digits)
-"""Beside these they do not: in a longer word, whose parts underscores join."""
+_LONGER = {
+    letter: re.compile(f"{letter}(?:(?<=[A-Za-z0-9]{letter}){letter}*|{letter}*(?=[A-Za-z0-9]))")
+    for letter in _STAND_INS
+}
+"""Those in a longer word, whose parts underscores join: there they do not."""
 _HIDDEN, _NO_CODE = "\u01c0", "0x0000"
 _OWN = re.compile(r'("\w+"|\b0x[0-9A-F]{4}\b)', re.ASCII)
 """Strings and codes, of which nothing but their length counts."""
@@ -303,9 +305,9 @@ def _with_words(text: str, words: Mapping[str, str]) -> str:
 def _without_words(text: str, words: Collection[str]) -> tuple[dict[str, str], str]:
     """Returns words that a text is about by what stands in for them, and the text without them."""
     known: dict[str, str] = {}
-    if not words or not _STAND_INS.isdisjoint(text):
+    if not words or any(letter in text for letter in _STAND_INS):
         return known, text
-    for letter, word in zip(sorted(_STAND_INS), _words_in(text, words), strict=False):
+    for letter, word in zip(_STAND_INS, _words_in(text, words), strict=False):
         # The stand-in has the length of the word, so that the layout is the same.
         known[letter * len(word)] = word
     for stand_in, word in known.items():
@@ -315,23 +317,13 @@ def _without_words(text: str, words: Collection[str]) -> tuple[dict[str, str], s
 
 def _without_word(text: str, word: str, stand_in: str) -> str:
     alike = text.replace(word, stand_in)
-
-    def kept(match: re.Match[str]) -> str:
-        start, end = match.span()
-        beside = alike[max(start - 1, 0) : start] + alike[end : end + 1]
-        return match[0] if _LONGER.isdisjoint(beside) else match[0].replace(stand_in, word)
-
-    return re.sub(f"{stand_in[0]}+", kept, alike)
+    return _LONGER[stand_in[0]].sub(lambda match: match[0].replace(stand_in, word), alike)
 
 
 def _words_in(text: str, words: Collection[str]) -> Iterator[str]:
     """Yields the words in the names of classes, functions, methods and attributes."""
-    seen, known = set[str](), set[str]()
-    for match in _HEAD.finditer(text):
-        name = match[1] or match[2]
-        if name in seen:
-            continue
-        seen.add(name)
+    known = set[str]()
+    for name in dict.fromkeys(_HEAD.findall(text)):
         word = _word_in(name, words)
         # A word such as "f" before a string would change what the string is.
         if word and word not in known and not _PREFIX.fullmatch(word):
