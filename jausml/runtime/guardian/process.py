@@ -73,6 +73,7 @@ class Guardian:
         self._stops: dict[int, Stops] = {}
         self._goals: dict[bytes, str] = {}
         self._said: set[int] = set()
+        self._missed = 0  # the beat after which they were said
         self._numbered: dict[int, tuple[int, list[bytes]]] = {}
         self._are_goals_said = False
         self._ros: Rcl | None = None
@@ -191,10 +192,14 @@ class Guardian:
 
     def _age(self) -> float:
         """Seconds since the bridge was there; very long before anything was in motion."""
-        return (steady_ns() - self._page.beat) / 1e9
+        return _seconds_since(self._page.beat)
 
     def _judge(self) -> None:
         """Says what is due as the bridge does not run its loop."""
+        if self._page.beat != self._missed:
+            # It has turned since, however shortly: if it stands still now, that is another time.
+            self._said.clear()
+            self._are_goals_said = False
         age = self._age()
         due = [number for number in self._armed() if age > self._stops[number].patience]
         # Said once, until the bridge was back: it may stand still for long.
@@ -202,20 +207,17 @@ class Guardian:
         goals = bool(self._goals) and age > GOAL_PATIENCE and not self._are_goals_said
         if due or goals:
             self._say(due, goals=goals, why="does not run its loop")
-        elif age <= POLL * 2:
-            # It turns again: if it stands still later, that is another time.
-            self._said.clear()
-            self._are_goals_said = False
 
     def _say(self, numbers: list[int], *, goals: bool, why: str) -> None:
         """Says stops and cancels goals, until all were told or the bridge is back."""
         # First the mark, then the look at the beat: the bridge does it the other way round, so
         # that one of both always sees the other.
         self._page.taken += 1
-        is_halted = not _is_ready(self._death)
+        is_halted, beat = not _is_ready(self._death), self._page.beat
         # Back since it was judged: it sees the mark, and says its own stop.
-        if is_halted and self._age() <= POLL * 2:
+        if is_halted and _seconds_since(beat) <= POLL * 2:
             return
+        self._missed = beat
         self._said.update(numbers)
         self._are_goals_said = self._are_goals_said or goals
         stops = [self._stops[number] for number in numbers]
@@ -347,6 +349,10 @@ class Guardian:
 def _datagram(content: dict[str, Any]) -> Datagram:
     host, port = content["endpoint"]
     return Datagram(bytearray.fromhex(content["data"]), (host, port), content["slot"])
+
+
+def _seconds_since(beat: int) -> float:
+    return (steady_ns() - beat) / 1e9
 
 
 def _is_ready(descriptor: int) -> bool:

@@ -8,6 +8,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -156,6 +157,19 @@ def test_the_stop_is_said_thrice_of_a_bridge_that_stands_still(bridge):
     assert halted.stop(1.0) is None
     halted.process.send_signal(signal.SIGCONT)
     assert halted.said() == "taken"
+
+
+def test_a_bridge_that_was_back_for_less_than_a_look_is_told_again(bridge):
+    halted = bridge()
+    halted.process.send_signal(signal.SIGSTOP)
+    assert [halted.stop(), halted.stop(), halted.stop()] == [STOP] * 3
+    os.kill(halted.guardian, signal.SIGSTOP)
+    halted.process.send_signal(signal.SIGCONT)
+    assert halted.said() == "taken"
+    halted.process.send_signal(signal.SIGSTOP)
+    time.sleep(0.6)  # the last beat is older than the patience when the guardian looks again
+    os.kill(halted.guardian, signal.SIGCONT)
+    assert halted.stop() == STOP
 
 
 @pytest.mark.needs("compiler")
