@@ -19,7 +19,7 @@ from jausml.live.peers.operator import running_operator
 from jausml.live.systems import monitoring
 from jausml.live.systems.machines import MOST_MACHINES
 from jausml.live.systems.monitoring import Monitor, polling
-from jausml.live.systems.state import Level, SystemState
+from jausml.live.systems.state import ComponentState, Level, SystemState
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages.machine_states import QueryMachineStates, ReportMachineStates
 
@@ -224,6 +224,25 @@ def test_what_one_provided_that_was_replaced_is_forgotten(
             assert not any("mobility" in service.urn for service in operator.services(target))
             if answers:
                 wait_for(lambda: seen(lambda component: component.services))
+
+
+def test_who_speaks_at_its_start_is_asked_what_it_provides_at_once(
+    network, catalogue, free_port, monkeypatch
+):
+    monkeypatch.setattr(monitoring, "DISCOVERY", 10**6)  # nobody but those of the start
+    declared = ComponentState("100.1.7", is_declared=True)
+    monitor = Monitor(SystemState(components={"100.1.7": declared}))
+
+    def services():
+        return monitor.state().components["100.1.7"].services
+
+    provided = [*CORE, DISCOVERY, "urn:jaus:jss:mobility:X"]
+    with (
+        running_operator(network, catalogue) as operator,
+        polling(monitor, operator),
+        rover(free_port, "rover", provided),
+    ):
+        assert any("mobility" in service for service in wait_for(services))
 
 
 @pytest.mark.slow

@@ -73,6 +73,7 @@ class JausObserver:
         self._operator = operator
         self._take = take
         self._known = dict.fromkeys(declared)
+        self._heard: set[JausAddress] = set()
         self._asked: dict[JausAddress, float] = {}
         self._failures: dict[JausAddress, int] = {}
         self._timed: set[JausAddress] = set()
@@ -157,8 +158,12 @@ class JausObserver:
             followed.cancel()
 
     def _next(self, number: int) -> list[JausAddress]:
-        own = self._operator.own
-        self._known |= dict.fromkeys(sender for sender in self._operator.senders() if sender != own)
+        for sender in self._operator.senders():
+            if sender != self._operator.own and sender not in self._heard:
+                # Who speaks at its start is not to wait for the next question to everybody.
+                self._operator.survey.ask(sender)
+                self._heard.add(sender)
+                self._known[sender] = None
         due = [
             address
             for index, address in enumerate(self._known)
