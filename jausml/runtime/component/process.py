@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..transports.transport import Transport
 
 
-_NOT_GIVEN = re.compile("--[a-z-]+=")
+_EMPTY_OPTION = re.compile("--[a-z-]+=")
 
 
 def given_options(line: Sequence[str]) -> list[str]:
@@ -32,7 +32,7 @@ def given_options(line: Sequence[str]) -> list[str]:
     Launch files pass all of their arguments on; those without a value leave what the model and the
     parameters say.
     """
-    return [word for word in line if not _NOT_GIVEN.fullmatch(word)]
+    return [word for word in line if not _EMPTY_OPTION.fullmatch(word)]
 
 
 def add_component_arguments(parser: argparse.ArgumentParser, address: JausAddress) -> None:
@@ -120,7 +120,7 @@ def _digital_resources(text: str) -> tuple[str, ...]:
     return urls
 
 
-_OTHERS = {
+_PARTS_ON_DEMAND = {
     TransportKind.JTCP: ("transports.jtcp", "JtcpTransport"),
     TransportKind.NODE_MANAGER: ("transports.node_manager", "NodeManagerTransport"),
 }
@@ -135,6 +135,6 @@ def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
     if settings.transport is TransportKind.JUDP:
         return JudpTransport(settings, loop)
     kind: Callable[[TransportSettings, Loop], Transport] = part_of_whole(
-        *_OTHERS[settings.transport]
+        *_PARTS_ON_DEMAND[settings.transport]
     )
     return kind(settings, loop)

@@ -58,7 +58,7 @@ Settle: TypeAlias = "Callable[[int, float, int, bytes, bool, Sequence[int] | Non
 payload, whether it was acknowledged, and the sizes of its packets, if they are several."""
 
 
-class _Way(NamedTuple):
+class _Flow(NamedTuple):
     """Where datagrams come from and go to.
 
     Attributes:
@@ -216,7 +216,7 @@ class FastReceiver:
             if other.ends[1:] == key.ends[1:] and other[1:] == key[1:]:
                 _tell(known.order, known.path)
 
-    def _way_of(self, ends: bytes) -> _Way | None:
+    def _flow_of(self, ends: bytes) -> _Flow | None:
         """Returns where datagrams come from and go to; None where Python must look at each.
 
         A core compares origin and number alone. So they must come from a component that is known
@@ -242,38 +242,59 @@ class FastReceiver:
             return None
         # As the inbox would answer: with the priority of the question.
         answer = flags & _PRIORITY | _ACKNOWLEDGES if flags & _ASKS else 0
-        return _Way(entry, address_of(source), address_of(destination), numbers, answer)
+        return _Flow(entry, address_of(source), address_of(destination), numbers, answer)
 
     def _find(self, key: _Key) -> None:
         """Makes a route of what the datagrams with a key go through, where they are usual."""
-        way = self._way_of(key.ends)
-        if way is None:
+        flow = self._flow_of(key.ends)
+        if flow is None:
             return
-        path = None
-        if way.destination == self._component.address:
-            path = self._component.fast_path(key.code, key.event, way.source)
+        path = self._usual_path(key, flow)
+        if path is None:
+            # Emptied as a whole: what is asked for again is simply judged again.
+            if len(self._without) >= _MOST_WITHOUT:
+                self._without.clear()
+            self._without.add(key)
+            return
+        order = self._add(key, flow, path)
+        if order is None:
+            return
+        _tell(order, path)
+        # Kept from being freed: the core has its address alone.
+        self._lent.append(path.translation)
+        self._by_key[key] = route = _Known(path, order, self._settling(flow, path))
+        self._routes.append(route)
+
+    def _usual_path(self, key: _Key, flow: _Flow) -> FastPath | None:
+        """Returns the path of messages through Python that a core can take instead, if any."""
+        if flow.destination != self._component.address:
+            return None
+        path = self._component.fast_path(key.code, key.event, flow.source)
         # Of an event nobody has seen a report yet, so there is no number to expect. A command that
         # is acknowledged may be a stop: older ones without acknowledgement have a route apart, and
         # must hear of it before the next message.
         if (
             path is None
             or (path.expected is not None and path.expected() is None)
-            or (path.latest is not None and way.answer)
+            or (path.latest is not None and flow.answer)
         ):
-            # Emptied as a whole: what is asked for again is simply judged again.
-            if len(self._without) >= _MOST_WITHOUT:
-                self._without.clear()
-            self._without.add(key)
-            return
-        host, port = way.entry.endpoint
+            return None
+        return path
+
+    def _add(self, key: _Key, flow: _Flow, path: FastPath) -> Any:
+        """Returns the part of a new route that the core and Python write to; None where it is full.
+
+        The core copies all else.
+        """
+        host, port = flow.entry.endpoint
         route = Route(
-            source=way.source,
-            destination=way.destination,
+            source=flow.source,
+            destination=flow.destination,
             host=packed_host(host),
             port=port,
             code=path.code,
             flags=key.ends[0],
-            answer=way.answer,
+            answer=flow.answer,
             is_event=key.code == Event.CODE,
             event=key.event,
             is_ordered=path.latest is not None,
@@ -282,21 +303,19 @@ class FastReceiver:
             translation=ctypes.pointer(path.translation),
         )
         # What Python has seen so far is a duplicate for the core too.
-        numbers = list(way.numbers)
+        numbers = list(flow.numbers)
         known = (ctypes.c_uint16 * len(numbers))(*numbers)
-        # The core copies the route and returns the part of it that both write to.
         order = self._library.core_add(self._core, ctypes.byref(route), known, len(numbers))
-        if not order:
-            return
-        _tell(order.contents, path)
-        # Kept from being freed: the core has its address alone.
-        self._lent.append(path.translation)
-        self._by_key[key] = known_route = _Known(path, order.contents, self._settling(way, path))
-        self._routes.append(known_route)
+        return order.contents if order else None
 
-    def _settling(self, way: _Way, path: FastPath) -> Settle:
+    def _settling(self, flow: _Flow, path: FastPath) -> Settle:
         """Returns what writes down a message, as those would have done whom it has not met."""
-        entry, source, destination, numbers = way.entry, way.source, way.destination, way.numbers
+        entry, source, destination, numbers = (
+            flow.entry,
+            flow.source,
+            flow.destination,
+            flow.numbers,
+        )
         pair, window = pair_of(source, destination), self._window
         reassembly = self._inbox.reassembly
         learnt, seen = self._book.learnt, window.seen
