@@ -36,7 +36,6 @@ PUBLIC = {
     public.FACE,
     public.MESSAGES,
     public.CONVERSIONS,
-    public.ARITHMETIC,
     public.OCTETS,
     public.WIRE,
     public.LIGHT,

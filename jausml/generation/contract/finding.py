@@ -156,7 +156,6 @@ def fix_files(out: Path, findings: Sequence[Finding]) -> list[Fix]:
 
 
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
-_BOM = "\N{ZERO WIDTH NO-BREAK SPACE}"
 
 
 @dataclass(frozen=True, order=True)
