@@ -8,6 +8,7 @@ import pytest
 from diagram_support import MODELS, read
 from generated_graphs import generated
 from picture_figures import Figures, figures
+from sweeps import sweep
 
 from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port
 from jausml.views.diagrams.layout.graphviz import Graphviz
@@ -71,17 +72,27 @@ def test_the_paper_s_vehicle():
     assert drawn(graph_of(model, "system")).crossings <= 9
 
 
-def test_a_sample_of_generated_systems():
-    found = sum(map(drawn, map(generated, range(6))), Figures())
-    assert_no_worse(found, (226, 0, 89, 20), 0.45)
+GENERATED = [
+    (range(6), (226, 0, 89, 20), 0.45),
+    (range(40), (2495, 0, 983, 173), 0.42),
+    (range(40, 80), (2165, 0, 963, 192), 0.41),
+    (range(80, 120), (2853, 0, 1081, 215), 0.45),
+    (range(120, 160), (2029, 0, 961, 165), 0.47),
+    (range(160, 200), (2337, 0, 951, 187), 0.42),
+]
+"""Seeds of systems; crossings, humps, overlaps and labels off their lines; the unused share.
+
+In the order of their models Graphviz made 32,311 crossings of all, and 2,761 humps of them.
+"""
 
 
-@pytest.mark.slow
-@pytest.mark.timeout(600)
-def test_generated_systems():
-    """In the order of their models Graphviz made 32,311 crossings and 2,761 humps of them."""
-    found = sum(map(drawn, map(generated, range(200))), Figures())
-    assert_no_worse(found, (11879, 0, 4939, 932), 0.45)
+@pytest.mark.parametrize(
+    ("seeds", "most", "unused"),
+    sweep(GENERATED, every=len(GENERATED), rest=len(GENERATED)),
+    ids=str,
+)
+def test_generated_systems(seeds, most, unused):
+    assert_no_worse(sum(map(drawn, map(generated, seeds)), Figures()), most, unused)
 
 
 def test_the_order_with_the_fewest_crossings_is_found_and_rows_of_maps_stay():
