@@ -8,7 +8,7 @@ import pytest
 
 from experiments.processes import ExperimentError, wait_until
 from experiments.right_turn import wall
-from experiments.right_turn.data import HOPS, Plan, Run, read_all
+from experiments.right_turn.data import HOPS, Plan, read_all
 from experiments.right_turn.drives import Drive, drive
 from experiments.right_turn.systems import (
     JAUS_ALONE,
@@ -24,46 +24,31 @@ if TYPE_CHECKING:
 pytestmark = [pytest.mark.live, pytest.mark.slow, pytest.mark.timeout(150)]
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("wall")
-
-
-@pytest.fixture(scope="module")
-def runs(folder: Path) -> list[Run]:
-    return wall.run(folder, Plan(quick=True), lambda _: None)
-
-
-def test_both_systems_drive_the_turn(runs: list[Run]) -> None:
+def test_both_systems_drive_the_turn(tmp_path: Path) -> None:
+    """Each hop was measured, and the runs are kept without the logs."""
+    runs = wall.run(tmp_path, Plan(quick=True), lambda _: None)
     assert [(run.system, run.arrived) for run in runs] == [("J", True), ("R", True)]
     for run in runs:
         assert run.metrics["path_error_max"] < 1.0
         assert run.samples[-1].psi == pytest.approx(-1.57, abs=0.1)
-
-
-def test_each_hop_was_measured(runs: list[Run]) -> None:
-    for run in runs:
         assert {hop: run.latency[hop].count > 300 for hop in HOPS} == dict.fromkeys(HOPS, True)
+    assert read_all(tmp_path) == runs
+    assert not list((tmp_path / "logs").rglob("*.log"))
 
 
-def test_the_runs_are_kept_and_the_logs_are_not(folder: Path, runs: list[Run]) -> None:
-    assert read_all(folder) == runs
-    assert not list((folder / "logs").rglob("*.log"))
-
-
-def test_a_late_command_on_tyres_that_slip_is_another_drive(folder: Path) -> None:
-    workspace = generate(JAUS_ALONE, folder / "slow")
+def test_a_late_command_on_tyres_that_slip_is_another_drive(tmp_path: Path) -> None:
+    workspace = generate(JAUS_ALONE, tmp_path / "slow")
     setting = Setting(place=3, plant="dynamic", delay=0.2)
-    (run,) = drive([Drive(workspace, "late", setting)], folder / "logs")
+    (run,) = drive([Drive(workspace, "late", setting)], tmp_path / "logs")
 
     assert run.config["plant"] == "dynamic"
     assert run.latency["to_vehicle"].p95 > 0.2
     assert run.metrics["path_error_max"] > 0.6
 
 
-def test_a_process_that_ends_is_told(folder: Path) -> None:
-    workspace = generate(JAUS_ALONE, folder / "ended")
-    with Running(workspace, Setting(place=4, plant="tank"), folder / "logs") as system:
+def test_a_process_that_ends_is_told(tmp_path: Path) -> None:
+    workspace = generate(JAUS_ALONE, tmp_path / "ended")
+    with Running(workspace, Setting(place=4, plant="tank"), tmp_path / "logs") as system:
         system.start_named("vehicle")
         with pytest.raises(
             ExperimentError, match=r"(?s)vehicle in .* has ended:.*'tank' is none of"
