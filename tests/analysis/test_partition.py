@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import pytest
+from sweeps import sweep
 
 from jausml.generation.target import system_of
 from jausml.language.model import read_models
@@ -47,14 +48,14 @@ def carried(plan):
     return {one.name: sorted(c.name for c in one.carriers) for one in plan.after}
 
 
-@pytest.mark.parametrize("seeds", [4, pytest.param(48, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "seeds", sweep([range(4), range(4, 16), range(16, 32), range(32, 48)], every=4), ids=str
+)
 def test_no_partition_of_a_small_robot_is_much_better(system, seeds):
     """All partitions are counted: none holds more limits, few weigh less."""
     worse = 0
     cases = [
-        (seed, limits)
-        for seed in range(seeds)
-        for limits in (Limits(), Limits(most=3), Limits(load=0.01))
+        (seed, limits) for seed in seeds for limits in (Limits(), Limits(most=3), Limits(load=0.01))
     ]
     for seed, limits in cases:
         whole = system(robot(4 + seed % 7, 1 + seed % 3, seed), head="")

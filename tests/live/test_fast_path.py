@@ -62,7 +62,10 @@ def running(path, log, monkeypatch, compiled):
         made.close()
 
 
-@pytest.fixture(params=sweep([True, False], every=2), ids=["core", "Python"])
+FORMS = [pytest.param(True, id="core"), pytest.param(False, id="Python")]
+
+
+@pytest.fixture(params=sweep(FORMS, every=2, rest=0))
 def system(request, path, tmp_path, monkeypatch):
     with running(path, tmp_path / "bridge.log", monkeypatch, request.param) as made:
         yield made

@@ -17,6 +17,7 @@ import needs
 import pytest
 from guardians import guardian_of
 from ports import free_domain, free_port
+from sweeps import sweep
 
 needs.ask("rclpy")
 
@@ -177,6 +178,8 @@ def driven(system):
     return system
 
 
+ENDS = [signal.SIGINT, signal.SIGTERM]
+
 # Both directions at once: what kills the station loses its stops towards JAUS too.
 
 
@@ -197,7 +200,7 @@ def test_station_is_killed(driven):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("kind", sweep(ENDS, every=2, rest=0), ids=lambda kind: kind.name)
 def test_station_ends(driven, kind):
     process = driven.running["station"]
     assert driven.end("station", kind) == 0
@@ -206,7 +209,7 @@ def test_station_ends(driven, kind):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize("kind", sweep(ENDS, every=2, rest=0), ids=lambda kind: kind.name)
 def test_vehicle_ends(driven, kind):
     """The last word reaches ROS before the context goes down."""
     assert driven.end("vehicle", kind) == 0

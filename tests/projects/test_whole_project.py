@@ -43,7 +43,7 @@ TANKS = (
 )
 
 
-@pytest.fixture(params=sweep(["text", "xmi"], every=2))
+@pytest.fixture(params=sweep(["text", "xmi"], every=2, rest=0))
 def notation(request):
     return request.param
 

@@ -32,7 +32,7 @@ def sweep(
         values: Values of one parameter, tuples of those of several, or what `pytest.param` made.
         every: Each so-manieth guards, beginning with the first; or what tells whether one does.
         rest: Each so-manieth of the others is taken, beginning with the first; 1 where each of them
-            shows what no other does.
+            shows what no other does, 0 for none where those that guard stand for all.
         whole: Whether all of them are taken.
     """
     cases = list(values)
@@ -43,7 +43,7 @@ def sweep(
         if is_guard:
             found.append(case)
             continue
-        if whole or others % rest == 0:
+        if whole or (rest and others % rest == 0):
             found.append(_slow(case))
         others += 1
     return found

@@ -157,7 +157,7 @@ def view_of(message: Any) -> Any:
     return build_message_map([message])[message]
 
 
-@for_each(("stem", "each"), to_ros, ids=name, shards=32, slow=True, rest=4)
+@for_each(("stem", "each"), to_ros, ids=name, shards=32, slow=True, rest=8)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)
 def test_to_ros(
@@ -186,7 +186,7 @@ def test_to_ros(
         check(connection, method, function, sent, **joins)
 
 
-@for_each(("stem", "each"), to_jaus, ids=name, shards=32, slow=True, rest=4)
+@for_each(("stem", "each"), to_jaus, ids=name, shards=32, slow=True, rest=8)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
 def test_to_jaus(

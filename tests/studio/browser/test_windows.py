@@ -21,7 +21,11 @@ pytestmark = [
 PHONE, ZOOMED, SMALL, USUAL = (390, 844), (720, 450), (1024, 700), (1440, 900)
 TABLET, LAPTOP, WIDE = (768, 1024), (1280, 800), (1920, 1080)
 SIZES = [pytest.param(size) for size in (PHONE, ZOOMED, TABLET, SMALL, LAPTOP, USUAL, WIDE)]
-MODES = [{"color_scheme": "dark"}, {"forced_colors": "active"}]
+NARROW, DARK, FORCED = (
+    {"viewport": {"width": 400, "height": 844}},
+    {"color_scheme": "dark"},
+    {"forced_colors": "active"},
+)
 
 
 def opened(open_shared, size, **options):
@@ -35,7 +39,7 @@ def shown(page):
     return desk
 
 
-@pytest.mark.parametrize("size", [PHONE, ZOOMED, SMALL, USUAL], ids=str)
+@pytest.mark.parametrize("size", sweep([PHONE, ZOOMED, SMALL, USUAL], every=3, rest=0), ids=str)
 def test_the_diagram_is_seen_and_nothing_is_cut(open_shared, size):
     desk = opened(open_shared, size)
     page = desk.page
@@ -108,7 +112,7 @@ def test_every_control_is_whole_and_reached(open_shared, size):
     assert broken(desk.page) == {}
 
 
-@pytest.mark.parametrize("mode", [{}, *MODES, {"viewport": {"width": 400, "height": 844}}], ids=str)
+@pytest.mark.parametrize("mode", sweep([{}, FORCED, DARK | NARROW], every=2, rest=0), ids=str)
 def test_a_machine_is_stepped_in_all_colours_and_rows_are_whole(open_studio, tmp_path, mode):
     desk = Desktop(open_studio(telling_winch(tmp_path), **mode))
     for view in ("service:Winch", "machine:Winch.ReceiveFSM"):
@@ -127,7 +131,7 @@ def test_a_machine_is_stepped_in_all_colours_and_rows_are_whole(open_studio, tmp
     assert (misplaced(desk.page), broken(desk.page)) == ([], {})
 
 
-@pytest.mark.parametrize("mode", MODES, ids=str)
+@pytest.mark.parametrize("mode", sweep([DARK, FORCED], every=2, rest=0), ids=str)
 def test_no_colours_break_a_rule_of_axe(open_shared, mode):
     desk = opened(open_shared, USUAL, **mode)
     desk.title("vehicle").click()
