@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import os
 import subprocess
-import sys
-from pathlib import Path
 
 import pytest
+import warm
 from terminal import at_terminal
 
 from jausml.cli.shared.options import SHELLS
 
-PROGRAMS = Path(sys.executable).parent
-WITH_JAUSML = {"PATH": f"{PROGRAMS}{os.pathsep}{os.environ['PATH']}"}
 # What is typed before the tabulator, and what the shell then has on its line.
 TYPED = {
     "jausml vali": "jausml validate ",
@@ -22,6 +19,11 @@ TYPED = {
     "jausml validate goo": "jausml validate good.xmi",
     "jausml show message SetWrenchEff": "jausml show message SetWrenchEffort ",
 }
+
+
+def with_jausml() -> dict[str, str]:
+    """Where a shell finds `jausml`."""
+    return {"PATH": f"{warm.programs()}{os.pathsep}{os.environ['PATH']}"}
 
 
 @pytest.mark.parametrize(
@@ -43,7 +45,7 @@ def test_of_an_unknown_shell_the_known_ones_are_told(jausml):
 
 def complete(command, start, folder):
     """Types what TYPED has into an interactive shell, and waits for what becomes of it."""
-    with at_terminal(*command, cwd=folder, environment=WITH_JAUSML) as terminal:
+    with at_terminal(*command, cwd=folder, environment=with_jausml()) as terminal:
         terminal.type(f"{start}\necho rea''dy\n")
         terminal.wait_for("ready\r\n")
         for typed, completed in TYPED.items():
@@ -80,7 +82,7 @@ def test_fish_completes(jausml, folder):
     done = subprocess.run(
         ["fish", "--no-config", "-c", "\n".join(["source ./script", *lines])],
         cwd=folder,
-        env={**os.environ, **WITH_JAUSML},
+        env={**os.environ, **with_jausml()},
         capture_output=True,
         text=True,
         timeout=60,
@@ -121,9 +123,9 @@ def offered(tmp_path):
             "COMP_CWORD": str(len(line.split(" ")) - 1),
             "_JAUSML_COMPLETE": "bash_complete",
         }
-        program = [sys.executable, "-c", "from jausml.cli import program; program()"]
+        environment = {**os.environ, **asked}
         done = subprocess.run(
-            program, cwd=folder, env={**os.environ, **asked}, capture_output=True, text=True
+            warm.command(), cwd=folder, env=environment, capture_output=True, text=True
         )
         assert not done.stderr
         lines = (output_line.split(",") for output_line in done.stdout.splitlines())

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import warm
 
 from jausml import generation
 from jausml.generation import (
@@ -395,7 +395,7 @@ def contents(folder):
 @pytest.mark.usefixtures("folder")
 def test_runs_at_once_wait_for_each_other():
     """All end well, and the tree is that of one run."""
-    command = [sys.executable, "-m", "jausml", "generate", "good.xmi", "-o", "out"]
+    command = [*warm.command(), "generate", "good.xmi", "-o", "out"]
     runs = [
         subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         for _ in range(3)

@@ -10,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import warm
 from merging_support import MESSAGE, NODE, PACKAGE, PLANT
 
 from jausml.language.model import LIBRARY_URI, read_models
@@ -27,10 +28,10 @@ class Repository:
 
     def __init__(self, folder):
         self.folder = folder
-        programs = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        programs = (str(warm.programs()), str(Path(sys.executable).parent), os.environ["PATH"])
         self.environment = {
             **os.environ,
-            "PATH": programs,
+            "PATH": os.pathsep.join(programs),
             "HOME": str(folder),
             "GIT_CONFIG_NOSYSTEM": "1",
             **{

@@ -25,8 +25,8 @@ pytestmark = pytest.mark.ports
 
 
 @pytest.fixture
-def server(folder: Path, built: Path) -> Iterator[Server]:
-    """A process that tests hold and limit."""
+def held(folder: Path, built: Path) -> Iterator[Server]:
+    """A process that tests halt and limit."""
     with serving(folder / "catvehicle.xmi", built, start=started) as server:
         yield server
 
@@ -82,22 +82,23 @@ def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(
 
 @pytest.mark.slow
 def test_an_edit_that_cannot_be_stored_when_it_is_done_again_stays_kept(
-    page: Page, server: Server, folder: Path
+    held: Server, folder: Path
 ) -> None:
-    ref, base = begin(page, folder)
-    theirs = TEXT.replace("1.1.2", "1.1.55")
-    (folder / FILE).write_text(theirs, encoding="utf-8")
-    with pytest.raises(RefusedError, match="is kept"):
-        page.ask("edit", commands=[addressed(ref, "1.1.77")], label="Set", base=base)
-    (kept,) = page.ask("kept")["edits"]
-    with full_disk(server):
-        with pytest.raises(RefusedError, match="cannot be written"):
-            page.ask("kept.again", number=kept["number"])
-        assert page.ask("kept")["edits"] == [kept]
-        assert (folder / FILE).read_text(encoding="utf-8") == theirs
-    page.ask("kept.again", number=kept["number"])
-    assert (folder / FILE).read_text(encoding="utf-8") == TEXT.replace("1.1.2", "1.1.77")
-    assert page.ask("kept")["edits"] == []
+    with held.page() as page:
+        ref, base = begin(page, folder)
+        theirs = TEXT.replace("1.1.2", "1.1.55")
+        (folder / FILE).write_text(theirs, encoding="utf-8")
+        with pytest.raises(RefusedError, match="is kept"):
+            page.ask("edit", commands=[addressed(ref, "1.1.77")], label="Set", base=base)
+        (kept,) = page.ask("kept")["edits"]
+        with full_disk(held):
+            with pytest.raises(RefusedError, match="cannot be written"):
+                page.ask("kept.again", number=kept["number"])
+            assert page.ask("kept")["edits"] == [kept]
+            assert (folder / FILE).read_text(encoding="utf-8") == theirs
+        page.ask("kept.again", number=kept["number"])
+        assert (folder / FILE).read_text(encoding="utf-8") == TEXT.replace("1.1.2", "1.1.77")
+        assert page.ask("kept")["edits"] == []
 
 
 @contextmanager
@@ -134,15 +135,15 @@ def send(page: Page, view: dict[str, Any], wanted: tuple[str, str]) -> int:
 
 @pytest.mark.slow
 def test_two_studios_at_the_same_moment_lose_nothing(
-    server: Server, folder: Path, built: Path
+    held: Server, folder: Path, built: Path
 ) -> None:
-    with serving(folder, built, start=started) as other, server.page() as one, other.page() as two:
+    with serving(folder, built, start=started) as other, held.page() as one, other.page() as two:
         begin(one, folder)
         two.await_told("changed")
         for turn in range(3):
             seen = [studio.ask("view", file=FILE, view="system") for studio in (one, two)]
             wanted = [("helm", f"1.2.{turn + 1}"), ("winch", f"1.3.{turn + 1}")]
-            with halted(server, other):
+            with halted(held, other):
                 sent = [send(*request) for request in zip((one, two), seen, wanted, strict=True)]
             for page, number in zip((one, two), sent, strict=True):
                 assert page.answer(number)["created"] == []
@@ -152,7 +153,7 @@ def test_two_studios_at_the_same_moment_lose_nothing(
         # Of the same property one is done; the other is kept, with what it was to be.
         seen = [studio.ask("view", file=FILE, view="system") for studio in (one, two)]
         wanted = [("helm", "1.4.1"), ("helm", "1.4.2")]
-        with halted(server, other):
+        with halted(held, other):
             sent = [send(*request) for request in zip((one, two), seen, wanted, strict=True)]
         refused = []
         for page, number in zip((one, two), sent, strict=True):

@@ -7,7 +7,7 @@ import socket
 from typing import TYPE_CHECKING
 
 import pytest
-from studio_client import LONGEST, serving, started
+from studio_client import LONGEST, begun, serving, started
 from sweeps import sweep
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.ports
 
 
 def ended(path: Path, page: Path, *options: str) -> tuple[int, str]:
-    process = started(path, page, *options)
+    process = begun(path, page, *options)
     _, errors = process.communicate(timeout=LONGEST)
     return process.returncode, errors
 
