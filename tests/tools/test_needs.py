@@ -47,6 +47,10 @@ import rclpy
 """
 
 
+PLUGINS = {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_PLUGINS": "xdist.plugin,pytest_timeout"}
+"""Others are half of what it takes to begin."""
+
+
 @pytest.fixture
 def run(tmp_path):
     """Runs tests of their own; returns what pytest prints."""
@@ -60,7 +64,7 @@ def run(tmp_path):
         return subprocess.run(
             [sys.executable, "-m", "pytest", *plugins, *options],
             cwd=tmp_path,
-            env={**os.environ, **environment},
+            env={**os.environ, **PLUGINS, **environment},
             capture_output=True,
             text=True,
         )
