@@ -39,6 +39,8 @@ def test_a_list_is_followed_to_its_end(system, operator):
 
 @pytest.mark.slow
 def test_speed_and_waypoint_are_told_before_while_and_after_it_drives(system, operator):
+    # No waypoint is told that nobody has set.
+    assert (operator.asked_speed(), operator.asked_x()) == (0.0, None)
     operator.give(1, 2)
     assert (operator.asked_speed(), operator.asked_x()) == (0.0, 1.0)
     operator.execute(speed=1.5)
@@ -57,12 +59,6 @@ def test_another_speed_is_told(system, operator):
     wait_goal(system)
     operator.execute(uid=None, speed=0.5)
     wait_for(lambda: operator.asked_speed() == 0.5, "the other speed", PATIENCE)
-
-
-@pytest.mark.slow
-def test_no_waypoint_is_told_that_nobody_has_set(operator):
-    assert operator.asked_x() is None
-    assert operator.asked_speed() == 0.0
 
 
 @pytest.mark.slow
