@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from codec_support import library
+from for_each import for_each
 
 from jausml.generation import FileTask, Target, render
 from jausml.language.metamodel.classes import jaus
@@ -174,7 +175,7 @@ def spoilt(draw: random.Random, message: Any) -> None:
         at = inner
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_each("name", NAMES)
 def test_a_message_offers_what_a_generated_one_does(name: str, generated: types.ModuleType) -> None:
     cls, other = getattr(core_messages, name), getattr(generated, name)
     assert (cls.CODE, cls.NAME) == (other.CODE, other.NAME)
@@ -190,7 +191,7 @@ def test_a_message_offers_what_a_generated_one_does(name: str, generated: types.
             assert getattr(offered[inner], "TAG", None) == getattr(kind, "TAG", None)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@for_each("name", NAMES)
 def test_a_message_is_written_and_read_as_a_generated_one(
     name: str, generated: types.ModuleType
 ) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from for_each import for_each
 from lupa import lua54
 from wire_vectors import VECTORS, payload_of, vectors
 
@@ -56,7 +57,7 @@ def dissect(tmp_path_factory: pytest.TempPathFactory) -> Dissect:
     return dissected
 
 
-@pytest.mark.parametrize("vector", DECODED, ids=lambda vector: vector["name"])
+@for_each("vector", DECODED, ids=lambda vector: vector["name"])
 def test_the_dissector_shows_what_the_vector_says(dissect: Dissect, vector: dict[str, Any]) -> None:
     view, fields = dissect(vector)
     assert tells(view.messages, fields, vector)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 from typing import Any
 
 import pytest
 from codec_support import ROOT, definitions, library, load, render, shipped_sets
+from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -91,8 +93,10 @@ def test_it_reads_the_bits_as_a_generated_one_does(bits: int) -> None:
     assert packed(TimeStamp, values) == packed(ANEW, values)
 
 
-@pytest.mark.parametrize("index", range(5))
-@pytest.mark.parametrize("value", [-1, 0, 1, 23, 24, 31, 32, 59, 60, 999, 1000, None, "x"])
+VALUES = (-1, 0, 1, 23, 24, 31, 32, 59, 60, 999, 1000, None, "x")
+
+
+@for_each(("index", "value"), itertools.product(range(len(PARTS)), VALUES))
 def test_it_refuses_what_a_generated_one_refuses(index: int, value: Any) -> None:
     parts: list[Any] = [1] * 5
     parts[index] = value

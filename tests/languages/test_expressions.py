@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from for_each import for_each
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -36,7 +37,7 @@ def value(text, **values):
 # --------------------------------------------------------------- what texts mean
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "expected"),
     [
         ("1 + 2 * 3", 7.0),
@@ -92,6 +93,7 @@ def value(text, **values):
         ("isfinite(-inf)", 0.0),
         ("-inf", -INF),
     ],
+    ids=lambda pair: pair[0],
 )
 def test_values(text, expected):
     assert value(text) == expected
@@ -246,7 +248,7 @@ def bounds(text, **intervals):
     return interval(parse_expression(text), intervals)
 
 
-@pytest.mark.parametrize(
+@for_each(
     ("text", "expected"),
     [
         ("x", (-1.0, 2.0)),
@@ -289,6 +291,7 @@ def bounds(text, **intervals):
         ("if(isfinite(x), x, nan)", (-1.0, 2.0)),
         ("nan + x", None),
     ],
+    ids=lambda pair: pair[0],
 )
 def test_bounds(text, expected):
     assert bounds(text, x=(-1.0, 2.0)) == expected

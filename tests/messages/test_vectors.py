@@ -11,14 +11,13 @@ import re
 
 import pytest
 from codec_support import LIBRARY_FILES, ROOT, FieldNames, library, load, read_messages, render
+from for_each import for_each
 from wire_vectors import close, given, payload_of, vectors
 
 from jausml.live import messages
 from jausml.live.messages import load_catalogue
 from jausml.live.messages.entries import as_it_is
 from jausml.runtime import wire
-
-EVERY = pytest.mark.parametrize("vector", vectors(), ids=lambda vector: vector["name"])
 
 # What the interpreter and the generated classes say of each kind of error.
 DECODING = {
@@ -96,8 +95,12 @@ def generated(model):
     return views, load(render(views), f"vectors_{re.sub('[^a-z]', '_', model)}")
 
 
-@pytest.mark.parametrize("codec", [Interpreted, Generated])
-@EVERY
+@for_each(
+    ("codec", "vector"),
+    [(codec, vector) for codec in (Interpreted, Generated) for vector in vectors()],
+    ids=lambda pair: f"{pair[0].__name__}: {pair[1]['name']}",
+    shards=2,
+)
 def test_each_codec_does_as_the_vector_says(codec, vector):
     tested = codec(vector)
     data = payload_of(vector)

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from for_each import for_each
 from reader_support import XMLNS, zoo
 
 from jausml.language.model import READER_RULES, Severity, inputs
@@ -105,7 +106,7 @@ REFERENCES = {
 TEXTS = {**XML, **CONFORMANCE, **REFERENCES}
 
 
-@pytest.mark.parametrize("name", TEXTS)
+@for_each("name", TEXTS)
 def test_finding(name, documents):
     documents.write("lib.xmi", zoo('<cages id="in-lib"/>', 'name="Lib"'))
     documents.write("cage.xmi", f'<zoo:Cage {XMLNS} id="part"/>')

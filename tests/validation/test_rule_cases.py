@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
 from for_each import for_each
 
 from jausml.language.model.diagnostics import Severity
@@ -35,7 +34,7 @@ def findings_of(case, name):
     return replace(report, diagnostics=kept)
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@for_each("case", CASES, ids=lambda case: case.name, shards=4)
 def test_bad_model_is_reported_where_it_is_bad(case, monkeypatch):
     monkeypatch.chdir(case)
     monkeypatch.setenv("AMENT_PREFIX_PATH", INSTALLED)
@@ -44,7 +43,7 @@ def test_bad_model_is_reported_where_it_is_bad(case, monkeypatch):
     assert {diagnostic.rule for diagnostic in report.diagnostics} == {case.name[:6]}
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@for_each("case", CASES, ids=lambda case: case.name, shards=4)
 def test_good_model_is_not_reported(case, monkeypatch):
     monkeypatch.chdir(case)
     monkeypatch.setenv("AMENT_PREFIX_PATH", INSTALLED)

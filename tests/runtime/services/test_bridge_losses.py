@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 
 import pytest
+from for_each import for_each
 
 from jausml.runtime.bridge.messages.limits import (
     AbsentFieldError,
@@ -123,9 +125,12 @@ OUTSIDE = [
 ]
 
 
-@pytest.mark.parametrize("policy", [Clamp, DropField, DropMessage, Error])
-@pytest.mark.parametrize(("use", "expected"), FITTING)
-def test_what_fits_passes_every_policy(policy, use, expected):
+@for_each(
+    ("number", "policy"),
+    itertools.product(range(len(FITTING)), [Clamp, DropField, DropMessage, Error]),
+)
+def test_what_fits_passes_every_policy(number, policy):
+    use, expected = FITTING[number]
     counted = []
     result = use(policy(lambda *what: counted.append(what)))
     assert (result, type(result)) == (expected, type(expected))
