@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+from for_each import for_each
 from needs import SHARED
 
 from jausml.language.attributes.guards import alternatives, parse_guard
@@ -32,6 +33,7 @@ from jausml.runtime.messages import (
 )
 from jausml.runtime.services.discovery_messages import register_services
 
+from .conftest import World
 from .state_tables import Row, Stage, after, controlled, ready
 
 if TYPE_CHECKING:
@@ -344,23 +346,30 @@ def expected(each, situation):
     return target, [] if each.sent == "-" else each.sent.split(", ")
 
 
-def played() -> Iterator[object]:
+def played() -> Iterator[tuple[Transition, str, dict[str, bool]]]:
     """Yields each transition in each innermost state in which it holds, in each way to it."""
     for row in TABLE:
         guard = parse_guard(row.guard.strip("-"))
         for situation in SITUATIONS if row.trigger not in UNPLAYED else ():
             leaf = CORE_STATES[situation]
-            for number, alternative in enumerate(alternatives(guard) if guard else [()]):
+            for alternative in alternatives(guard) if guard else [()]:
                 says = {condition.name: holds for condition, holds in alternative}
-                name = f"{row.trigger} {row.guard} {number} in {leaf}"
                 if row.holds_in(leaf):
-                    yield pytest.param(row, situation, says, id=name)
+                    yield row, situation, says
 
 
-@pytest.mark.parametrize(("each", "situation", "says"), [*played()])
-def test_the_runtime_does_what_the_machines_say(world, each, situation, says):
-    target, sent = expected(each, situation)
-    entered, heard = outcome(world, each, situation, says)
+def name(case: tuple[Transition, str, dict[str, bool]]) -> str:
+    """Returns how a transition is called that is played."""
+    row, situation, says = case
+    return f"{row.trigger} {row.guard} {says} in {CORE_STATES[situation]}"
+
+
+@for_each(("row", "situation", "says"), played(), ids=name, shards=2)
+def test_the_runtime_does_what_the_machines_say(row, situation, says):
+    target, sent = expected(row, situation)
+    world = World()
+    with world.loop:
+        entered, heard = outcome(world, row, situation, says)
     # The first report of an event, or a further one, is what EventOccurred says.
     further = ["Event"] * heard.count("Event") if "Event" not in sent else []
     assert lies_in(entered, f"{READY}.{target}")
