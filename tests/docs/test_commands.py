@@ -27,7 +27,7 @@ from jausml.cli import main
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-GUARDS = ("metamodels", "README.md", "docs", "jausml/cli")
+GUARDS = ("metamodels", "README.md", "docs")
 
 ROOT = Path(__file__).resolve().parents[2]
 REFERENCES = {ROOT / path: make for path, make in build_site.REFERENCES.items()}
