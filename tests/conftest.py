@@ -15,6 +15,7 @@ from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 from isolation import announce_often, isolate, own_domain
 from ports import MOST_WORKERS, worker
+from sweeps import MARKING
 from xdist.scheduler import LoadFileScheduling
 
 from jausml.generation.native import compiler
@@ -73,11 +74,11 @@ def _draw_from_no_sources() -> None:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Leaves out files without sweeps where sweeps alone are chosen: reading all takes long."""
-    if config.option.markexpr != "slow" or not collection_path.match("test_*.py"):
+    """Leaves out files that have none of the tests which make chooses: reading all takes long."""
+    wanted = MARKING.get(config.option.markexpr)
+    if wanted is None or not collection_path.match("test_*.py"):
         return None
-    text = collection_path.read_text(encoding="utf-8")
-    return None if re.search(r"mark\.slow|import sweep|slow=True", text) else True
+    return None if re.search(wanted, collection_path.read_text(encoding="utf-8")) else True
 
 
 @pytest.hookimpl(wrapper=True)

@@ -17,6 +17,12 @@ if TYPE_CHECKING:
 WHOLE = "JAUSML_EXAMPLES" in os.environ
 REST = 3
 """Each so-manieth of what is left is enough, where values are much alike."""
+MARKING = {
+    "slow": r"mark\.slow|import sweep|slow=True",
+    **dict.fromkeys(("live", "live and not slow"), r"mark\.live"),
+    "beside": r"mark\.beside",
+}
+"""What stands in each file that has tests of those that make chooses by `-m`."""
 
 
 def sweep(

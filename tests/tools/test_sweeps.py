@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
 from needs import SHARED
-from sweeps import sweep
+from sweeps import MARKING, sweep
 
 GUARDS = (".ci/run",)
 
@@ -52,6 +53,18 @@ def test_names_and_marks_stay():
 def test_a_sweep_that_guards_nothing_is_refused():
     with pytest.raises(AssertionError, match="nothing guards"):
         sweep([1, 2], every=lambda _: False)
+
+
+def test_what_is_chosen_by_a_mark_stands_in_a_file_that_names_it(request):
+    marked = {
+        (item.path, name)
+        for item in request.session.items
+        for name in MARKING
+        if item.get_closest_marker(name)
+    }
+    assert [
+        pair for pair in marked if not re.search(MARKING[pair[1]], pair[0].read_text("utf-8"))
+    ] == []
 
 
 @pytest.fixture
