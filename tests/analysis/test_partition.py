@@ -117,7 +117,7 @@ def test_what_a_person_wants_is_held(vehicle):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("most", [30, 60])
+@pytest.mark.parametrize("most", sweep([30, 60], every=2, rest=0))
 def test_300_connections_are_cut_into_full_bridges(system, most):
     plan = Planner(system(robot(300, 3), head=""), Assumptions()).propose(Limits(most=most))
     assert len(plan.after) == 300 / most
