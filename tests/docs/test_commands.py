@@ -95,11 +95,11 @@ JUDGED_ELSEWHERE = {
     "deploy": "tests/live/test_fleet.py, tests/live/test_deployment.py",
     "init": "tests/projects",
     "map-a-message": "tests/projects/test_new_map.py",
-    "ocu": "tests/peers/test_ocu.py, tests/live/test_services_live.py",
+    "ocu": "tests/peers",
     "prove": "tests/cli/test_prove.py, tests/model_checking/test_verb.py, tests/mutating",
     "record": "tests/recording, tests/live/test_recording.py",
     "safety-case": "tests/cli/test_case.py",
-    "top": "tests/peers/test_top.py, tests/live/test_top.py",
+    "top": "tests/peers, tests/live/test_top.py",
 }
 """Pages with dear commands, and which tests run the same ones; `make test-random` runs all."""
 RUN = [page for page in WITH_COMMANDS if WHOLE or page.stem not in JUDGED_ELSEWHERE]
