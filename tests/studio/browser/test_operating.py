@@ -14,6 +14,7 @@ from appearance import broken, misplaced
 from playwright.sync_api import expect
 from ports import free_port
 from simulated_vehicle import VEHICLE, Vehicle, until
+from sweeps import sweep
 
 from jausml import Component, decode
 
@@ -205,7 +206,9 @@ def kill_tabs(browser):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("size", [(1440, 1200), (1440, 900), (1024, 700), (390, 844)])
+@pytest.mark.parametrize(
+    "size", sweep([(1440, 1200), (1440, 900), (1024, 700), (390, 844)], every=3, rest=0)
+)
 def test_nothing_moves_by_itself(studio, vehicle, open_studio, port, size):
     """An alarm comes while the stick is held: no part has another place, no other value is sent."""
     window = {"width": size[0], "height": size[1]}
