@@ -11,9 +11,14 @@ import venv
 import zipfile
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import pytest
+from for_each import for_each
 from packaging.requirements import Requirement
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -66,22 +71,36 @@ def tracked() -> list[str]:
     return [name for name in names if name and (ROOT / name).exists()]
 
 
-@pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Builds the sdist of the tracked files, and of it the wheel; returns their folder."""
-    work = tmp_path_factory.mktemp("built")
+class Made(NamedTuple):
+    """Where the sdist and the wheel are, the programs of an environment with it, and a folder."""
+
+    built: Path
+    installed: Path
+    folder: Path
+
+
+@pytest.fixture
+def made(tmp_path: Path) -> Made:
+    """Builds and installs the wheel."""
+    folders = [tmp_path / name for name in ("built", "wheel", "work")]
+    for folder in folders:
+        folder.mkdir()
+    built, wheel, folder = folders
+    build(built)
+    return Made(built, install(built, wheel), folder)
+
+
+def build(work: Path) -> None:
+    """Builds the sdist of the tracked files, and of it the wheel."""
     source = work / "source"
     for name in tracked():
         (source / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy2(ROOT / name, source / name, follow_symlinks=False)
     run(sys.executable, "-m", "build", "--no-isolation", "--outdir", work, source, cwd=work)
-    return work
 
 
-@pytest.fixture(scope="module")
-def installed(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def install(built: Path, work: Path) -> Path:
     """Installs the wheel alone; returns the bin folder."""
-    work = tmp_path_factory.mktemp("wheel")
     (wheel,) = built.glob("jausml-*.whl")
     environment = work / "environment"
     venv.create(environment)
@@ -94,30 +113,30 @@ def installed(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return environment / "bin"
 
 
-def shipped(installed: Path, tmp_path: Path) -> Path:
+def shipped(made: Made) -> Path:
     """Returns the folder of the models that the wheel brought."""
     code = "import jausml, pathlib; print(pathlib.Path(jausml.__file__).parent / 'models')"
-    return Path(run(installed / "python", "-c", code, cwd=tmp_path).strip())
+    return Path(run(made.installed / "python", "-c", code, cwd=made.folder).strip())
 
 
-def test_the_sdist_has_all_that_the_checkout_has(built: Path) -> None:
-    (sdist,) = built.glob("jausml-*.tar.gz")
+def the_sdist_has_all_that_the_checkout_has(made: Made) -> None:
+    (sdist,) = made.built.glob("jausml-*.tar.gz")
     with tarfile.open(sdist) as archive:
         packed = {name.partition("/")[2] for name in archive.getnames()}
     assert set(tracked()) - packed == set()
 
 
-def test_type_checkers_find_what_they_need(built: Path) -> None:
-    (wheel,) = built.glob("jausml-*.whl")
+def type_checkers_find_what_they_need(made: Made) -> None:
+    (wheel,) = made.built.glob("jausml-*.whl")
     with zipfile.ZipFile(wheel) as archive:
         packed = set(archive.namelist())
     stubs = {name for name in tracked() if name.startswith("jausml/") and name.endswith(".pyi")}
     assert stubs | {"jausml/py.typed"} <= packed
 
 
-def test_there_is_no_ros(installed: Path, tmp_path: Path) -> None:
+def there_is_no_ros(made: Made) -> None:
     result = subprocess.run(
-        [installed / "python", "-c", "import rclpy"], cwd=tmp_path, capture_output=True
+        [made.installed / "python", "-c", "import rclpy"], cwd=made.folder, capture_output=True
     )
     assert result.returncode != 0
 
@@ -141,26 +160,41 @@ for model in sys.argv[1:]:
 """
 
 
-def test_validate_and_generate(installed: Path, tmp_path: Path) -> None:
-    """All in one process, which begins once; the command itself is run by the test below."""
-    models = [shipped(installed, tmp_path) / example for example in EXAMPLES]
-    run(installed / "python", "-c", VERBS, *models, cwd=tmp_path)
+def validate_and_generate(made: Made) -> None:
+    """All in one process, which begins once; the command itself is run below."""
+    models = [shipped(made) / example for example in EXAMPLES]
+    run(made.installed / "python", "-c", VERBS, *models, cwd=made.folder)
     for model in models:
-        produced = sorted(path.name for path in (tmp_path / model.name).iterdir())
+        produced = sorted(path.name for path in (made.folder / model.name).iterdir())
         assert {"jausml_runtime", f"{model.stem}_bringup"} <= set(produced)
-        runtime = tmp_path / model.name / "jausml_runtime" / "jausml_runtime"
+        runtime = made.folder / model.name / "jausml_runtime" / "jausml_runtime"
         assert (runtime / "__init__.py").is_file()
-    run(installed / "python", "-m", "compileall", "-q", "winch.xmi", cwd=tmp_path)
+    run(made.installed / "python", "-m", "compileall", "-q", "winch.xmi", cwd=made.folder)
 
 
-def test_own_model_by_library_address(installed: Path, tmp_path: Path) -> None:
+def own_model_by_library_address(made: Made) -> None:
     """A model outside any checkout names the shipped library by its address, without a network."""
-    model = tmp_path / "own" / "model.xmi"
+    model = made.folder / "own" / "model.xmi"
     model.parent.mkdir()
-    text = (shipped(installed, tmp_path) / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
+    text = (shipped(made) / "minimal" / "minimal.xmi").read_text(encoding="utf-8")
     model.write_text(
         text.replace("../library/", "http://www.jausml.org/library/"), encoding="utf-8"
     )
-    run(installed / "jausml", "validate", model, cwd=tmp_path)
-    run(installed / "jausml", "generate", model, "-o", "out", cwd=tmp_path)
-    assert (tmp_path / "out" / "jausml_runtime").is_dir()
+    run(made.installed / "jausml", "validate", model, cwd=made.folder)
+    run(made.installed / "jausml", "generate", model, "-o", "out", cwd=made.folder)
+    assert (made.folder / "out" / "jausml_runtime").is_dir()
+
+
+# One test: of several, each worker that has one of them would build and install.
+HOLDING = [
+    the_sdist_has_all_that_the_checkout_has,
+    type_checkers_find_what_they_need,
+    there_is_no_ros,
+    validate_and_generate,
+    own_model_by_library_address,
+]
+
+
+@for_each("holds", HOLDING, ids=lambda holds: holds.__name__)
+def test_the_wheel(holds: Callable[[Made], None], made: Made) -> None:
+    holds(made)
