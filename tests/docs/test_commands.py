@@ -97,11 +97,21 @@ JUDGED_ELSEWHERE = {
     "map-a-message": "tests/projects/test_new_map.py",
     "ocu": "tests/peers",
     "prove": "tests/cli/test_prove.py, tests/model_checking/test_verb.py, tests/mutating",
+    "ready-mappings": "tests/projects/test_new_joints.py, tests/models/mappings",
     "record": "tests/recording, tests/live/test_recording.py",
     "safety-case": "tests/cli/test_case.py",
+    "services": "tests/projects/test_new_calls.py, tests/live/test_services_live.py",
     "top": "tests/peers, tests/live/test_top.py",
 }
 """Pages with dear commands, and which tests run the same ones; `make test-random` runs all."""
+
+
+def test_what_judges_the_commands_of_pages_is_there() -> None:
+    assert {*JUDGED_ELSEWHERE} <= {page.stem for page in WITH_COMMANDS}
+    named = [path for paths in JUDGED_ELSEWHERE.values() for path in paths.split(", ")]
+    assert [path for path in named if not (ROOT / path).exists()] == []
+
+
 RUN = [page for page in WITH_COMMANDS if WHOLE or page.stem not in JUDGED_ELSEWHERE]
 
 

@@ -19,6 +19,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from lupa import lua54
+from sweeps import WHOLE
 from workspaces import python_path, write
 
 from jausml.generation.native import compiler
@@ -392,7 +393,7 @@ def run_tests(workspace: Path, node: str) -> None:
 
 @pytest.mark.slow
 @settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
-@given(drawn=names(24).map(with_found))
+@given(drawn=names(24 if WHOLE else 12).map(with_found))
 def test_any_names_may_stand_in_every_target(drawn: list[str]) -> None:
     needs.ask("compiler")
     with TemporaryDirectory() as folder:
