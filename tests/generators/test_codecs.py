@@ -44,7 +44,7 @@ FEW = settings(
 )
 DEFINITIONS = listed_definitions()
 EVERY_DEFINITION = for_each(
-    ("set_name", "definition"), DEFINITIONS, ids="-".join, shards=16, slow=True, rest=4
+    ("set_name", "definition"), DEFINITIONS, ids="-".join, shards=16, slow=True
 )
 # Python objects are larger than bytes on the wire, by about this factor.
 BASE, FACTOR = 32_768, 1024

@@ -51,7 +51,7 @@ def types_installed():
 
 
 @pytest.mark.slow
-@for_each("name", types_made, shards=16, slow=True, rest=4)
+@for_each("name", types_made, shards=16, slow=True)
 @FEW
 @given(data=st.data())
 def test_values_return_from_both_byte_orders_and_their_bytes_are_those_of_rclpy(name, data):
@@ -111,7 +111,7 @@ def test_a_new_message_is_that_of_rclpy(name):
 # ------------------------------------------------------------------ bytes of strangers
 
 
-@for_each("name", types_made, shards=16, slow=True, rest=4)
+@for_each("name", types_made, shards=16, slow=True)
 @settings(FEW, max_examples=10)
 @given(data=st.data())
 def test_any_bytes_are_a_message_or_an_error(name, data):

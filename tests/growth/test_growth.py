@@ -178,7 +178,6 @@ def assert_growth(cost):
     sweep(
         [*ALL, grown.ends_of_a_topic, grown.doubling_ros_types],
         every=lambda one: one in GUARDING,
-        rest=5,
     ),
     ids=lambda one: one.__name__,
 )

@@ -1,4 +1,4 @@
-"""Sweeps of which a part guards in `make test`, and `make test-all` takes a third of the rest.
+"""Sweeps of which a part guards in `make test`, and `make test-all` takes a fifth of the rest.
 
 `make test-random` takes all of it.
 """
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 WHOLE = "JAUSML_EXAMPLES" in os.environ
-REST = 3
+REST = 5
 """Each so-manieth of what is left is enough, where values are much alike."""
 MARKING = {
     "slow": r"mark\.slow|import sweep|slow=True",

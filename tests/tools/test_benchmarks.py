@@ -169,9 +169,7 @@ def test_a_soak_tells_what_grows_and_what_is_missing(soak):
 @pytest.mark.live
 @pytest.mark.timeout(600)
 @pytest.mark.needs("compiler")
-@pytest.mark.parametrize(
-    "section", sweep(SECTIONS, every=lambda name: name == "components", rest=4)
-)
+@pytest.mark.parametrize("section", sweep(SECTIONS, every=lambda name: name == "components"))
 def test_each_target_is_measured(section, page, tmp_path):
     data, written = tmp_path / "results.json", tmp_path / "performance.md"
     command = [sys.executable, RUN, "--tiny", "--only", section, "--before", sys.executable]

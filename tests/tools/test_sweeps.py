@@ -34,7 +34,7 @@ def test_each_so_manieth_guards_from_the_first_on():
 
 def test_a_part_of_the_rest_is_taken_unless_all_is_asked_for():
     assert slow(sweep("abcdef", every=3, rest=2, whole=False)) == [None, ("b",), None, ("e",)]
-    assert slow(sweep("abcdef", every=6, whole=False)) == [None, ("b",), ("e",)]
+    assert slow(sweep("abcdefg", every=7, whole=False)) == [None, ("b",), ("g",)]
     assert slow(sweep("abcd", every=3, rest=0, whole=False)) == [None, None]
     assert sweep("abcdef", every=3, rest=0, whole=True) == sweep("abcdef", every=3, rest=1)
     assert sweep("abcdef", every=3, whole=True) == sweep("abcdef", every=3, rest=1)

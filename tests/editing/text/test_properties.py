@@ -32,7 +32,7 @@ CASES += [(file, layout) for file in FILES if file.stem == "catvehicle" for layo
 
 @pytest.mark.parametrize(
     ("file", "layout"),
-    sweep(dict.fromkeys(CASES), every=12, rest=4),
+    sweep(dict.fromkeys(CASES), every=12),
     ids=lambda parameter: getattr(parameter, "stem", parameter),
 )
 def test_random_edits(tmp_path, file, layout):

@@ -68,7 +68,7 @@ def test_a_ros_field_lists_what_its_markers_say():
     assert markers.elements[0].label.startswith("unknown if value != value, written NaN (NavSatFix")
 
 
-@for_each("name", SHIPPED, shards=9, slow=True, rest=4)
+@for_each("name", SHIPPED, shards=9, slow=True)
 def test_every_shipped_element_has_a_form(name):
     scope = scope_of(name)
     for element in scope.model.elements_of(scope.model.documents[0]):

@@ -94,7 +94,7 @@ def test_nothing_is_offered_that_cannot_be_dropped():
     assert {palette_item.group for palette_item in found} <= {"elements"}
 
 
-@for_each("name", SHIPPED, shards=12, slow=True, rest=4)
+@for_each("name", SHIPPED, shards=12, slow=True)
 def test_every_model_has_a_palette_whose_references_are_known(name):
     scope = scope_of(name)
     for palette_item in palette(scope, "pose", limit=20):
