@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import pytest
@@ -148,50 +147,6 @@ def test_what_is_known_of_each_model_is_kept_apart(shared, second, vehicle, arm)
         "toy": {"processes": [1]},
         "second": {"processes": [2]},
     }
-
-
-# --- manifests that know no models, and renamed models ----------------------------------------
-
-
-def forget_models(workspace, source="toy.xmi"):
-    """Rewrites the manifest as it was before it knew its models."""
-    path = workspace.path(gen.MANIFEST_PATH)
-    content = json.loads(path.read_text(encoding="utf-8"))
-    for entry in content["files"].values():
-        del entry["models"]
-        entry["sha256"] = "0" * 64 if entry["kind"] == "skeleton" else entry.get("sha256", "")
-        entry["source"] = "jausml" if entry["source"] == "jausml" else source
-    content["extra"] = content.pop("models")["toy"]
-    content["schema"] = 1
-    path.write_text(json.dumps(content), encoding="utf-8")
-
-
-def test_an_old_manifest_is_adopted_by_the_model_of_its_file(shared, vehicle, arm):
-    shared.write([vehicle, arm], facts={"processes": [1]})
-    new = shared.path(gen.MANIFEST_PATH).read_bytes()
-    forget_models(shared)
-
-    manifest = gen.read_manifest(shared.out)
-    assert not manifest.problem
-    assert manifest.strangers("toy.xmi") == []
-    assert manifest.strangers("toy.ros2jaus") == []  # the same model in the other notation
-    adopted = manifest.adopted("toy")
-    assert {entry.models for entry in adopted.files.values()} == {("toy",)}
-    assert adopted.models == {"toy": {"processes": [1]}}
-    plan = gen.make_plan(shared.render([vehicle]), shared.out, adopted, model="toy", targets=None)
-    gen.apply(plan)
-
-    assert not shared.path("arm/arm_base.py").exists()
-    assert shared.plan([vehicle, arm]).actions[-1].path == gen.MANIFEST_PATH
-    shared.write([vehicle, arm])
-    assert shared.path(gen.MANIFEST_PATH).read_bytes() == new
-
-
-def test_an_old_manifest_of_another_file_has_strangers(shared, vehicle):
-    shared.write([vehicle])
-    forget_models(shared, "other.xmi")
-
-    assert gen.read_manifest(shared.out).strangers("toy.xmi") == ["other.xmi"]
 
 
 def test_a_renamed_model_keeps_its_files(shared, vehicle, arm):
