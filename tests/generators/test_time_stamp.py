@@ -6,11 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from codec_support import ROOT, definitions, library, load, render, shipped_sets
+from codec_support import LIBRARY, LIBRARY_FILES, ROOT, definitions, library, load, render, shipped_sets
 from hypothesis import given
 from hypothesis import strategies as st
 
 from jausml import generation as gen
+from jausml.language import wire
+from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.runtime.messages import ReportTime, SetTime
 from jausml.runtime.wire import EncodeError, Message, StampedMessage, TimeStamp
@@ -21,7 +23,16 @@ from jausml_generators.python.codec.classes import BitFieldClass
 from jausml_generators.python.codec.message_builder import MessageBuilder
 from jausml_generators.ros_node.target import TARGET as NODES
 
-LAYOUT = definitions("core-v1.1")["Time.SetTime"].layout
+
+
+def set_time() -> wire.Message:
+    """The layout of SetTime."""
+    model = read_models([LIBRARY / LIBRARY_FILES["core-v1.1"]]).model
+    messages = model.instances(jaus.MessageDef)
+    return wire.resolve(next(message for message in messages if message.name == "SetTime"))
+
+
+LAYOUT = set_time()
 STAMP = next(member for member in LAYOUT.body.kind.members if member.name == "TimeStamp")
 SYSTEMS = (
     "models/catvehicle/catvehicle.xmi",
