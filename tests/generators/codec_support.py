@@ -13,7 +13,6 @@ from lxml import etree
 
 from jausml.generation import FileTask, Target
 from jausml.generation import render as render_targets
-from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass

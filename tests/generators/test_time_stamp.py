@@ -6,7 +6,15 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from codec_support import LIBRARY, LIBRARY_FILES, ROOT, definitions, library, load, render, shipped_sets
+from codec_support import (
+    LIBRARY,
+    LIBRARY_FILES,
+    ROOT,
+    library,
+    load,
+    render,
+    shipped_sets,
+)
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -22,7 +30,6 @@ from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.python.codec.classes import BitFieldClass
 from jausml_generators.python.codec.message_builder import MessageBuilder
 from jausml_generators.ros_node.target import TARGET as NODES
-
 
 
 def set_time() -> wire.Message:
