@@ -10,18 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from jausml import generation
-from jausml.generation import (
-    GenerationError,
-    Kind,
-    MethodContract,
-    SkeletonContract,
-    Target,
-    TextFile,
-    TextTask,
-    WholeLibrary,
-    read_manifest,
-)
+from jausml.generation.artifact import Kind, MethodContract, SkeletonContract
+from jausml.generation.contract.finding import FindingKind
+from jausml.generation.errors import GenerationError
+from jausml.generation.manifest import read_manifest
+from jausml.generation.target import Target, TextFile, TextTask, WholeLibrary
 from jausml.language.metamodel.classes import jaus
 
 SKELETON = '''\
@@ -452,5 +445,5 @@ def test_a_report_is_of_a_check_alone(jausml, options):
 
 
 def test_each_kind_of_finding_in_code_is_a_rule_that_is_explained(jausml):
-    for kind in generation.FindingKind:
+    for kind in FindingKind:
         assert jausml("explain", kind.value).stdout.startswith(f"{kind.value}: code: ")

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from jausml.generation import FileTask, Target
-from jausml.generation import render as render_targets
+from jausml.generation.rendering import render as render_targets
+from jausml.generation.target import FileTask, Target
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass

@@ -18,7 +18,7 @@ from codec_support import (
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml import generation as gen
+from jausml.generation.rendering import render as render_artifacts
 from jausml.language import wire
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
@@ -153,7 +153,7 @@ def test_no_message_of_the_library_has_a_class_of_its_own(set_name: str) -> None
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_no_package_of_the_shipped_systems_has_a_class_of_its_own(system: str) -> None:
     model = read_models([ROOT / system]).model
-    artifacts = gen.render(model, (COMPONENTS, BRIDGES, NODES, MESSAGES))
+    artifacts = render_artifacts(model, (COMPONENTS, BRIDGES, NODES, MESSAGES))
     texts = [artifact.text for artifact in artifacts if artifact.path.endswith(".py")]
     assert texts
     assert not [text for text in texts if "class TimeStamp" in text]
