@@ -8,6 +8,9 @@ import needs
 import pytest
 
 from jausml.generation.native import SOURCE, State, build, compiler
+from jausml.generation.target import system_of
+from jausml.language.semantics.connections.reports import requested_fields
+from jausml.language.semantics.names import snake_case
 from jausml.language.validation.engine import check_project
 from tests.generators.assignment_support import generated
 
@@ -137,3 +140,33 @@ def test_all_of_a_whole_is_assigned_and_part_of_it_not_again(tmp_path):
     assert found.message == "'membername.inner.x' is assigned already"
     missing = text.replace("    membername2 -> membername { outOfRange: dropMessage }\n", "")
     assert {finding.rule for finding in findings(missing, tmp_path)} == {"JML416"}
+
+
+EFFORTS = [
+    f"{kind}_{motion}_effort_{axis}"
+    for kind in ("propulsive", "resistive")
+    for motion in ("linear", "rotational")
+    for axis in "xyz"
+]
+WHOLE_REPORT = f"""
+effort {{
+  JAUS ReportWrenchEffort
+  ROS Effort ( {"  ".join(f"float64 {name}" for name in EFFORTS)} )
+  JAUS->ROS ( . -> . {{ whenAbsent: leave }} )
+}}
+component vehicle {{ address: 1.1.1 provides: PrimitiveDriver }}
+bridge wholes {{
+  address: 1.1.2
+  connection up {{ map: effort peers: vehicle topic a {{}} }}
+}}
+"""
+
+
+def test_a_report_that_goes_over_as_a_whole_is_asked_for_all_of_its_fields(tmp_path):
+    """What a query does not name in its presence vector, the peer leaves out of the report."""
+    path = tmp_path / "wholes.ros2jaus"
+    path.write_text(WHOLE_REPORT, encoding="utf-8")
+    report = check_project([path])
+    assert not report.has_errors
+    (asked,) = requested_fields(system_of(report.model).bridges[0]).values()
+    assert sorted(map(snake_case, asked)) == sorted(EFFORTS)
