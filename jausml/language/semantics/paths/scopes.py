@@ -194,6 +194,12 @@ def expanded(
             yield from expanded(parts, scope)
 
 
+def spelled_out(used: bridge.AttributeMap, *, to_ros: bool) -> list[bridge.Assignment]:
+    """Returns the assignments of a direction of a map, of wholes those of their members."""
+    written = used.toRos if to_ros else used.toJaus
+    return list(expanded(written, outer_scope(used, to_ros=to_ros)))
+
+
 def parts_in(assignment: bridge.Assignment, scope: PathScope) -> list[bridge.Assignment] | None:
     """Returns what `parts_of` does, for an assignment in a scope."""
     if not isinstance(assignment, bridge.FieldAssignment):
