@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from ends import FIRST_BRIDGE, PEER
 
-from jausml.generation import native, render
+from jausml.generation import native
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGES

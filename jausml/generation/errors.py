@@ -14,7 +14,7 @@ class SelectionError(GenerationError):
 
 
 class OwnershipError(GenerationError):
-    """Files of the workspace are those of another model."""
+    """The workspace has no files of the model that is to be adopted."""
 
 
 class NoSystemError(GenerationError):

@@ -7,7 +7,7 @@ import os
 import stat
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from pathlib import Path, PurePath, PurePosixPath
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from jausml import __version__
@@ -26,8 +26,6 @@ MANIFEST_PATH = ".jausml/manifest.json"
 PENDING_PATH = ".jausml/pending.json"
 """The manifest that a run means to leave, while it writes: what a killed one has begun."""
 SCHEMA = 2
-_WITHOUT_MODELS = 1
-"""The schema that knew one model for each workspace, and not its name."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,7 @@ class Entry:
     """One written file.
 
     Attributes:
-        models: Names of the models that have the file; empty when the schema knew none.
+        models: Names of the models that have the file.
         methods: For a skeleton, identity by method name, names of former models included; tells
             a renamed message from a new one.
     """
@@ -44,14 +42,9 @@ class Entry:
     source: str
     element: str
     target: str
-    models: tuple[str, ...] = ()
+    models: tuple[str, ...]
     sha256: str = ""
     methods: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def is_of_runtime(self) -> bool:
-        """Whether it is a copy of what comes with jausml, of no model."""
-        return PurePath(self.source).parts[:1] == ("jausml",)
 
 
 @dataclass(frozen=True)
@@ -75,19 +68,18 @@ class Manifest:
         entry = self.files.get(path)
         return entry.sha256 if entry else "", self.unfinished.get(path, "")
 
-    def strangers(self, source: str) -> list[str]:
-        """Returns the model files of which the schema knew no model's name, but for one."""
-        stem = PurePath(source).stem
-        unknown = {e.source for e in self.files.values() if not e.models and not e.is_of_runtime}
-        return sorted(path for path in unknown if PurePath(path).stem != stem)
-
-    def adopted(self, model: str, former: str = "") -> Manifest:
-        """Returns the manifest with files given to a model."""
-        files = {path: _adopted(entry, model, former) for path, entry in self.files.items()}
-        models = dict(self.models)
-        known = [models.pop(name, {}) for name in ("", former, model)]
-        merged = {key: value for record in known for key, value in record.items()}
-        return replace(self, files=files, models={**models, model: merged})
+    def adopted(self, model: str, former: str) -> Manifest:
+        """Returns the manifest with the files of a model given to another one."""
+        files = {
+            path: replace(
+                entry,
+                models=tuple(sorted({model if name == former else name for name in entry.models})),
+            )
+            for path, entry in self.files.items()
+        }
+        models = {name: known for name, known in self.models.items() if name != former}
+        models[model] = {**self.models.get(former, {}), **self.models.get(model, {})}
+        return replace(self, files=files, models=models)
 
     def dump(self) -> str:
         """Returns the file's text: the same bytes for the same content."""
@@ -162,11 +154,10 @@ def new_entry(artifact: Artifact, old: Entry | None, models: Iterable[str]) -> E
 
 def _parse(data: bytes) -> Manifest:
     content = json.loads(data.decode("utf-8"))
-    schema = content["schema"]
-    if schema not in (_WITHOUT_MODELS, SCHEMA):
+    if content["schema"] != SCHEMA:
         raise ValueError(f"schema {content['schema']} is not known to jausml {__version__}")
     files = {path: _entry_from_json(path, raw) for path, raw in content["files"].items()}
-    models = {"": content["extra"]} if schema == _WITHOUT_MODELS else content["models"]
+    models = content["models"]
     if not all(isinstance(known, dict) for known in models.values()):
         raise TypeError("what is known of a model is not an object")
     return Manifest(files=files, models=models)
@@ -179,16 +170,11 @@ def _entry_from_json(path: str, raw: Mapping[str, Any]) -> Entry:
         raise ValueError(f"{path!r}: {problem}")
     texts = {key: raw[key] for key in ("source", "element", "target")}
     texts["sha256"] = raw.get("sha256", "")
-    models = tuple(raw.get("models", ()))
+    models = tuple(raw["models"])
     methods = dict(raw.get("methods", {}))
     if not all(isinstance(value, str) for value in (*texts.values(), *models, *methods.values())):
         raise TypeError(f"{path!r}: a value is not text")
     return Entry(kind=Kind(raw["kind"]), models=models, methods=methods, **texts)
-
-
-def _adopted(entry: Entry, model: str, former: str) -> Entry:
-    names = {model if name == former else name for name in entry.models} or {model}
-    return replace(entry, models=tuple(sorted(names)))
 
 
 def _entry_to_json(entry: Entry) -> dict[str, object]:

@@ -130,7 +130,7 @@ def make_plan(
             actions.append(_compare(artifact, state, manifest, out, force=force))
             # What is new and shared was rendered for the code of all.
             is_for_all = artifact.is_shared and entry is None
-            sharing = filter(None, manifest.models) if is_for_all else ()
+            sharing = manifest.models if is_for_all else ()
             files[path] = new_entry(artifact, entry, {model, *sharing})
     for file in _not_produced(by_path, out, manifest, model, targets):
         if file.entry is not None:

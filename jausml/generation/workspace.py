@@ -18,7 +18,7 @@ from jausml.generation.errors import GenerationError, OwnershipError, SelectionE
 from jausml.generation.manifest import Manifest, find_python, inspect, read_manifest
 from jausml.generation.plan import Plan, make_plan
 from jausml.generation.rendering import render
-from jausml.generation.target import Target, name_of, source_of, system_of
+from jausml.generation.target import Target, name_of, system_of
 from jausml.generation.writer import apply, locked
 from jausml.language.model.diagnostics import Diagnostic, Location, Severity
 from jausml.language.model.model import Model
@@ -95,7 +95,7 @@ def generate(
         fix: Make users' files fit where it is certain how.
 
     Raises:
-        OwnershipError: The workspace is that of another model, or has no such one to adopt.
+        OwnershipError: The workspace has no model of the name to adopt.
     """
     if any(target.needs_system for target in targets):
         system_of(model)
@@ -164,7 +164,7 @@ def _generate(
     fix: bool,
 ) -> Result:
     name = name_of(model)
-    manifest = _manifest(out, name, source_of(model), adopt)
+    manifest = _manifest(out, name, adopt)
     covered = _covered(manifest, targets, kept)
     launching = [target.processes for target in targets if target.processes is not None]
     processes = [dict(process) for list_processes in launching for process in list_processes(model)]
@@ -226,18 +226,13 @@ def _beside(
     ]
 
 
-def _manifest(out: Path, name: str, source: str, adopt: str) -> Manifest:
-    """Returns the manifest of a folder, the model's files being told from those of others."""
+def _manifest(out: Path, name: str, adopt: str) -> Manifest:
+    """Returns the manifest of a folder, in which a model may take over the files of another."""
     manifest = read_manifest(out)
-    strangers = [file for file in manifest.strangers(source) if file != adopt]
-    if strangers:
-        raise OwnershipError(
-            f"{out} was generated from {strangers[0]}, before workspaces knew their models;"
-            f" generate that one again first, or say --adopt {strangers[0]} if it is now {source}"
-        )
-    former = set(manifest.models) | set(manifest.strangers(source))
-    if adopt and adopt not in former:
-        names = ", ".join(sorted(filter(None, former))) or "none"
+    if not adopt:
+        return manifest
+    if adopt not in manifest.models:
+        names = ", ".join(sorted(manifest.models)) or "none"
         raise OwnershipError(f"{out} knows no model '{adopt}' to adopt; there are: {names}")
     return manifest.adopted(name, adopt)
 

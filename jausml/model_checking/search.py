@@ -36,13 +36,33 @@ TIME = Step("time", "passes", is_tick=True, is_helpful=True)
 
 
 class Product(Protocol):
-    """Some parts of a system and what can happen to them together."""
+    """Some parts of a system, what can happen to them together, and what must hold in it."""
 
     def initial(self) -> Any:
         """Returns the state at the start."""
 
     def steps(self, state: Any) -> Iterable[tuple[Step, Any]]:
         """Yields what can happen in a state, and the state after it."""
+
+    @property
+    def bound(self) -> int:
+        """Ticks after the loss of a source in which its stop is due; 0 for never."""
+
+    @property
+    def late(self) -> str:
+        """What is wrong when it does not come by then."""
+
+    def source(self, state: Any) -> str:
+        """Returns whose command is in effect, and could be lost; empty for nobody's."""
+
+    def is_over(self, state: Any) -> bool:
+        """Tells whether there is nothing left to wait for."""
+
+    def place(self, state: Any) -> str:
+        """Returns in which state of its machine it is; empty for a product without machine."""
+
+    def fault(self, state: Any, step: Step, after: Any) -> str:
+        """Returns what must not happen in a transition; empty for nothing."""
 
 
 class Bounds(NamedTuple):
@@ -128,30 +148,6 @@ def explore(product: Product, bounds: Bounds) -> Graph:
 DEADLOCK, LIVELOCK, LATE_STOP, CONTROL = "JML931", "JML932", "JML933", "JML934"
 
 
-class CheckedProduct(Product, Protocol):
-    """A product that says what must hold in it."""
-
-    @property
-    def bound(self) -> int:
-        """Ticks after the loss of a source in which its stop is due; 0 for never."""
-
-    @property
-    def late(self) -> str:
-        """What is wrong when it does not come by then."""
-
-    def source(self, state: Any) -> str:
-        """Returns whose command is in effect, and could be lost; empty for nobody's."""
-
-    def is_over(self, state: Any) -> bool:
-        """Tells whether there is nothing left to wait for."""
-
-    def place(self, state: Any) -> str:
-        """Returns in which state of its machine it is; empty for a product without machine."""
-
-    def fault(self, state: Any, step: Step, after: Any) -> str:
-        """Returns what must not happen in a transition; empty for nothing."""
-
-
 @dataclass(frozen=True)
 class Violation:
     """A property that does not hold.
@@ -167,7 +163,7 @@ class Violation:
     repeats: int = 0
 
 
-def violations(product: CheckedProduct, graph: Graph) -> list[Violation]:
+def violations(product: Product, graph: Graph) -> list[Violation]:
     """Returns a shortest counter-example to each property that does not hold.
 
     What is not to be reached in what was not searched to its end is not judged.
@@ -181,7 +177,7 @@ def violations(product: CheckedProduct, graph: Graph) -> list[Violation]:
     return [violation for violation in candidates if violation is not None]
 
 
-def _unsafe(product: CheckedProduct, graph: Graph) -> Violation | None:
+def _unsafe(product: Product, graph: Graph) -> Violation | None:
     for state, step, after in graph.transitions():
         states = graph.states
         message = product.fault(states[state], graph.steps[step], states[after])
@@ -190,7 +186,7 @@ def _unsafe(product: CheckedProduct, graph: Graph) -> Violation | None:
     return None
 
 
-def _late_stop(product: CheckedProduct, graph: Graph) -> Violation | None:
+def _late_stop(product: Product, graph: Graph) -> Violation | None:
     """Lets time pass from all states in which a command stands, while its source says nothing."""
     lasting = _lasting(product, graph)
     still = {state for state, edges in enumerate(lasting) if edges is not None}
@@ -206,7 +202,7 @@ _Lasting = list[list[tuple[int, int, bool]] | None]
 its source: step, state after it, and whether time passes. None for other states."""
 
 
-def _lasting(product: CheckedProduct, graph: Graph) -> _Lasting:
+def _lasting(product: Product, graph: Graph) -> _Lasting:
     sources = [product.source(state) for state in graph.states]
     edges_by_state: _Lasting = [[] if source else None for source in sources]
     for state, step, after in graph.transitions():
@@ -231,9 +227,7 @@ def _after_tick(lasting: _Lasting, states: set[int]) -> set[int]:
     return later_states
 
 
-def _late_way(
-    product: CheckedProduct, graph: Graph, lasting: _Lasting
-) -> tuple[tuple[int, int], ...]:
+def _late_way(product: Product, graph: Graph, lasting: _Lasting) -> tuple[tuple[int, int], ...]:
     """Returns a shortest way on which a command stands too long."""
     starts = ((state, 0) for state, edges in enumerate(lasting) if edges is not None)
     before: dict[tuple[int, int], tuple[tuple[int, int], int] | None] = dict.fromkeys(starts)
@@ -265,7 +259,7 @@ def _traced(
     return (*graph.way_to(reached[0]), *way[::-1])
 
 
-def _deadlock(product: CheckedProduct, graph: Graph) -> Violation | None:
+def _deadlock(product: Product, graph: Graph) -> Violation | None:
     """Finds a state from which nothing that is asked for can happen any more."""
     stuck = _stuck(product, graph, lambda _: True)
     if stuck is None:
@@ -273,7 +267,7 @@ def _deadlock(product: CheckedProduct, graph: Graph) -> Violation | None:
     return Violation(DEADLOCK, "no command can take effect any more", tuple(graph.way_to(stuck)))
 
 
-def _trap(product: CheckedProduct, graph: Graph) -> Violation | None:
+def _trap(product: Product, graph: Graph) -> Violation | None:
     """Finds the nearest state from which the machine does not come back to where it was before.
 
     A state that is left at the start and never entered is none to come back to, unless there is
@@ -309,7 +303,7 @@ def _leading(origins: list[list[int]], pending: list[int]) -> set[int]:
     return predecessors
 
 
-def _livelock(product: CheckedProduct, graph: Graph) -> Violation | None:
+def _livelock(product: Product, graph: Graph) -> Violation | None:
     """Finds a state from which nothing that is asked for happens, though nobody hinders it."""
     stuck = _stuck(product, graph, lambda step: step.is_helpful)
     if stuck is None:
@@ -319,7 +313,7 @@ def _livelock(product: CheckedProduct, graph: Graph) -> Violation | None:
     return Violation(LIVELOCK, message, (*way, *cycle), repeats=len(cycle))
 
 
-def _stuck(product: CheckedProduct, graph: Graph, counts: Callable[[Step], bool]) -> int | None:
+def _stuck(product: Product, graph: Graph, counts: Callable[[Step], bool]) -> int | None:
     """Returns the nearest state from which no command takes effect by steps that count."""
     counted = [counts(step) for step in graph.steps]
     origins: list[list[int]] = [[] for _ in graph.states]

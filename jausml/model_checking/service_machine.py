@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import product as combinations
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -18,8 +19,11 @@ from jausml.language.attributes.guards import (
 )
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.commands import needs_control
-from jausml.language.semantics.jaus.inherited_machines import Machine, event_name
-from jausml.language.semantics.jaus.machines import is_core_trigger
+from jausml.language.semantics.jaus.inherited_machines import (
+    Machine,
+    event_name,
+    is_core_trigger,
+)
 from jausml.model_checking.runtime_machines import (
     EMERGENCY,
     FINAL,
@@ -49,7 +53,7 @@ _WITHOUT_CONTROL = {"Events": _OUTER, "Transport": "Receiving"}
 _LEAVES = {EMERGENCY: "Emergency", "FAILURE": "Failure", "SHUTDOWN": "Shutdown"}
 
 
-def core_path(core: Core, of: str = "Management") -> str:
+def core_path(core: Core, of: str) -> str:
     """Returns the path of the state of ReceiveFSM in which a core service is."""
     outer = "Controlled" if core.controller else "NotControlled"
     if of == "AccessControl":
@@ -125,16 +129,16 @@ class MachineProduct:
 
     # ------------------------------------------------------------------ the machine
 
-    def _transitions(self) -> Iterator[jaus.Transition]:
-        for node in self.machine.nodes.values():
-            for element in node.elements:
-                yield from (*element.transitions, *element.defaults)
+    @cached_property
+    def _sources(self) -> Mapping[jaus.Transition, str]:
+        """The paths of the states that have the transitions."""
+        return {transition: path for path, transition in self.machine.transitions()}
 
     def messages(self) -> list[str]:
         """Returns the names of the messages that the machine takes."""
         triggers = {
             _trigger(transition): None
-            for transition in self._transitions()
+            for transition in self._sources
             if transition.message is not None
         }
         return [name for name in triggers if name]
@@ -142,15 +146,13 @@ class MachineProduct:
     def events(self) -> list[str]:
         """Returns the names of the internal events that it takes."""
         triggers = {
-            _trigger(transition): None
-            for transition in self._transitions()
-            if transition.message is None
+            _trigger(transition): None for transition in self._sources if transition.message is None
         }
         return [name for name in triggers if name]
 
     def own_conditions(self) -> list[str]:
         """Returns the names of the conditions that the user of the machine writes."""
-        guards = (parse_guard(transition.guard) for transition in self._transitions())
+        guards = (parse_guard(transition.guard) for transition in self._sources)
         names = {name: None for guard in guards for name in conditions(guard)}
         return [name for name in names if name not in _OF_THE_CORE]
 
@@ -158,17 +160,7 @@ class MachineProduct:
         """Returns the transitions to try: innermost first, those for any trigger last."""
         key = (path, trigger)
         if key not in self._guarded:
-            listed: list[jaus.Transition] = []
-            outer = path
-            while outer:
-                node = self.machine.nodes.get(outer)
-                elements = [] if node is None else node.elements
-                own = [transition for element in elements for transition in element.transitions]
-                defaults = [default for element in elements for default in element.defaults]
-                listed += [*own, *defaults] if outer == path else [*defaults, *own]
-                outer = outer.rpartition(".")[0]
-            # The core services of the runtime take these, before any transition.
-            listed = [transition for transition in listed if not is_core_trigger(transition)]
+            listed = [transition for _, transition in self.machine.tried(path)]
             named = [transition for transition in listed if _trigger(transition) == trigger]
             ordered = [*named, *(transition for transition in listed if not _trigger(transition))]
             self._guarded[key] = [
@@ -250,7 +242,7 @@ class MachineProduct:
             return self._entered(state._replace(remembered=tuple(rest)), target)
         if kind == "push":
             state = state._replace(remembered=(*remembered, state.path)[-REMEMBERED:])
-        resolved = self.machine.resolve(state.path, transition.target or "")
+        resolved = self.machine.resolve(self._sources[transition], transition.target or "")
         return self._entered(state, self.machine.innermost(resolved or state.path))
 
     def _entered(self, state: Behaving, target: str) -> Behaving:

@@ -22,7 +22,7 @@ from jausml.language.semantics.jaus.services import (
 )
 from jausml.model_checking.bridge_products import CommandingProduct, ObeyingProduct
 from jausml.model_checking.runtime_machines import CommandConnection, CoreServices
-from jausml.model_checking.search import CheckedProduct
+from jausml.model_checking.search import Product
 from jausml.model_checking.service_machine import MachineProduct
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class Subject:
 
     name: str
     element: EObject
-    product: CheckedProduct
+    product: Product
     tick: float
     held: str = ""
     stop: str = ""

@@ -16,7 +16,7 @@ from jausml.model_checking.bridge_products import (
     ObeyingProduct,
 )
 from jausml.model_checking.runtime_machines import EMERGENCY_CLIENT
-from jausml.model_checking.search import LATE_STOP, LIVELOCK, CheckedProduct
+from jausml.model_checking.search import LATE_STOP, LIVELOCK, Product
 from jausml_generators.bridge.connections import ConnectionView
 from jausml_generators.bridge.views import BridgeView, bridge_views
 from jausml_generators.common.components import address_call
@@ -205,7 +205,7 @@ def _commanding(
     yield f"assert {free}" if example.rule == LIVELOCK else "assert not peer.moves"
 
 
-def _for_ever(product: CheckedProduct, example: CounterExample) -> Iterator[str]:
+def _for_ever(product: Product, example: CounterExample) -> Iterator[str]:
     if example.repeats or (example.rule == LATE_STOP and not product.bound):
         yield f"world.run_for({_LONG})  # for ever, as it seems"
 

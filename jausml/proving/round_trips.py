@@ -13,6 +13,7 @@ from jausml.language import wire
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import Model
 from jausml.language.semantics.connections.topics import Endpoint, endpoints
+from jausml.language.semantics.paths.scopes import spelled_out
 from jausml.language.semantics.subject import Subject
 from jausml.proving.layout import (
     JAUS,
@@ -99,7 +100,8 @@ def _trip(published: Endpoint, taken: Endpoint) -> Iterator[RoundTrip]:
 
 def assignment_of(trip: RoundTrip, side: str, path: str) -> bridge.FieldAssignment | None:
     """Returns the assignment that gives a number of a side its value when it comes back."""
-    assignments = trip.to_jaus.toJaus if side == JAUS else trip.to_ros.toRos
+    is_jaus = side == JAUS
+    assignments = spelled_out(trip.to_jaus if is_jaus else trip.to_ros, to_ros=not is_jaus)
     for field_assignment in field_assignments(assignments):
         targets = (one.strip() for one in str(field_assignment.target).split(","))
         if any(_is_at(path, target) for target in targets):
@@ -119,7 +121,7 @@ def is_alone(assignment: bridge.FieldAssignment | None, path: str) -> bool:
 
 def is_held(trip: RoundTrip, side: str, path: str) -> bool:
     """Whether a number of a side goes over by itself, and a constant comes back in its place."""
-    there, back = trip.to_ros.toRos, trip.to_jaus.toJaus
+    there, back = spelled_out(trip.to_ros, to_ros=True), spelled_out(trip.to_jaus, to_ros=False)
     there, back = (there, back) if side == JAUS else (back, there)
     constants = (held for held in back if isinstance(held, bridge.ConstantAssignment))
     held = {one.strip() for constant in constants for one in str(constant.target).split(",")}

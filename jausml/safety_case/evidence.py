@@ -18,6 +18,7 @@ from jausml.generation.rendering import render
 from jausml.generation.target import system_of
 from jausml.language.model.inputs import read_input
 from jausml.language.model.model import Model
+from jausml.language.semantics.paths.scopes import carriers_of
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.python.names import snake_case
 
@@ -147,8 +148,9 @@ def generated_tests(model: Model) -> list[GeneratedTests]:
     }
     for owner in system_of(model).bridges:
         artifact = artifacts[f"bridge:{owner.name}"]
-        carriers = (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
-        names: dict[str, list[str]] = {snake_case(str(carrier.name)): [] for carrier in carriers}
+        names: dict[str, list[str]] = {
+            snake_case(str(carrier.name)): [] for carrier in carriers_of(owner)
+        }
         for test in _TEST.findall(artifact.text):
             known = (e for e in names if test == e or test.startswith(f"{e}_"))
             longest = max(known, key=len, default="")

@@ -10,18 +10,11 @@ from pathlib import Path
 import pytest
 import warm
 
-from jausml import generation
-from jausml.generation import (
-    GenerationError,
-    Kind,
-    MethodContract,
-    SkeletonContract,
-    Target,
-    TextFile,
-    TextTask,
-    WholeLibrary,
-    read_manifest,
-)
+from jausml.generation.artifact import Kind, MethodContract, SkeletonContract
+from jausml.generation.contract.finding import FindingKind
+from jausml.generation.errors import GenerationError
+from jausml.generation.manifest import read_manifest
+from jausml.generation.target import Target, TextFile, TextTask, WholeLibrary
 from jausml.language.metamodel.classes import jaus
 
 SKELETON = '''\
@@ -366,27 +359,6 @@ def test_a_renamed_system_takes_over_its_files(jausml, folder, targets):
     assert list(read_manifest(folder / "out").models) == ["other"]
 
 
-@pytest.mark.usefixtures("another")
-def test_a_workspace_that_does_not_know_its_model(jausml, folder, targets):
-    targets["small"] = BASES
-    jausml("generate", "good.xmi", "-o", "out")
-    path = folder / "out" / ".jausml" / "manifest.json"
-    content = json.loads(path.read_text())
-    content |= {"schema": 1, "extra": content.pop("models")["minimal"]}
-    for entry in content["files"].values():
-        del entry["models"]
-        entry |= {"source": "good.xmi", "sha256": ""}
-    path.write_text(json.dumps(content))
-    before = contents(folder / "out")
-    refused = jausml("generate", "other.xmi", "-o", "out")
-    assert refused.exit_code == 2
-    assert "out was generated from good.xmi, before workspaces knew their models" in refused.stderr
-    assert contents(folder / "out") == before
-    assert jausml("generate", "good.xmi", "-o", "out").exit_code == 0
-    assert jausml("generate", "other.xmi", "-o", "out").exit_code == 0
-    assert (folder / "out" / "sensor_bridge_base.py").exists()
-
-
 def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
@@ -473,5 +445,5 @@ def test_a_report_is_of_a_check_alone(jausml, options):
 
 
 def test_each_kind_of_finding_in_code_is_a_rule_that_is_explained(jausml):
-    for kind in generation.FindingKind:
+    for kind in FindingKind:
         assert jausml("explain", kind.value).stdout.startswith(f"{kind.value}: code: ")

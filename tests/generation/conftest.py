@@ -7,8 +7,13 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from jausml import generation as gen
+from jausml.generation.artifact import Kind, MethodContract, SkeletonContract
 from jausml.generation.drift import drift
+from jausml.generation.manifest import read_manifest
+from jausml.generation.plan import make_plan
+from jausml.generation.rendering import render as render_artifacts
+from jausml.generation.target import FileTask, Target, TextFile, TextTask
+from jausml.generation.writer import apply
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -98,7 +103,7 @@ class ComponentView:
     @property
     def contract(self):
         methods = tuple(
-            gen.MethodContract(
+            MethodContract(
                 name=f"on_{message.name}",
                 parameters=("message",),
                 identity=f"0x{message.code:04x}",
@@ -106,34 +111,34 @@ class ComponentView:
             )
             for message in self.messages
         )
-        return gen.SkeletonContract(self.class_name, f"{self.class_name}Base", methods)
+        return SkeletonContract(self.class_name, f"{self.class_name}Base", methods)
 
 
 def toy_tasks(model):
     views = [ComponentView(component) for component in model]
     return [
-        gen.FileTask("base.py.j2", views, lambda v: f"{v.name}/{v.name}_base.py"),
-        gen.FileTask(
+        FileTask("base.py.j2", views, lambda v: f"{v.name}/{v.name}_base.py"),
+        FileTask(
             "user.py.j2",
             views,
             lambda v: f"{v.name}/{v.name}.py",
-            kind=gen.Kind.SKELETON,
+            kind=Kind.SKELETON,
             contract=lambda v: v.contract,
         ),
-        gen.FileTask("package.xml.j2", views, lambda v: f"{v.name}/package.xml"),
-        gen.FileTask("params.yaml.j2", views, lambda v: f"{v.name}/config/params.yaml"),
-        gen.FileTask("data.json.j2", views, lambda v: f"{v.name}/data.json"),
-        gen.TextTask(
-            [gen.TextFile(f"{v.name}/resource/{v.name}", "", v.element_id, v.source) for v in views]
+        FileTask("package.xml.j2", views, lambda v: f"{v.name}/package.xml"),
+        FileTask("params.yaml.j2", views, lambda v: f"{v.name}/config/params.yaml"),
+        FileTask("data.json.j2", views, lambda v: f"{v.name}/data.json"),
+        TextTask(
+            [TextFile(f"{v.name}/resource/{v.name}", "", v.element_id, v.source) for v in views]
         ),
     ]
 
 
 def notes_tasks(model):
     return [
-        gen.TextTask(
+        TextTask(
             [
-                gen.TextFile(f"notes/{c.name}.md", f"# {c.name}\n", f"component:{c.name}", "toy")
+                TextFile(f"notes/{c.name}.md", f"# {c.name}\n", f"component:{c.name}", "toy")
                 for c in model
             ]
         )
@@ -149,13 +154,13 @@ class Workspace:
     model: str = "toy"
 
     def render(self, model, targets=None):
-        return gen.render(model, self.targets if targets is None else targets)
+        return render_artifacts(model, self.targets if targets is None else targets)
 
     def plan(self, model, targets=None, facts=None, **options):
         names = None if targets is None else {target.name for target in targets}
-        manifest = gen.read_manifest(self.out)
+        manifest = read_manifest(self.out)
         artifacts = self.render(model, targets)
-        return gen.make_plan(
+        return make_plan(
             artifacts,
             self.out,
             manifest,
@@ -167,11 +172,11 @@ class Workspace:
 
     def write(self, model, targets=None, **options):
         plan = self.plan(model, targets, **options)
-        gen.apply(plan)
+        apply(plan)
         return plan
 
     def drift(self, model):
-        return drift(self.render(model), self.out, gen.read_manifest(self.out))
+        return drift(self.render(model), self.out, read_manifest(self.out))
 
     def snapshot(self):
         return {
@@ -202,12 +207,12 @@ def templates(tmp_path):
 
 @pytest.fixture
 def toy(templates):
-    return gen.Target("toy", "Toy packages.", toy_tasks, (templates,))
+    return Target("toy", "Toy packages.", toy_tasks, (templates,))
 
 
 @pytest.fixture
 def notes():
-    return gen.Target("notes", "One file for each component.", notes_tasks)
+    return Target("notes", "One file for each component.", notes_tasks)
 
 
 @pytest.fixture

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from jausml import generation as gen
-from jausml.generation import FindingKind as F
+from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract
+from jausml.generation.contract.finding import FindingKind as F
 from jausml.generation.drift import drift
+from jausml.generation.manifest import MANIFEST_PATH, Manifest, read_manifest
 
 SKELETON = "vehicle/vehicle.py"
 HEAD = "from .vehicle_base import VehicleBase\n\n\nclass Vehicle(VehicleBase):\n"
@@ -58,11 +59,11 @@ def test_a_missing_method_comes_with_a_stub(findings):
 
 def test_an_optional_method_is_not_missed(workspace, vehicle):
     workspace.write([vehicle])
-    method = gen.MethodContract("on_start", (), "hook:start", "", optional=True)
-    contract = gen.SkeletonContract("Vehicle", "VehicleBase", (method,))
-    artifact = gen.Artifact(SKELETON, "", gen.Kind.SKELETON, "c", "m", "t", contract=contract)
+    method = MethodContract("on_start", (), "hook:start", "", optional=True)
+    contract = SkeletonContract("Vehicle", "VehicleBase", (method,))
+    artifact = Artifact(SKELETON, "", Kind.SKELETON, "c", "m", "t", contract=contract)
 
-    assert drift([artifact], workspace.out, gen.Manifest()) == []
+    assert drift([artifact], workspace.out, Manifest()) == []
 
 
 def test_an_orphan_method_is_a_warning_with_its_line(findings):
@@ -92,7 +93,7 @@ def test_another_message_of_a_similar_name_is_no_rename(findings, vehicle, make_
 
 
 def test_without_a_manifest_similar_names_are_asked_about(workspace, findings):
-    workspace.path(gen.MANIFEST_PATH).unlink()
+    workspace.path(MANIFEST_PATH).unlink()
 
     (found,) = findings(HEAD + POSE + "    def on_set_speedd(self, message): ...\n")
     assert found.kind is F.RENAMED
@@ -220,12 +221,12 @@ def test_a_linked_file_is_not_read(workspace, vehicle, tmp_path):
 
 
 def test_paths_outside_are_not_read(workspace):
-    contract = gen.SkeletonContract("X", "XBase", ())
-    artifact = gen.Artifact("../x.py", "", gen.Kind.SKELETON, "c", "m", "t", contract=contract)
+    contract = SkeletonContract("X", "XBase", ())
+    artifact = Artifact("../x.py", "", Kind.SKELETON, "c", "m", "t", contract=contract)
     (workspace.out.parent / "x.py").write_text("(", encoding="utf-8")
     workspace.out.mkdir()
 
-    assert drift([artifact], workspace.out, gen.Manifest()) == []
+    assert drift([artifact], workspace.out, Manifest()) == []
 
 
 FACE = '__all__ = ["Guard", "Scope"]\n\nfrom .component.base import Guard, Scope\n'
@@ -237,10 +238,10 @@ def told_of_import(workspace, vehicle):
     """Returns what is said of a line in a skeleton, beside a runtime of three modules."""
     workspace.write([vehicle])
     runtime = [
-        gen.Artifact(
+        Artifact(
             f"jausml_runtime/jausml_runtime/{name}.py",
             text,
-            gen.Kind.GENERATED,
+            Kind.GENERATED,
             element_id="runtime",
             source="runtime",
             target="runtime",
@@ -251,7 +252,7 @@ def told_of_import(workspace, vehicle):
     def run(line):
         workspace.path(SKELETON).write_text(f"{line}\n{HEAD}{SPEED}{POSE}", encoding="utf-8")
         artifacts = [*workspace.render([vehicle]), *runtime]
-        return drift(artifacts, workspace.out, gen.read_manifest(workspace.out))
+        return drift(artifacts, workspace.out, read_manifest(workspace.out))
 
     return run
 

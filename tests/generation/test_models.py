@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import pytest
 
-from jausml import generation as gen
+from jausml.generation.errors import RefusedError
+from jausml.generation.manifest import MANIFEST_PATH, read_manifest
+from jausml.generation.plan import ActionKind, make_plan
+from jausml.generation.target import Target, TextFile, TextTask
+from jausml.generation.writer import apply
 
 RUNTIME, MORE = "runtime/core.py", "runtime/x.py"
 
 
 def runtime(text, paths=(RUNTIME, MORE)):
     """A target whose files all models share."""
-    files = [gen.TextFile(path, text, "runtime", "jausml") for path in paths]
-    task = gen.TextTask(files)
-    return gen.Target("runtime", "Shared.", lambda _: [task], is_shared=True)
+    files = [TextFile(path, text, "runtime", "jausml") for path in paths]
+    task = TextTask(files)
+    return Target("runtime", "Shared.", lambda _: [task], is_shared=True)
 
 
 @pytest.fixture
@@ -31,7 +34,7 @@ def second(shared):
 
 
 def owners(workspace, path):
-    return gen.read_manifest(workspace.out).files[path].models
+    return read_manifest(workspace.out).files[path].models
 
 
 def test_a_model_leaves_the_files_of_another_alone(shared, second, vehicle, arm):
@@ -40,8 +43,8 @@ def test_a_model_leaves_the_files_of_another_alone(shared, second, vehicle, arm)
 
     plan = second.write([arm])
 
-    assert not plan.of(gen.ActionKind.DELETE, gen.ActionKind.UPDATE)[:-1]
-    del before[gen.MANIFEST_PATH]
+    assert not plan.of(ActionKind.DELETE, ActionKind.UPDATE)[:-1]
+    del before[MANIFEST_PATH]
     assert before.items() <= shared.files().items()
     assert shared.plan([vehicle]).is_up_to_date
     assert second.plan([arm]).is_up_to_date
@@ -55,7 +58,7 @@ def test_a_run_deletes_what_its_own_model_no_longer_has(shared, second, vehicle,
 
     plan = second.write([])
 
-    assert {action.path for action in plan.of(gen.ActionKind.DELETE)} >= {"arm/arm_base.py"}
+    assert {action.path for action in plan.of(ActionKind.DELETE)} >= {"arm/arm_base.py"}
     assert shared.plan([vehicle]).is_up_to_date
 
 
@@ -118,8 +121,8 @@ def test_two_models_may_not_want_one_file_with_different_texts(shared, second, v
         "component:1025 of 'second' asks for the file of component:1025 of the model 'toy'"
         " (models/toy.xmi); rename one of them, or generate into another folder"
     )
-    with pytest.raises(gen.RefusedError):
-        gen.apply(plan)
+    with pytest.raises(RefusedError):
+        apply(plan)
     assert shared.snapshot() == before
 
 
@@ -144,69 +147,23 @@ def test_what_is_known_of_each_model_is_kept_apart(shared, second, vehicle, arm)
     shared.write([vehicle], facts={"processes": [1]})
     second.write([arm], facts={"processes": [2]})
 
-    assert gen.read_manifest(shared.out).models == {
+    assert read_manifest(shared.out).models == {
         "toy": {"processes": [1]},
         "second": {"processes": [2]},
     }
 
 
-# --- manifests that know no models, and renamed models ----------------------------------------
-
-
-def forget_models(workspace, source="toy.xmi"):
-    """Rewrites the manifest as it was before it knew its models."""
-    path = workspace.path(gen.MANIFEST_PATH)
-    content = json.loads(path.read_text(encoding="utf-8"))
-    for entry in content["files"].values():
-        del entry["models"]
-        entry["sha256"] = "0" * 64 if entry["kind"] == "skeleton" else entry.get("sha256", "")
-        entry["source"] = "jausml" if entry["source"] == "jausml" else source
-    content["extra"] = content.pop("models")["toy"]
-    content["schema"] = 1
-    path.write_text(json.dumps(content), encoding="utf-8")
-
-
-def test_an_old_manifest_is_adopted_by_the_model_of_its_file(shared, vehicle, arm):
-    shared.write([vehicle, arm], facts={"processes": [1]})
-    new = shared.path(gen.MANIFEST_PATH).read_bytes()
-    forget_models(shared)
-
-    manifest = gen.read_manifest(shared.out)
-    assert not manifest.problem
-    assert manifest.strangers("toy.xmi") == []
-    assert manifest.strangers("toy.ros2jaus") == []  # the same model in the other notation
-    adopted = manifest.adopted("toy")
-    assert {entry.models for entry in adopted.files.values()} == {("toy",)}
-    assert adopted.models == {"toy": {"processes": [1]}}
-    plan = gen.make_plan(shared.render([vehicle]), shared.out, adopted, model="toy", targets=None)
-    gen.apply(plan)
-
-    assert not shared.path("arm/arm_base.py").exists()
-    assert shared.plan([vehicle, arm]).actions[-1].path == gen.MANIFEST_PATH
-    shared.write([vehicle, arm])
-    assert shared.path(gen.MANIFEST_PATH).read_bytes() == new
-
-
-def test_an_old_manifest_of_another_file_has_strangers(shared, vehicle):
-    shared.write([vehicle])
-    forget_models(shared, "other.xmi")
-
-    assert gen.read_manifest(shared.out).strangers("toy.xmi") == ["other.xmi"]
-
-
 def test_a_renamed_model_keeps_its_files(shared, vehicle, arm):
     shared.write([vehicle, arm], facts={"processes": [1]})
     renamed = replace(shared, model="renamed")
-    manifest = gen.read_manifest(shared.out).adopted("renamed", "toy")
+    manifest = read_manifest(shared.out).adopted("renamed", "toy")
 
-    plan = gen.make_plan(
-        renamed.render([vehicle]), shared.out, manifest, model="renamed", targets=None
-    )
+    plan = make_plan(renamed.render([vehicle]), shared.out, manifest, model="renamed", targets=None)
 
-    assert [action.path for action in plan.of(gen.ActionKind.DELETE)] == [
+    assert [action.path for action in plan.of(ActionKind.DELETE)] == [
         *("arm/arm_base.py", "arm/config/params.yaml", "arm/data.json", "arm/package.xml"),
         "arm/resource/arm",
     ]
-    gen.apply(plan)
-    assert set(gen.read_manifest(shared.out).models) == {"renamed"}
+    apply(plan)
+    assert set(read_manifest(shared.out).models) == {"renamed"}
     assert owners(shared, RUNTIME) == ("renamed",)

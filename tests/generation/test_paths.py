@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from jausml import generation as gen
-from jausml.generation.artifact import find_problems, path_problem
+from jausml.generation.artifact import Artifact, Kind, find_problems, path_problem
+from jausml.generation.errors import RefusedError
+from jausml.generation.manifest import Manifest
+from jausml.generation.plan import make_plan
+from jausml.generation.writer import apply
 
 
 def artifact(path, element="component:a", target="toy"):
-    return gen.Artifact(path, "", gen.Kind.GENERATED, element, "m.xmi", target)
+    return Artifact(path, "", Kind.GENERATED, element, "m.xmi", target)
 
 
 @pytest.mark.parametrize(
@@ -90,8 +93,8 @@ def test_nothing_is_written_when_a_name_leaves_the_folder(workspace, notes, vehi
     plan = workspace.plan([vehicle, rename(vehicle, name="../../evil")], [notes])
 
     assert [action.path for action in plan.refused] == ["notes/../../evil.md"]
-    with pytest.raises(gen.RefusedError, match=r"nothing was written: notes/\.\./\.\./evil"):
-        gen.apply(plan)
+    with pytest.raises(RefusedError, match=r"nothing was written: notes/\.\./\.\./evil"):
+        apply(plan)
     assert not workspace.out.exists()
 
 
@@ -113,5 +116,5 @@ def test_a_keyword_as_component_name_is_refused(workspace, vehicle, rename):
     assert not plan.refused
 
     artifacts = [artifact("del/del_base.py")]
-    plan = gen.make_plan(artifacts, workspace.out, gen.Manifest(), model="toy", targets=None)
+    plan = make_plan(artifacts, workspace.out, Manifest(), model="toy", targets=None)
     assert "Python keyword" in plan.refused[0].reason

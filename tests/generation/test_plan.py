@@ -9,7 +9,11 @@ from dataclasses import replace
 
 import pytest
 
-from jausml import generation as gen
+from jausml.generation.artifact import Kind
+from jausml.generation.errors import RefusedError
+from jausml.generation.manifest import MANIFEST_PATH, read_manifest
+from jausml.generation.plan import unified_diff
+from jausml.generation.writer import apply
 
 BASE = "vehicle/vehicle_base.py"
 SKELETON = "vehicle/vehicle.py"
@@ -28,7 +32,7 @@ def test_first_run_creates_everything(workspace, vehicle):
     plan = workspace.write([vehicle])
 
     assert set(kinds(plan).values()) == {"create"}
-    assert plan.actions[-1].path == gen.MANIFEST_PATH
+    assert plan.actions[-1].path == MANIFEST_PATH
     assert set(workspace.files()) == set(kinds(plan))
 
 
@@ -47,7 +51,7 @@ def test_a_plan_writes_nothing(workspace, vehicle, arm):
     before = workspace.snapshot()
 
     plan = workspace.plan([arm])
-    gen.unified_diff(plan)
+    unified_diff(plan)
 
     assert not plan.is_up_to_date
     assert workspace.snapshot() == before
@@ -89,8 +93,8 @@ def test_an_edited_generated_file_stops_the_run_before_anything_is_written(
 
     assert [action.path for action in plan.refused] == [BASE]
     assert "move the change to the skeleton" in plan.refused[0].reason
-    with pytest.raises(gen.RefusedError):
-        gen.apply(plan)
+    with pytest.raises(RefusedError):
+        apply(plan)
     assert workspace.snapshot() == before
 
 
@@ -139,7 +143,7 @@ def test_a_file_of_the_user_is_not_overwritten_on_the_first_run(workspace, vehic
 def test_a_skeleton_that_becomes_generated_stays_the_users_even_with_force(workspace, vehicle, toy):
     workspace.write([vehicle])
     base, skeleton, *others = toy.tasks([vehicle])
-    tasks = [base, replace(skeleton, kind=gen.Kind.GENERATED), *others]
+    tasks = [base, replace(skeleton, kind=Kind.GENERATED), *others]
 
     plan = workspace.plan([vehicle], [replace(toy, tasks=lambda _: tasks)], force=True)
 
@@ -177,7 +181,7 @@ def test_an_emptied_folder_is_removed_and_the_output_folder_is_not(workspace, no
     workspace.write([], [notes])
 
     assert not workspace.path("notes").exists()
-    assert list(workspace.files()) == [gen.MANIFEST_PATH]
+    assert list(workspace.files()) == [MANIFEST_PATH]
 
 
 def test_a_renamed_component_tells_where_its_code_is_expected(workspace, vehicle, rename):
@@ -199,14 +203,14 @@ def test_a_partial_run_leaves_the_files_of_other_targets(workspace, vehicle, arm
     assert kinds(plan) == {
         "notes/arm.md": "delete",
         "notes/vehicle.md": "keep",
-        gen.MANIFEST_PATH: "update",
+        MANIFEST_PATH: "update",
     }
     del before["notes/arm.md"]
     after = workspace.files()
-    assert {**before, gen.MANIFEST_PATH: after[gen.MANIFEST_PATH]} == after
-    assert set(gen.read_manifest(workspace.out).files) == set(after) - {gen.MANIFEST_PATH}
+    assert {**before, MANIFEST_PATH: after[MANIFEST_PATH]} == after
+    assert set(read_manifest(workspace.out).files) == set(after) - {MANIFEST_PATH}
     full = workspace.write([vehicle, arm], both)
-    assert [action.path for action in full.changes] == [gen.MANIFEST_PATH, "notes/arm.md"][::-1]
+    assert [action.path for action in full.changes] == [MANIFEST_PATH, "notes/arm.md"][::-1]
 
 
 def test_a_partial_run_may_not_take_the_file_of_another_target(workspace, vehicle, notes):
@@ -241,7 +245,7 @@ def test_a_crlf_checkout_is_up_to_date_and_updates_where_the_model_changed(
 
 
 def lose(workspace, how):
-    path = workspace.path(gen.MANIFEST_PATH)
+    path = workspace.path(MANIFEST_PATH)
     if how == "missing":
         path.unlink()
     elif how == "conflict":
@@ -259,15 +263,15 @@ LOSSES = ["missing", "conflict", "future", b"", b"[]", b"\xff", b'{"schema": 1}'
 @pytest.mark.parametrize("how", LOSSES)
 def test_a_lost_manifest_loses_no_data(workspace, vehicle, arm, rename, how):
     workspace.write([vehicle, arm])
-    original = workspace.path(gen.MANIFEST_PATH).read_bytes()
+    original = workspace.path(MANIFEST_PATH).read_bytes()
     edited = b"# mine\n"
     workspace.path(SKELETON).write_bytes(edited)
     lose(workspace, how)
 
     plan = workspace.plan([vehicle, arm])
-    assert [action.path for action in plan.changes] == [gen.MANIFEST_PATH]
-    gen.apply(plan)
-    assert workspace.path(gen.MANIFEST_PATH).read_bytes() == original
+    assert [action.path for action in plan.changes] == [MANIFEST_PATH]
+    apply(plan)
+    assert workspace.path(MANIFEST_PATH).read_bytes() == original
     assert workspace.path(SKELETON).read_bytes() == edited
 
     lose(workspace, how)
@@ -303,9 +307,9 @@ def test_without_manifest_stray_generated_files_are_reported_and_kept(workspace,
 
 def test_a_merge_of_manifest_and_files_of_two_branches_updates_cleanly(workspace, vehicle, rename):
     workspace.write([vehicle])
-    other = workspace.path(gen.MANIFEST_PATH).read_bytes()
+    other = workspace.path(MANIFEST_PATH).read_bytes()
     workspace.write([rename(vehicle, doc="Theirs.")])
-    workspace.path(gen.MANIFEST_PATH).write_bytes(other)
+    workspace.path(MANIFEST_PATH).write_bytes(other)
 
     plan = workspace.write([rename(vehicle, doc="Merged.")])
 
@@ -317,12 +321,12 @@ def test_a_manifest_cannot_have_files_deleted_outside(workspace, vehicle, tmp_pa
     workspace.write([vehicle])
     victim = tmp_path / "victim.txt"
     victim.write_text("x", encoding="utf-8")
-    manifest = workspace.path(gen.MANIFEST_PATH)
+    manifest = workspace.path(MANIFEST_PATH)
     content = json.loads(manifest.read_text(encoding="utf-8"))
     content["files"][path] = content["files"][BASE]
     manifest.write_text(json.dumps(content), encoding="utf-8")
 
-    assert "damaged" in gen.read_manifest(workspace.out).problem
+    assert "damaged" in read_manifest(workspace.out).problem
     workspace.write([vehicle])
 
     assert victim.exists()
@@ -331,7 +335,7 @@ def test_a_manifest_cannot_have_files_deleted_outside(workspace, vehicle, tmp_pa
 # --- obstacles in the folder ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("path", [BASE, SKELETON, "vehicle", gen.MANIFEST_PATH, ".jausml"])
+@pytest.mark.parametrize("path", [BASE, SKELETON, "vehicle", MANIFEST_PATH, ".jausml"])
 @pytest.mark.parametrize("force", [False, True])
 def test_a_symbolic_link_is_never_written_through(workspace, vehicle, tmp_path, path, force):
     workspace.write([vehicle])
@@ -344,8 +348,8 @@ def test_a_symbolic_link_is_never_written_through(workspace, vehicle, tmp_path, 
 
     assert plan.refused
     assert all("symbolic link" in action.reason for action in plan.refused)
-    with pytest.raises(gen.RefusedError):
-        gen.apply(plan)
+    with pytest.raises(RefusedError):
+        apply(plan)
     assert {p: p.read_bytes() for p in before} == before
 
 
@@ -399,7 +403,7 @@ def test_a_folder_or_a_file_in_the_way_is_refused(workspace, vehicle):
 def test_the_manifest_is_sorted_and_free_of_machine_and_time(workspace, vehicle):
     workspace.write([vehicle])
 
-    text = workspace.path(gen.MANIFEST_PATH).read_text(encoding="utf-8")
+    text = workspace.path(MANIFEST_PATH).read_text(encoding="utf-8")
     content = json.loads(text)
 
     assert text == json.dumps(content, indent=2, sort_keys=True) + "\n"
@@ -417,22 +421,22 @@ def test_the_manifest_is_sorted_and_free_of_machine_and_time(workspace, vehicle)
 def test_the_manifest_changes_only_with_the_files_that_there_are(workspace, vehicle, rename):
     """What a file holds is told by its header, so that branches rarely meet in the manifest."""
     workspace.write([vehicle])
-    before = workspace.path(gen.MANIFEST_PATH).read_bytes()
+    before = workspace.path(MANIFEST_PATH).read_bytes()
 
     workspace.write([rename(vehicle, doc="New.")])
 
-    assert workspace.path(gen.MANIFEST_PATH).read_bytes() == before
+    assert workspace.path(MANIFEST_PATH).read_bytes() == before
 
 
 def test_what_is_known_of_a_model_is_kept_until_it_is_replaced(workspace, vehicle):
     processes = [{"name": "v", "package": "vehicle", "module": "vehicle.node", "kind": "jaus"}]
     workspace.write([vehicle], facts={"processes": processes, "other": 1})
     workspace.write([vehicle])
-    assert gen.read_manifest(workspace.out).models["toy"] == {"processes": processes, "other": 1}
+    assert read_manifest(workspace.out).models["toy"] == {"processes": processes, "other": 1}
 
     workspace.write([vehicle], facts={"processes": []})
 
-    assert gen.read_manifest(workspace.out).models["toy"] == {"processes": [], "other": 1}
+    assert read_manifest(workspace.out).models["toy"] == {"processes": [], "other": 1}
 
 
 @pytest.mark.needs("git")
@@ -444,8 +448,8 @@ def test_the_diff_is_a_patch_that_gives_the_new_tree(workspace, vehicle, arm, re
     copy = tmp_path / "copy"
     shutil.copytree(workspace.out, copy)
     plan = workspace.plan([rename(vehicle, doc="Changed."), rename(arm, name="hand")], force=True)
-    patch = gen.unified_diff(plan)
-    gen.apply(plan)
+    patch = unified_diff(plan)
+    apply(plan)
 
     subprocess.run(["git", "apply", "-"], cwd=copy, input=patch, text=True, check=True)
 
@@ -462,4 +466,4 @@ def test_the_diff_is_a_patch_that_gives_the_new_tree(workspace, vehicle, arm, re
 def test_no_change_no_diff(workspace, vehicle):
     workspace.write([vehicle])
 
-    assert gen.unified_diff(workspace.plan([vehicle])) == ""
+    assert unified_diff(workspace.plan([vehicle])) == ""

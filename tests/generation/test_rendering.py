@@ -14,8 +14,10 @@ import jinja2
 import pytest
 
 from jausml import __version__
-from jausml import generation as gen
-from jausml.generation.artifact import add_header, has_valid_header, syntax_problem
+from jausml.generation.artifact import Kind, add_header, has_valid_header, syntax_problem
+from jausml.generation.errors import InternalError, TooLargeError
+from jausml.generation.manifest import MANIFEST_PATH
+from jausml.generation.target import Target, TextFile, TextTask, templates_beside
 
 
 def texts(artifacts):
@@ -34,7 +36,7 @@ def test_render_writes_nothing_and_sorts_by_path(workspace, vehicle, arm):
 def test_an_artifact_says_where_it_comes_from(workspace, vehicle):
     skeleton = next(a for a in workspace.render([vehicle]) if a.path == "vehicle/vehicle.py")
 
-    assert skeleton.kind is gen.Kind.SKELETON
+    assert skeleton.kind is Kind.SKELETON
     assert skeleton.element_id == "component:1025"
     assert skeleton.source == "models/toy.xmi"
     assert skeleton.target == "toy"
@@ -156,7 +158,7 @@ def test_python_that_is_read_as_something_else_is_refused(text):
 
 def failing(workspace, templates, template, text, vehicle):
     (templates / template).write_text(text, encoding="utf-8")
-    with pytest.raises(gen.InternalError) as caught:
+    with pytest.raises(InternalError) as caught:
         workspace.render([vehicle])
     return caught.value, str(templates / template)
 
@@ -196,7 +198,7 @@ def test_an_included_template_keeps_its_last_line_end(workspace, templates, vehi
 def test_a_missing_template_and_a_broken_path_name_the_element(workspace, templates, vehicle):
     (templates / "base.py.j2").unlink()
 
-    with pytest.raises(gen.InternalError, match=r"base.py.j2 for component:1025: TemplateNotFound"):
+    with pytest.raises(InternalError, match=r"base.py.j2 for component:1025: TemplateNotFound"):
         workspace.render([vehicle])
 
 
@@ -237,20 +239,20 @@ def test_hostile_model_text_stays_data_in_every_file(workspace, vehicle, rename)
 def test_a_hostile_name_in_a_code_position_is_refused(workspace, vehicle, make_message, rename):
     bad = rename(vehicle, messages=(make_message("x(self): pass\n\nimport os\n#", 1),))
 
-    with pytest.raises(gen.InternalError, match="is not a Python name"):
+    with pytest.raises(InternalError, match="is not a Python name"):
         workspace.render([bad])
 
 
 def test_text_files_and_the_executable_bit(workspace):
-    files = [gen.TextFile("run.sh", "#!/bin/sh\r\necho\n\n\n", "script", "a.sh")]
-    task = gen.TextTask(files, executable=True)
+    files = [TextFile("run.sh", "#!/bin/sh\r\necho\n\n\n", "script", "a.sh")]
+    task = TextTask(files, executable=True)
 
-    plan = workspace.write([], [gen.Target("scripts", "Scripts.", lambda _: [task])])
+    plan = workspace.write([], [Target("scripts", "Scripts.", lambda _: [task])])
 
-    assert [action.path for action in plan.changes] == ["run.sh", gen.MANIFEST_PATH]
+    assert [action.path for action in plan.changes] == ["run.sh", MANIFEST_PATH]
     script = workspace.path("run.sh")
     assert script.stat().st_mode & 0o100
-    assert not workspace.path(gen.MANIFEST_PATH).stat().st_mode & 0o100
+    assert not workspace.path(MANIFEST_PATH).stat().st_mode & 0o100
     lines = script.read_text(encoding="utf-8").split("\n")
     assert lines[0] == "#!/bin/sh"
     assert lines[-2:] == ["echo", ""]
@@ -285,7 +287,7 @@ def test_generated_python_is_as_ruff_formats_it(workspace, vehicle, rename, doc)
 
 
 def test_templates_beside_a_module(tmp_path):
-    assert gen.templates_beside(str(tmp_path / "target.py")) == tmp_path / "templates"
+    assert templates_beside(str(tmp_path / "target.py")) == tmp_path / "templates"
 
 
 def test_more_files_than_a_workspace_can_have_are_refused_before_they_are_made(
@@ -297,7 +299,7 @@ def test_more_files_than_a_workspace_can_have_are_refused_before_they_are_made(
     monkeypatch.setattr("jausml.generation.rendering.MAX_FILES", number - 1)
     made = []
     monkeypatch.setattr("jausml.generation.rendering.add_header", lambda *given: made.append(given))
-    with pytest.raises(gen.TooLargeError, match=f"would have {number} files, more than"):
+    with pytest.raises(TooLargeError, match=f"would have {number} files, more than"):
         workspace.render([vehicle, arm])
     assert made == []
 
@@ -307,5 +309,5 @@ def test_files_that_are_too_much_together_are_refused(workspace, vehicle, arm, m
     monkeypatch.setattr("jausml.generation.rendering.MAX_CHARACTERS", size)
     workspace.render([vehicle, arm])
     monkeypatch.setattr("jausml.generation.rendering.MAX_CHARACTERS", size - 1)
-    with pytest.raises(gen.TooLargeError, match=f"more than {size - 1} characters"):
+    with pytest.raises(TooLargeError, match=f"more than {size - 1} characters"):
         workspace.render([vehicle, arm])

@@ -6,11 +6,12 @@ from importlib.metadata import EntryPoint
 
 import pytest
 
-from jausml import generation as gen
 from jausml.generation import target as target_module
+from jausml.generation.errors import GenerationError
+from jausml.generation.target import Target, load_targets
 
-ALPHA = gen.Target("alpha", "A target.", lambda _: [])
-BETA = gen.Target("beta", "A target.", lambda _: [])
+ALPHA = Target("alpha", "A target.", lambda _: [])
+BETA = Target("beta", "A target.", lambda _: [])
 
 
 @pytest.fixture
@@ -34,7 +35,7 @@ class Point(EntryPoint):
 def test_targets_are_sorted_by_name(install):
     install(("beta", "here:BETA"), ("alpha", "here:ALPHA"))
 
-    assert list(gen.load_targets().items()) == [("alpha", ALPHA), ("beta", BETA)]
+    assert list(load_targets().items()) == [("alpha", ALPHA), ("beta", BETA)]
 
 
 @pytest.mark.parametrize(
@@ -49,13 +50,13 @@ def test_targets_are_sorted_by_name(install):
 def test_a_broken_installation_is_told(install, entries, message):
     install(*entries)
 
-    with pytest.raises(gen.GenerationError, match=message):
-        gen.load_targets()
+    with pytest.raises(GenerationError, match=message):
+        load_targets()
 
 
 def test_the_installed_group_is_the_documented_one(monkeypatch):
     asked = []
     monkeypatch.setattr(target_module, "entry_points", lambda group: asked.append(group) or [])
 
-    assert gen.load_targets() == {}
+    assert load_targets() == {}
     assert asked == ["jausml.targets"]

@@ -9,8 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from jausml import generation as gen
-from jausml.generation.manifest import PENDING_PATH
+from jausml.generation.errors import InternalError, RefusedError, WriteError
+from jausml.generation.manifest import MANIFEST_PATH, PENDING_PATH
+from jausml.generation.plan import ActionKind
+from jausml.generation.writer import apply
 
 NOBODY = 65534
 
@@ -53,7 +55,7 @@ def test_a_failure_between_any_two_files_is_healed_by_a_rerun(
     new_model = [rename(vehicle, doc="Changed."), rename(arm, name="hand")]
     workspace.write(old_model)
     old = contents(workspace)
-    writes = len(workspace.plan(new_model).of(gen.ActionKind.CREATE, gen.ActionKind.UPDATE))
+    writes = len(workspace.plan(new_model).of(ActionKind.CREATE, ActionKind.UPDATE))
     reference = type(workspace)(tmp_path / "reference", workspace.targets)
     reference.write(old_model)
     reference.write(new_model)
@@ -65,15 +67,15 @@ def test_a_failure_between_any_two_files_is_healed_by_a_rerun(
 
         with pytest.MonkeyPatch.context() as patch:
             FailingReplace(patch, failing_call, error, after=after)
-            with pytest.raises((Killed, gen.WriteError)):
-                gen.apply(plan)
+            with pytest.raises((Killed, WriteError)):
+                apply(plan)
 
         left = contents(workspace)
         assert left.pop(PENDING_PATH)
         for path, content in left.items():
             assert content in (old.get(path), new.get(path)), path
         last_reached = failing_call == writes and after
-        assert (contents(workspace)[gen.MANIFEST_PATH] == new[gen.MANIFEST_PATH]) is last_reached
+        assert (contents(workspace)[MANIFEST_PATH] == new[MANIFEST_PATH]) is last_reached
         workspace.write(new_model)
         assert contents(workspace) == new
         assert workspace.plan(new_model).is_up_to_date
@@ -88,7 +90,7 @@ def test_after_a_killed_run_another_model_may_be_written(workspace, vehicle, ren
     with pytest.MonkeyPatch.context() as patch:
         FailingReplace(patch, failing_call, Killed(), after=True)
         with pytest.raises(Killed):
-            gen.apply(plan)
+            apply(plan)
 
     assert not workspace.write([rename(vehicle, messages=vehicle.messages[1:])]).refused
 
@@ -99,7 +101,7 @@ def test_a_failed_first_run_leaves_no_temporary_file(workspace, vehicle):
     with pytest.MonkeyPatch.context() as patch:
         FailingReplace(patch, 3, Killed(), after=False)
         with pytest.raises(Killed):
-            gen.apply(plan)
+            apply(plan)
 
     assert len(contents(workspace)) == 3  # two files, and what was meant
     workspace.write([vehicle])
@@ -125,7 +127,7 @@ def test_a_failed_rendering_writes_nothing(workspace, templates, vehicle, rename
     before = workspace.snapshot()
     (templates / "params.yaml.j2").write_text("{{ view.nosuch }}", encoding="utf-8")
 
-    with pytest.raises(gen.InternalError):
+    with pytest.raises(InternalError):
         workspace.write([rename(vehicle, doc="Changed.")])
 
     assert workspace.snapshot() == before
@@ -136,8 +138,8 @@ def test_a_file_that_appears_after_the_plan_is_not_overwritten(workspace, vehicl
     workspace.path("vehicle").mkdir(parents=True)
     workspace.path("vehicle/vehicle.py").write_text("mine", encoding="utf-8")
 
-    with pytest.raises(gen.WriteError, match=r"vehicle/vehicle\.py: the file appeared"):
-        gen.apply(plan)
+    with pytest.raises(WriteError, match=r"vehicle/vehicle\.py: the file appeared"):
+        apply(plan)
 
     assert workspace.path("vehicle/vehicle.py").read_text(encoding="utf-8") == "mine"
 
@@ -171,8 +173,8 @@ def test_a_read_only_folder_is_an_error_with_the_files_name(workspace, vehicle, 
         workspace.path("vehicle").chmod(0o555)
         workspace.path("vehicle/config").chmod(0o555)
 
-        with unprivileged(), pytest.raises(gen.WriteError, match=r"vehicle/.*: Permission denied"):
-            gen.apply(plan)
+        with unprivileged(), pytest.raises(WriteError, match=r"vehicle/.*: Permission denied"):
+            apply(plan)
 
         left = contents(workspace)
         del left[PENDING_PATH]
@@ -195,7 +197,7 @@ def test_files_get_the_usual_permissions(workspace, vehicle):
 def test_an_output_path_that_is_a_file_is_an_error(workspace, vehicle):
     workspace.out.write_text("x", encoding="utf-8")
 
-    with pytest.raises((gen.WriteError, gen.RefusedError)):
+    with pytest.raises((WriteError, RefusedError)):
         workspace.write([vehicle])
 
     assert workspace.out.read_text(encoding="utf-8") == "x"
@@ -220,7 +222,7 @@ def killed_at(workspace, model, call):
             os, "unlink", lambda path, **fd: None if len(half) == call else unlink(path, **fd)
         )
         with pytest.raises(Killed):
-            gen.apply(plan)
+            apply(plan)
 
 
 @pytest.mark.parametrize("call", range(1, 14))
@@ -235,7 +237,7 @@ def test_what_a_killed_run_of_another_model_left_is_tidied_up(
     workspace.write([vehicle])
 
     mine = {path for path in workspace.files() if path.endswith(("arm.py", "rear.py"))}
-    assert set(workspace.files()) == kept | mine | {gen.MANIFEST_PATH}
+    assert set(workspace.files()) == kept | mine | {MANIFEST_PATH}
     assert {orphan.path for orphan in workspace.plan([vehicle]).orphans} >= mine
     assert workspace.plan([vehicle]).is_up_to_date
 
@@ -252,8 +254,8 @@ def test_a_link_that_appears_after_the_plan_is_not_followed(workspace, vehicle, 
         workspace.path("vehicle").rename(outside)
         workspace.path("vehicle").symlink_to(outside)
 
-        with pytest.raises(gen.WriteError, match="vehicle/"):
-            gen.apply(plan)
+        with pytest.raises(WriteError, match="vehicle/"):
+            apply(plan)
 
         assert before == {path: path.read_bytes() for path in outside.rglob("*") if path.is_file()}
         workspace.path("vehicle").unlink()
@@ -267,7 +269,7 @@ def test_an_edit_after_the_plan_is_kept(workspace, vehicle, rename):
     base.write_text("mine", encoding="utf-8")
     workspace.path("vehicle/vehicle_base.py.orig").write_text("older", encoding="utf-8")
 
-    gen.apply(plan)
+    apply(plan)
 
     assert base.read_text(encoding="utf-8") == new
     assert workspace.path("vehicle/vehicle_base.py.orig2").read_text(encoding="utf-8") == "mine"
@@ -279,8 +281,8 @@ def test_an_edit_after_the_plan_is_not_deleted(workspace, vehicle, arm):
     plan = workspace.plan([vehicle])
     workspace.path("arm/arm_base.py").write_text("mine", encoding="utf-8")
 
-    with pytest.raises(gen.WriteError, match=r"arm/arm_base\.py: the file was edited"):
-        gen.apply(plan)
+    with pytest.raises(WriteError, match=r"arm/arm_base\.py: the file was edited"):
+        apply(plan)
 
     assert workspace.path("arm/arm_base.py").read_text(encoding="utf-8") == "mine"
 
@@ -288,8 +290,8 @@ def test_an_edit_after_the_plan_is_not_deleted(workspace, vehicle, arm):
 @pytest.mark.skipif(os.name != "posix", reason="needs pipes")
 def test_a_manifest_that_is_a_pipe_is_refused_and_not_read(workspace, vehicle):
     workspace.path(".jausml").mkdir(parents=True)
-    os.mkfifo(workspace.path(gen.MANIFEST_PATH))
+    os.mkfifo(workspace.path(MANIFEST_PATH))
 
     plan = workspace.plan([vehicle])
 
-    assert [refusal.path for refusal in plan.refused] == [gen.MANIFEST_PATH]
+    assert [refusal.path for refusal in plan.refused] == [MANIFEST_PATH]

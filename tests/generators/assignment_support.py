@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from workspaces import packages_of, python_path
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.validation.engine import check_project
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from lxml import etree
 
-from jausml.generation import FileTask, Target
-from jausml.generation import render as render_targets
-from jausml.language import wire
+from jausml.generation.rendering import render as render_targets
+from jausml.generation.target import FileTask, Target
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass
@@ -131,9 +130,8 @@ class FieldNames:
         self.view = view
         self.cls = getattr(module, view.class_name)
         self.bits = {item.path: item for item in view.nested if isinstance(item, BitFieldClass)}
-        body = view.layout.body
-        self.body_name = body.name if body is not None else ""
-        self.is_flat = body is not None and isinstance(body.kind, wire.Record)
+        self.body_name = view.body.jaus_name
+        self.is_flat = bool(self.body_name) and not view.body.is_wrapper
 
     def to_fields(self, message: Any) -> dict[str, Any]:
         """Returns a message in the shape of the golden vectors."""

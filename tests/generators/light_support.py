@@ -12,7 +12,7 @@ from pathlib import Path
 
 from hypothesis import strategies as st
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.generation.target import FileTask, Target, templates_beside
 from jausml.language.cdr import fields_of
 from jausml.language.metamodel.classes import ros

@@ -7,7 +7,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from jausml import generation as gen
+from jausml.generation.rendering import render
+from jausml.generation.workspace import generate
 from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
@@ -27,11 +28,11 @@ def model_of(path):
 def write(case, out, targets=(ROS_NODE, BRINGUP, RUNTIME)):
     """Generates into a folder as the command line does; returns the plan."""
     model = model_of(CASES / f"{case}.xmi")
-    return gen.generate(model, targets, out).plan
+    return generate(model, targets, out).plan
 
 
 def artifacts(case, *targets):
-    rendered = gen.render(model_of(CASES / f"{case}.xmi"), targets or (ROS_NODE, BRINGUP))
+    rendered = render(model_of(CASES / f"{case}.xmi"), targets or (ROS_NODE, BRINGUP))
     return {artifact.path: artifact for artifact in rendered}
 
 

@@ -24,8 +24,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from workspaces import packages_of, python_path
 
-from jausml.generation import GenerationError, NoSystemError, load_targets, render
 from jausml.generation.artifact import find_problems
+from jausml.generation.errors import GenerationError, NoSystemError
+from jausml.generation.rendering import render
+from jausml.generation.target import load_targets
 from jausml.language.interfaces.parsing import PARTS, parse_definition
 from jausml.language.validation.engine import check_project
 from jausml_generators.deployment.target import TARGET as DEPLOYMENT

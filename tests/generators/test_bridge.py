@@ -13,7 +13,8 @@ import pytest
 from sweeps import sweep
 from workspaces import python_path
 
-from jausml.generation import Kind, render
+from jausml.generation.artifact import Kind
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES

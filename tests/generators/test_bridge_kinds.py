@@ -6,7 +6,8 @@ import ast
 
 import pytest
 
-from jausml.generation import InternalError, render
+from jausml.generation.errors import InternalError
+from jausml.generation.rendering import render
 from jausml.generation.target import system_of
 from jausml.language.model import read_models
 from jausml_generators.bridge.checks.ends import Ends

@@ -10,7 +10,7 @@ import pytest
 import yaml
 from sweeps import sweep
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model import read_models
 from jausml.language.semantics.connections import stops

@@ -16,9 +16,9 @@ from codec_support import FieldNames, load, render
 from sweeps import sweep
 from wire_vectors import given, payload_of, vectors
 
-from jausml import generation
-from jausml.generation import FileTask, Target
 from jausml.generation.native import compiler
+from jausml.generation.rendering import render as render_artifacts
+from jausml.generation.target import FileTask, Target
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.runtime import wire
@@ -105,7 +105,7 @@ def compiled(program: str, *arguments: object) -> None:
 def header(folder: Path, view: HeaderView) -> None:
     task = FileTask("messages.hpp.j2", [view], lambda _: "messages.hpp")
     target = Target("codec_cpp", "", lambda _: [task], template_folders=TARGET.template_folders)
-    (artifact,) = generation.render(None, [target])
+    (artifact,) = render_artifacts(None, [target])
     (folder / "messages.hpp").write_text(artifact.text, encoding="utf-8")
     (folder / JAUS).write_text(support(JAUS), encoding="utf-8")
 
@@ -363,7 +363,7 @@ def test_no_macro_of_the_standard_library_is_a_name() -> None:
 @pytest.mark.slow
 def test_the_whole_library_compiles_for_small_computers(program: str, tmp_path: Path) -> None:
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
-    for artifact in generation.render(model, [TARGET.for_whole_library()]):
+    for artifact in render_artifacts(model, [TARGET.for_whole_library()]):
         path = tmp_path / Path(artifact.path).name
         path.write_text(artifact.text, encoding="utf-8")
         assert all(len(line) <= 100 for line in artifact.text.splitlines())
@@ -426,7 +426,7 @@ int main() {
 
 def test_a_header_is_the_same_each_time() -> None:
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
-    first, second = (generation.render(model, [TARGET]) for _ in range(2))
+    first, second = (render_artifacts(model, [TARGET]) for _ in range(2))
     assert first == second
     assert [artifact.path for artifact in first] == [
         "codec_cpp/catvehicle_jaus.hpp",

@@ -11,10 +11,13 @@ import pytest
 from click.testing import CliRunner
 from sweeps import sweep
 
-from jausml import generation as gen
 from jausml.cli import main
-from jausml.generation import FindingKind as F
+from jausml.generation.contract.finding import FindingKind as F
 from jausml.generation.drift import drift
+from jausml.generation.manifest import MANIFEST_PATH, read_manifest
+from jausml.generation.rendering import render
+from jausml.generation.target import load_targets
+from jausml.generation.workspace import generate
 from jausml.language.model.reading.reader import read_models
 from jausml.language.text.notation import NOTATIONS
 
@@ -99,7 +102,7 @@ def model_of(folder: Path, text: str):
     return result.model
 
 
-TARGETS = gen.load_targets()
+TARGETS = load_targets()
 PYTHON = [TARGETS[name] for name in ("jaus_component", "messages", "runtime")]
 
 
@@ -107,14 +110,14 @@ PYTHON = [TARGETS[name] for name in ("jaus_component", "messages", "runtime")]
 def generated(tmp_path_factory):
     """The workspace of the model before it changes."""
     folder = tmp_path_factory.mktemp("farm")
-    gen.generate(model_of(folder, MODEL), PYTHON, folder / "src")
+    generate(model_of(folder, MODEL), PYTHON, folder / "src")
     return folder / "src"
 
 
 @pytest.fixture(scope="module")
 def artifacts(tmp_path_factory):
     """The files of the model before it changes."""
-    return gen.render(model_of(tmp_path_factory.mktemp("farm"), MODEL), PYTHON)
+    return render(model_of(tmp_path_factory.mktemp("farm"), MODEL), PYTHON)
 
 
 @pytest.fixture
@@ -131,13 +134,13 @@ def yard(generated, artifacts, tmp_path):
             text = text.replace(old, new)
         data = code if isinstance(code, bytes) else code.encode()
         (out / FOLDER / "boom.py").write_bytes(data)
-        return gen.generate(model_of(tmp_path, text), PYTHON, out, **options)
+        return generate(model_of(tmp_path, text), PYTHON, out, **options)
 
     def look(code: str | bytes = CODE):
         """Compares alone, with the model as it was."""
         data = code if isinstance(code, bytes) else code.encode()
         (out / FOLDER / "boom.py").write_bytes(data)
-        return drift(artifacts, out, gen.read_manifest(out))
+        return drift(artifacts, out, read_manifest(out))
 
     run.out, run.look = out, look
     return run
@@ -453,25 +456,25 @@ def test_a_name_that_others_import_keeps_it(yard):
 
 def test_a_message_that_comes_back_is_forgotten(yard):
     yard(("enumerated_value unfolded {", "enumerated_value spread {"))
-    former = gen.read_manifest(yard.out).models["yard"]["former"]
+    former = read_manifest(yard.out).models["yard"]["former"]
     assert former["yard_messages.boom.ReportBoom.State.UNFOLDED"] == "SPREAD"
     yard(("enumerated_value unfolded {", "enumerated_value open {"))
-    former = gen.read_manifest(yard.out).models["yard"]["former"]
+    former = read_manifest(yard.out).models["yard"]["former"]
     assert former["yard_messages.boom.ReportBoom.State.UNFOLDED"] == "OPEN"
     assert told(yard().drift) == []
     assert not [
         qualified_name
-        for qualified_name in gen.read_manifest(yard.out).models["yard"]["former"]
+        for qualified_name in read_manifest(yard.out).models["yard"]["former"]
         if "UNFOLDED" in qualified_name
     ]
 
 
 @pytest.mark.parametrize("former", [[], {"boom.messages.FoldBoom": 3}, "x", None])
 def test_a_damaged_memory_is_no_obstacle(yard, former):
-    path = yard.out / gen.MANIFEST_PATH
+    path = yard.out / MANIFEST_PATH
     text = path.read_text().replace('"yard": {', f'"yard": {{"former": {json.dumps(former)}, ')
     path.write_text(re.sub(r", \s*\}", "}", text))
-    assert gen.read_manifest(yard.out).problem == ""
+    assert read_manifest(yard.out).problem == ""
     assert told(yard.look()) == []
 
 

@@ -22,7 +22,8 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 from workspaces import packages_of
 
-from jausml import generation as gen
+from jausml.generation.target import load_targets
+from jausml.generation.workspace import generate
 from jausml.language.model.diagnostics import Severity
 from jausml.language.model.reading.reader import read_models
 from jausml.language.text.notation import NOTATIONS
@@ -30,7 +31,7 @@ from jausml.language.text.notation import NOTATIONS
 GUARDS = ("jausml/generation/contract",)
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "2"))
 FOLDER = "boom/boom"
-TARGETS = gen.load_targets()
+TARGETS = load_targets()
 CODE = [TARGETS[name] for name in ("jaus_component", "messages")]
 
 
@@ -210,7 +211,7 @@ def told(result, names) -> dict[str, int]:
 def workspace(tmp_path_factory):
     """The workspace of the model before it changes."""
     out = tmp_path_factory.mktemp("farm") / "src"
-    gen.generate(model_of(out.parent, BEFORE), [*CODE, TARGETS["runtime"]], out)
+    generate(model_of(out.parent, BEFORE), [*CODE, TARGETS["runtime"]], out)
     return out
 
 
@@ -232,9 +233,9 @@ def test_what_is_told_is_what_python_raises(workspace, tmp_path_factory, data):
     for run in range(data.draw(st.integers(1, 2), "runs")):
         for number in range(data.draw(st.integers(run, 4), "changes")):
             messages = changed(messages, data.draw, 10 * run + number)
-        result = gen.generate(model_of(folder, messages), CODE, out, kept=None)
+        result = generate(model_of(folder, messages), CODE, out, kept=None)
     assert told(result, codes) == raised(out, list(codes))
-    fixed = gen.generate(model_of(folder, messages), CODE, out, kept=None, fix=True)
+    fixed = generate(model_of(folder, messages), CODE, out, kept=None, fix=True)
     assert told(fixed, codes) == raised(out, list(codes))
     assert not [finding for finding in fixed.drift if finding.edits]
     edited = {Path(finding.path).stem for finding in result.drift if finding.edits}

@@ -15,7 +15,8 @@ import pytest
 from codec_support import library
 from for_each import for_each
 
-from jausml.generation import FileTask, Target, render
+from jausml.generation.rendering import render
+from jausml.generation.target import FileTask, Target
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.semantics.jaus.core_services import (
@@ -35,7 +36,7 @@ from jausml_generators.python.package import PACKAGE_TEMPLATES
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.generation import Task
+    from jausml.generation.target import Task
     from jausml.language.model import Model
 
 LIBRARY = Path(__file__).parents[2] / "models" / "library" / "jaus"

@@ -16,7 +16,9 @@ import pytest
 import yaml
 from deployed import install, moved, read_environment, read_unit, started
 
-from jausml.generation import GenerationError, generate, render, select
+from jausml.generation.errors import GenerationError
+from jausml.generation.rendering import render
+from jausml.generation.workspace import generate, select
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.runtime.transports.ports import neighbour_ports

@@ -45,7 +45,7 @@ from .codec_support import load, read_messages, render
 if TYPE_CHECKING:
     from types import ModuleType
 
-    from jausml.generation import Target
+    from jausml.generation.target import Target
 
 
 MESSAGE = """

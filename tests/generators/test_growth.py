@@ -9,7 +9,9 @@ import pytest
 from counting import calls as counted
 from sweeps import sweep
 
-from jausml.generation import load_targets, render, select
+from jausml.generation.rendering import render
+from jausml.generation.target import load_targets
+from jausml.generation.workspace import select
 from jausml.language.validation.engine import check_project
 from jausml_generators.bringup.target import processes
 

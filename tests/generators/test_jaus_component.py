@@ -15,8 +15,8 @@ from ports import free_port
 from sweeps import sweep
 from workspaces import python_path
 
-from jausml.generation import render
 from jausml.generation.artifact import Artifact, Kind
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.runtime import JausComponent
 from jausml_generators.bridge.target import TARGET as BRIDGE

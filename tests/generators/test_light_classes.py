@@ -30,7 +30,7 @@ from light_support import (
     written,
 )
 
-from jausml.generation import GenerationError
+from jausml.generation.errors import GenerationError
 from jausml.runtime.bridge.light_message import differences, installed_class, is_light
 from jausml.runtime.bridge.messages.limits import RosTypeError
 from jausml.runtime.wire import DecodeError, EncodeError

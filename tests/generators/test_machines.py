@@ -14,7 +14,7 @@ from codec_support import ROOT
 from sweeps import sweep
 from workspaces import packages_of, python_path
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.attributes.guards import parse_guard
 from jausml.language.model import read_models
 from jausml.runtime.base.address import JausAddress

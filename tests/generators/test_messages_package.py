@@ -11,7 +11,7 @@ import pytest
 from lxml import etree
 from workspaces import python_path
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGES
 from jausml_generators.jaus_component.target import TARGET as COMPONENTS

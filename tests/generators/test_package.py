@@ -14,7 +14,7 @@ import needs
 import pytest
 from lxml import etree
 
-from jausml.generation import GenerationError
+from jausml.generation.errors import GenerationError
 from jausml.generation.target import source_of, system_of
 from jausml.language.model import read_models
 from jausml_generators.python.package import PackageView, package_view

@@ -10,8 +10,8 @@ import pytest
 from catkin_pkg.package import parse_package
 from catkin_pkg.topological_order import topological_order
 
-from jausml.generation import generate
 from jausml.generation.target import load_targets
+from jausml.generation.workspace import generate
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 

@@ -9,7 +9,7 @@ import pytest
 from lxml import etree
 from sweeps import sweep
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bringup.target import TARGET as BRINGUP

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 import warm
 
-from jausml import generation
 from jausml.generation.artifact import has_valid_header
 from jausml.generation.errors import GenerationError
+from jausml.generation.rendering import render as render_artifacts
 from jausml.language.interfaces import parse_definition
 from jausml.language.interfaces.definitions import (
     PRIMITIVES,
@@ -140,7 +140,7 @@ def model(tmp_path):
 def render(model, *targets):
     """Returns the files of targets, of both of them when none is named."""
     chosen = targets or (DECLARED, TARGET)
-    return {artifact.path: artifact.text for artifact in generation.render(model, chosen)}
+    return {artifact.path: artifact.text for artifact in render_artifacts(model, chosen)}
 
 
 def body(text):

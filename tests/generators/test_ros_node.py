@@ -11,10 +11,12 @@ import re
 import needs
 import pytest
 
-from jausml import generation as gen
 from jausml.generation.artifact import Kind
+from jausml.generation.contract.finding import FindingKind
 from jausml.generation.drift import drift
+from jausml.generation.manifest import read_manifest
 from jausml.generation.python import Imports, Modules, Origin
+from jausml.generation.rendering import render
 from jausml.language.metamodel.classes import ros, system
 from jausml_generators.common.ros import RosType, local_names
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
@@ -339,8 +341,8 @@ def test_imports_are_sorted_as_ruff_sorts_them(tmp_path):
 
 
 def findings(out):
-    rendered = gen.render(model_of(CASES / "talk.xmi"), [ROS_NODE])
-    return drift(rendered, out, gen.read_manifest(out))
+    rendered = render(model_of(CASES / "talk.xmi"), [ROS_NODE])
+    return drift(rendered, out, read_manifest(out))
 
 
 def test_a_new_skeleton_has_not_drifted(talk):
@@ -350,11 +352,11 @@ def test_a_new_skeleton_has_not_drifted(talk):
 @pytest.mark.parametrize(
     ("before", "after", "kind", "names"),
     [
-        ("def on_word(", "def helper(", gen.FindingKind.MISSING, "on_word"),
-        ("def on_word(", "def on_sentence(", gen.FindingKind.ORPHAN, "on_sentence"),
-        ("def on_double(", "def on_doubled(", gen.FindingKind.RENAMED, "renamed to on_double?"),
-        ("self, message: String", "self", gen.FindingKind.SIGNATURE, "on_word(self, message)"),
-        ("(ListenerBase)", "", gen.FindingKind.NO_BASE, "ListenerBase"),
+        ("def on_word(", "def helper(", FindingKind.MISSING, "on_word"),
+        ("def on_word(", "def on_sentence(", FindingKind.ORPHAN, "on_sentence"),
+        ("def on_double(", "def on_doubled(", FindingKind.RENAMED, "renamed to on_double?"),
+        ("self, message: String", "self", FindingKind.SIGNATURE, "on_word(self, message)"),
+        ("(ListenerBase)", "", FindingKind.NO_BASE, "ListenerBase"),
     ],
 )
 def test_drift_of_a_skeleton_is_found(before, after, kind, names, talk):
@@ -372,9 +374,9 @@ def test_a_renamed_endpoint_is_recognised_by_its_topic(talk, tmp_path):
     start = text.index('<nodes name="listener"')
     renamed = text[start:].replace('<subscriptions name="word"', '<subscriptions name="utterance"')
     model.write_text(text[:start] + renamed, encoding="utf-8")
-    rendered = gen.render(model_of(model), [ROS_NODE])
-    (finding,) = drift(rendered, talk, gen.read_manifest(talk))
-    assert finding.kind is gen.FindingKind.RENAMED
+    rendered = render(model_of(model), [ROS_NODE])
+    (finding,) = drift(rendered, talk, read_manifest(talk))
+    assert finding.kind is FindingKind.RENAMED
     assert finding.message == "on_word: renamed to on_utterance"
     compile(f"class C:\n{finding.stub}", "stub", "exec")
 
@@ -403,7 +405,7 @@ def test_output_is_the_same_wherever_the_model_lies(tmp_path):
     copy = tmp_path / "elsewhere" / "features.xmi"
     copy.parent.mkdir()
     copy.write_bytes((CASES / "features.xmi").read_bytes())
-    rendered = gen.render(model_of(copy), [ROS_NODE])
+    rendered = render(model_of(copy), [ROS_NODE])
     assert {artifact.path: artifact.text for artifact in rendered} == {
         path: artifact.text for path, artifact in artifacts("features", ROS_NODE).items()
     }

@@ -11,8 +11,9 @@ from types import ModuleType
 import pytest
 from sweeps import sweep
 
-from jausml import generation as gen
 from jausml import runtime
+from jausml.generation.rendering import render
+from jausml.generation.workspace import generate
 from jausml.language.model import read_models
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.bringup.target import TARGET as BRINGUP
@@ -87,7 +88,7 @@ def test_generated_code_imports_what_is_public(system):
     result = read_models([ROOT / system])
     used = {
         (artifact.path, module, name)
-        for artifact in gen.render(result.model, (COMPONENT, BRIDGE, ROS_NODE, BRINGUP))
+        for artifact in render(result.model, (COMPONENT, BRIDGE, ROS_NODE, BRINGUP))
         if artifact.path.endswith(".py")
         for module, name in imports_of_the_runtime(artifact.text)
     }
@@ -126,7 +127,7 @@ def talk(tmp_path_factory):
     """A workspace of a component and the runtime."""
     folder = tmp_path_factory.mktemp("talk")
     model = read_models([ROOT / "tests" / "generators" / "lamp.xmi"]).model
-    gen.generate(model, (COMPONENT, MESSAGES, RUNTIME), folder)
+    generate(model, (COMPONENT, MESSAGES, RUNTIME), folder)
     return folder
 
 

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 import pytest
 from workspaces import python_path
 
-from jausml import generation as gen
+from jausml.generation.manifest import MANIFEST_PATH
+from jausml.generation.workspace import Result
+from jausml.generation.workspace import generate as generate_code
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
@@ -32,11 +34,11 @@ FRONT = f"""{HEAD}bridge front {{ address: 1.1.2  provides: VelocityStateSensor
 TARGETS = (COMPONENT, BRIDGE, MESSAGES, RUNTIME)
 
 
-def generate(folder: Path, text: str, name: str, targets=TARGETS, **options) -> gen.Result:
+def generate(folder: Path, text: str, name: str, targets=TARGETS, **options) -> Result:
     path = folder / f"{name}.ros2jaus"
     path.write_text(text, encoding="utf-8")
     model = read_models([path], notations=NOTATIONS).model
-    return gen.generate(model, targets, folder / "src", kept=None, **options)
+    return generate_code(model, targets, folder / "src", kept=None, **options)
 
 
 def modules(folder: Path) -> set[str]:
@@ -156,7 +158,7 @@ def test_a_node_that_is_no_bridge_has_nothing_of_jaus() -> None:
 
 def test_the_manifest_says_for_which_code_a_module_is_there(tmp_path: Path) -> None:
     generate(tmp_path, TALKER, "talk")
-    manifest = json.loads((tmp_path / "src" / gen.MANIFEST_PATH).read_text("utf-8"))
+    manifest = json.loads((tmp_path / "src" / MANIFEST_PATH).read_text("utf-8"))
     entry = manifest["files"][f"{FACE}/{FACE}/component/process.py"]
     assert entry["element"] == "runtime:component/process.py for talker/talker/main.py"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE

@@ -12,7 +12,7 @@ import warm
 from ports import free_port
 from workspaces import python_path
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.jaus_component.target import TARGET

@@ -7,12 +7,22 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from codec_support import ROOT, definitions, library, load, render, shipped_sets
+from codec_support import (
+    LIBRARY,
+    LIBRARY_FILES,
+    ROOT,
+    library,
+    load,
+    render,
+    shipped_sets,
+)
 from for_each import for_each
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml import generation as gen
+from jausml.generation.rendering import render as render_artifacts
+from jausml.language import wire
+from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.runtime.messages import ReportTime, SetTime
 from jausml.runtime.wire import EncodeError, Message, StampedMessage, TimeStamp
@@ -23,7 +33,15 @@ from jausml_generators.python.codec.classes import BitFieldClass
 from jausml_generators.python.codec.message_builder import MessageBuilder
 from jausml_generators.ros_node.target import TARGET as NODES
 
-LAYOUT = definitions("core-v1.1")["Time.SetTime"].layout
+
+def set_time() -> wire.Message:
+    """The layout of SetTime."""
+    model = read_models([LIBRARY / LIBRARY_FILES["core-v1.1"]]).model
+    messages = model.instances(jaus.MessageDef)
+    return wire.resolve(next(message for message in messages if message.name == "SetTime"))
+
+
+LAYOUT = set_time()
 STAMP = next(member for member in LAYOUT.body.kind.members if member.name == "TimeStamp")
 SYSTEMS = (
     "models/catvehicle/catvehicle.xmi",
@@ -139,7 +157,7 @@ def test_no_message_of_the_library_has_a_class_of_its_own(set_name: str) -> None
 @pytest.mark.parametrize("system", SYSTEMS)
 def test_no_package_of_the_shipped_systems_has_a_class_of_its_own(system: str) -> None:
     model = read_models([ROOT / system]).model
-    artifacts = gen.render(model, (COMPONENTS, BRIDGES, NODES, MESSAGES))
+    artifacts = render_artifacts(model, (COMPONENTS, BRIDGES, NODES, MESSAGES))
     texts = [artifact.text for artifact in artifacts if artifact.path.endswith(".py")]
     assert texts
     assert not [text for text in texts if "class TimeStamp" in text]

@@ -13,7 +13,7 @@ from ports import free_port
 from sweeps import sweep
 from workspaces import python_path
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.jaus_component.target import TARGET as COMPONENT

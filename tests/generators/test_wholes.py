@@ -8,7 +8,16 @@ import needs
 import pytest
 
 from jausml.generation.native import SOURCE, State, build, compiler
+from jausml.generation.rendering import render
+from jausml.generation.target import system_of
+from jausml.language.metamodel.classes import bridge
+from jausml.language.semantics.connections import calls
+from jausml.language.semantics.connections.reports import requested_fields
+from jausml.language.semantics.names import snake_case
 from jausml.language.validation.engine import check_project
+from jausml.proving.layout import ROS
+from jausml.proving.round_trips import RoundTrip, assignment_of
+from jausml_generators.bridge.target import TARGET
 from tests.generators.assignment_support import generated
 
 MODEL = """
@@ -137,3 +146,85 @@ def test_all_of_a_whole_is_assigned_and_part_of_it_not_again(tmp_path):
     assert found.message == "'membername.inner.x' is assigned already"
     missing = text.replace("    membername2 -> membername { outOfRange: dropMessage }\n", "")
     assert {finding.rule for finding in findings(missing, tmp_path)} == {"JML416"}
+
+
+EFFORTS = [
+    f"{kind}_{motion}_effort_{axis}"
+    for kind in ("propulsive", "resistive")
+    for motion in ("linear", "rotational")
+    for axis in "xyz"
+]
+WHOLE_REPORT = f"""
+effort {{
+  JAUS ReportWrenchEffort
+  ROS Effort ( {"  ".join(f"float64 {name}" for name in EFFORTS)} )
+  JAUS->ROS ( . -> . {{ whenAbsent: leave }} )
+}}
+component vehicle {{ address: 1.1.1 provides: PrimitiveDriver }}
+bridge wholes {{
+  address: 1.1.2
+  connection up {{ map: effort peers: vehicle topic a {{}} }}
+}}
+"""
+
+
+def test_a_report_that_goes_over_as_a_whole_is_asked_for_all_of_its_fields(tmp_path):
+    """What a query does not name in its presence vector, the peer leaves out of the report."""
+    path = tmp_path / "wholes.ros2jaus"
+    path.write_text(WHOLE_REPORT, encoding="utf-8")
+    report = check_project([path])
+    assert not report.has_errors
+    (asked,) = requested_fields(system_of(report.model).bridges[0]).values()
+    assert sorted(map(snake_case, asked)) == sorted(EFFORTS)
+
+
+VELOCITIES = ["velocity_x", "velocity_y", "velocity_z", "roll_rate", "pitch_rate", "yaw_rate"]
+OTHER_WHOLES = f"""
+velocity {{
+  JAUS SetVelocityCommand
+  ROS Velocity ( uint8 command_type  {"  ".join(f"float64 {name}" for name in VELOCITIES)} )
+  JAUS->ROS ( . -> . {{ whenAbsent: leave }} )
+}}
+switched {{
+  JAUS ReportSwitched ( uint8 Success  string<=20 Message ) {{ code: 0xD402 }}
+  ROS std_srvs/SetBool.response
+  JAUS->ROS ( . -> . )
+}}
+bridge more_wholes {{
+  address: 1.1.2
+  provides: VelocityStateDriver
+  connection up {{
+    map: velocity exchange: message onSilence: hold holdReason: "the rig stands on blocks"
+    topic a {{}}
+  }}
+  ros_service_connection switch {{
+    direction: rosToJaus service: switch type: std_srvs/SetBool successMember: success
+    message: QueryWrenchEffort response: switched peers: vehicle
+  }}
+}}
+component vehicle {{ address: 1.1.1 provides: PrimitiveDriver }}
+"""
+
+
+@pytest.fixture
+def other_wholes(tmp_path):
+    path = tmp_path / "more_wholes.ros2jaus"
+    path.write_text(OTHER_WHOLES, encoding="utf-8")
+    return check_project([path]).model
+
+
+def test_a_limit_passes_where_the_whole_says_what_it_is(other_wholes):
+    made = {artifact.path: artifact.text for artifact in render(other_wholes, [TARGET])}
+    assert "a limit" not in made["more_wholes/more_wholes/more_wholes_base.py"]
+
+
+def test_a_whole_response_fills_the_member_that_tells_success(other_wholes):
+    (call,) = other_wholes.instances(bridge.RosServiceConnection)
+    assert calls.maps_success(call)
+
+
+def test_a_proof_knows_which_whole_gives_a_number_its_value(other_wholes):
+    used = other_wholes.instances(bridge.Connection)[0].map
+    found = assignment_of(RoundTrip("one", used, used), ROS, "velocity_x")
+    assert found is not None
+    assert found.source == "Velocity_X"

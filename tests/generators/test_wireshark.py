@@ -9,9 +9,9 @@ import pytest
 from lupa import lua52, lua54
 from sweeps import sweep
 
-from jausml import generation
 from jausml.generation.artifact import has_valid_header
 from jausml.generation.errors import GenerationError
+from jausml.generation.rendering import render as render_artifacts
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml_generators.common.components import library_services, used_services
@@ -51,7 +51,7 @@ def own(folder: Path, *services: str):
 
 
 def render(model, target=TARGET):
-    (artifact,) = generation.render(model, [target])
+    (artifact,) = render_artifacts(model, [target])
     return artifact
 
 

@@ -20,7 +20,9 @@ from jausml.authoring.editor.definition import outline
 from jausml.authoring.editor.hover import hover
 from jausml.authoring.editor.places import Place
 from jausml.authoring.editor.workbench import Workbench, all_problems
-from jausml.generation import load_targets, render, select
+from jausml.generation.rendering import render
+from jausml.generation.target import load_targets
+from jausml.generation.workspace import select
 from jausml.language.metamodel.classes import system
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.reading.parsing import parse

@@ -13,8 +13,8 @@ needs.ask("rclpy")
 from rclpy.node import NodeNameNonExistentError
 from workspaces import packages_of
 
-from jausml import generation
-from jausml.generation import render
+from jausml.generation.rendering import render
+from jausml.generation.workspace import generate as generate_code
 from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.ros_node.target import TARGET as NODES
@@ -68,7 +68,7 @@ def test_the_graph_of_a_bridge_is_its_policy(ros, tmp_path):
 
 @pytest.mark.slow
 def test_the_graph_of_a_node_is_its_policy(ros, tmp_path):
-    made = generation.generate(read_models([TALK]).model, [NODES, RUNTIME], tmp_path / "workspace")
+    made = generate_code(read_models([TALK]).model, [NODES, RUNTIME], tmp_path / "workspace")
     path = packages_of(made.plan.out)
     nodes = {
         name: Process(["-m", f"{name}.main"], path, tmp_path / name)

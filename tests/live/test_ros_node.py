@@ -19,7 +19,7 @@ from workspaces import python_path
 
 needs.ask("rclpy")
 
-from jausml import generation as gen
+from jausml.generation.workspace import generate as generate_code
 from jausml.language.model import read_models
 from jausml_generators.bringup.target import TARGET as BRINGUP
 from jausml_generators.ros_node.target import TARGET as ROS_NODE
@@ -156,7 +156,7 @@ def start(workspace):
 
 
 def generate(out):
-    gen.generate(read_models([MODEL]).model, [ROS_NODE, BRINGUP, RUNTIME], out)
+    generate_code(read_models([MODEL]).model, [ROS_NODE, BRINGUP, RUNTIME], out)
     return out
 
 

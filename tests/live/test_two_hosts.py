@@ -26,7 +26,7 @@ from deployed import install, moved, started
 from network_hosts import two_hosts
 from workspaces import python_path
 
-from jausml.generation import generate
+from jausml.generation.workspace import generate
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml_generators.wireshark.target import TARGET
 

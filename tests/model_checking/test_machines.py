@@ -132,3 +132,40 @@ def test_a_connection_that_was_stopped_counts_no_silence():
     moving = connection.take(ConnectionState())
     silent = connection.tick(connection.tick(moving))
     assert silent == connection.stop(moving) == ConnectionState(is_stopped=True, silent_in=0)
+
+
+JAMS = """<?xml version="1.0" encoding="UTF-8"?>
+<xmi:XMI xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
+    xmlns:jaus="http://www.jausml.org/jaus/1.0" xmlns:system="http://www.jausml.org/system/1.0">
+  <jaus:ServiceSet name="farm">
+    <services xmi:id="Baler" name="Baler" urn="urn:example:farm:Baler">
+      <inherits href="http://www.jausml.org/library/jaus/core-1.1.xmi#Management"/>
+      <events name="Jammed"/>
+      <machines name="BalerFSM">
+        <states name="On">
+          <transitions event="Jammed" target="Held"/>
+          <states name="Baling" initial="true">
+            <states name="Turning" initial="true"/>
+            <states name="Held"/>
+          </states>
+          <states name="Held"/>
+        </states>
+      </machines>
+    </services>
+  </jaus:ServiceSet>
+  <system:System name="farm">
+    <components name="baler" address="1.1.1" controlTimeout="2" provides="Baler"/>
+  </system:System>
+</xmi:XMI>
+"""
+
+
+def test_a_target_is_looked_for_from_the_state_of_its_transition(tmp_path):
+    """As generated code does, and not from the state in which the machine is."""
+    path = tmp_path / "farm.xmi"
+    path.write_text(JAMS, encoding="utf-8")
+    (subject,) = subjects_of(system_of(read_models([path]).model))
+    start = subject.product.initial()
+    assert start.path == "On.Baling.Turning"
+    after = {after.path for step, after in subject.product.steps(start) if "Jammed" in step.what}
+    assert after == {"On.Held"}

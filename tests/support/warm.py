@@ -127,7 +127,9 @@ def _reap(*_: object) -> None:
 def _prepare() -> None:
     """Reads the library, compiles all templates, and loads what verbs load when they work."""
     import jausml
-    from jausml.generation import load_targets, render, select
+    from jausml.generation.rendering import render
+    from jausml.generation.target import load_targets
+    from jausml.generation.workspace import select
     from jausml.language import project
     from jausml.language.model.reading.library_cache import LibraryCache
     from jausml.language.model.reading.reader import read_models

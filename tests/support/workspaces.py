@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING
 
 from type_support import require_own
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
     from typing import Any
 
-    from jausml.generation import Target
+    from jausml.generation.target import Target
     from jausml.language.model import Model
 
 _FORGOTTEN = 24 * 3600

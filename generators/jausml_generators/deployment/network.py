@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from jausml.generation.errors import GenerationError
 from jausml.generation.target import system_of
 from jausml.language.semantics.hosts import endpoint_of, host_of, is_ipv4
+from jausml.language.semantics.paths.scopes import carriers_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes import jaus
     from jausml.language.metamodel.classes.bridge import (
         Bridge,
-        Connection,
-        RosActionConnection,
-        RosServiceConnection,
     )
     from jausml.language.metamodel.classes.system import Host, System
     from jausml.language.model.model import Model
@@ -269,12 +267,7 @@ def _of_strangers(system: System, host: Host) -> Iterator[str]:
 def _of_connections(bridges: Sequence[Bridge]) -> Iterator[str]:
     """Asks where the peers of connections may be that name none."""
     for bridge in bridges:
-        connections: list[Connection | RosServiceConnection | RosActionConnection] = [
-            *bridge.bridgeConnections,
-            *bridge.serviceConnections,
-            *bridge.actionConnections,
-        ]
-        names = [f"`{one.name}`" for one in connections if not one.peers]
+        names = [f"`{one.name}`" for one in carriers_of(bridge) if not one.peers]
         if names and not bridge.allowedHosts:
             yield (
                 f"Where are the peers of {', '.join(names)} of `{bridge.name}`? No component is"

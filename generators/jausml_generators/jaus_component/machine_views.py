@@ -13,13 +13,10 @@ from jausml_generators.jaus_component.handlers import Method
 from jausml_generators.python.statements import call, tuple_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from typing import TypeAlias
+    from collections.abc import Iterator
 
     from jausml.language.metamodel.classes import jaus
     from jausml.language.semantics.jaus.inherited_machines import Machine
-
-    Listed: TypeAlias = Mapping[str, tuple[Sequence[jaus.Transition], Sequence[jaus.Transition]]]
 
 _BODY = 8
 
@@ -143,10 +140,8 @@ def diagram(machine: Machine) -> str:
     for path in keys:
         inside.setdefault(path.rpartition(".")[0], []).append(path)
     lines = ["stateDiagram-v2", *_states(machine, keys, inside, "", 1)]
-    for path, node in machine.nodes.items():
-        for state in node.elements:
-            for transition in [*state.transitions, *state.defaults]:
-                lines.append(_INDENT + _arrow(machine, keys, path, transition))
+    arrows = (_arrow(machine, keys, *placed) for placed in machine.transitions())
+    lines += (_INDENT + arrow for arrow in arrows)
     return "\n".join(lines)
 
 
@@ -167,14 +162,9 @@ def guard_text(guard: Guard) -> str:
 def _shown(machine: Machine) -> list[str]:
     """Returns the modelled states and the targets of their transitions, enclosing ones too."""
     paths = dict.fromkeys(machine.nodes)
-    for path, node in machine.nodes.items():
-        for state in node.elements:
-            for transition in [*state.transitions, *state.defaults]:
-                target = machine.resolve(path, transition.target) if transition.target else None
-                names = (target or "").split(".")
-                paths.update(
-                    dict.fromkeys(".".join(names[:end]) for end in range(1, len(names) + 1))
-                )
+    for path, transition in machine.transitions():
+        target = machine.resolve(path, transition.target) if transition.target else None
+        paths.update(dict.fromkeys(_around(target or "")))
     paths.pop("", None)
     return list(paths)
 
@@ -243,7 +233,7 @@ class _Place:
     remembered: tuple[str, ...] = ()
 
 
-def walks(machine: Machine, transitions: Listed) -> list[Walk]:
+def walks(machine: Machine) -> list[Walk]:
     """Returns the walks from the start of a machine over each transition from each state.
 
     The way to a state tells what its pushes have remembered, and so where a pop leads.
@@ -263,15 +253,15 @@ def walks(machine: Machine, transitions: Listed) -> list[Walk]:
         if place.state in reached:
             continue
         reached.add(place.state)
-        for step, after in _steps(machine, place, transitions):
+        for step, after in _steps(machine, place):
             routes.append((*way, step))
             pending.append((routes[-1], after))
     return routes[:LONGEST]
 
 
-def _steps(machine: Machine, place: _Place, transitions: Listed) -> Iterator[tuple[Step, _Place]]:
+def _steps(machine: Machine, place: _Place) -> Iterator[tuple[Step, _Place]]:
     by_trigger = defaultdict(list)
-    for path, transition in _listed(place.state, transitions):
+    for path, transition in machine.tried(place.state):
         by_trigger[_trigger(transition)].append((path, transition))
     for trigger, tried in by_trigger.items():
         if trigger is None:
@@ -283,16 +273,6 @@ def _steps(machine: Machine, place: _Place, transitions: Listed) -> Iterator[tup
                 yield Step(trigger, refused, after.state, actions), after
             if parse_guard(transition.guard) is None:
                 break
-
-
-def _listed(state: str, transitions: Listed) -> Iterator[tuple[str, jaus.Transition]]:
-    """Yields transitions in the order in which they are tried, with the paths of their states."""
-    path = state
-    while path:
-        own, defaults = transitions.get(path, ((), ()))
-        for transition in (*own, *defaults) if path == state else (*defaults, *own):
-            yield path, transition
-        path = path.rpartition(".")[0]
 
 
 def _trigger(transition: jaus.Transition) -> jaus.MessageDef | str | None:

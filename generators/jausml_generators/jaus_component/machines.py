@@ -18,11 +18,10 @@ from jausml.language.attributes.guards import (
 from jausml.language.semantics.jaus.commands import guard_of
 from jausml.language.semantics.jaus.inherited_machines import (
     Machine,
-    StateNode,
     event_name,
+    is_core_trigger,
     machines_of,
 )
-from jausml.language.semantics.jaus.machines import is_core_trigger
 from jausml_generators.common import components
 from jausml_generators.jaus_component.handlers import Method, documented
 from jausml_generators.jaus_component.machine_views import (
@@ -107,20 +106,14 @@ class Machines:
         self._actions: dict[tuple[str, int], _Use] = {}
         self._taken: dict[int, tuple[jaus.MessageDef, bool]] = {}
         for machine in self._machines:
-            for _, transition in self._transitions(machine):
-                self._use_transition(transition, extends_core=machine.extends_core)
+            for _, transition in machine.transitions():
+                if not is_core_trigger(transition):
+                    self._use_transition(transition, extends_core=machine.extends_core)
             for node in machine.nodes.values():
                 for state in node.elements:
                     self._use_actions([*state.entry, *state.exit], None, is_plain=True)
 
     # -- what is used ----------------------------------------------------------------------------
-
-    def _transitions(self, machine: Machine) -> Iterator[tuple[StateNode, jaus.Transition]]:
-        for node in machine.nodes.values():
-            for state in node.elements:
-                for transition in [*state.transitions, *state.defaults]:
-                    if not is_core_trigger(transition):
-                        yield node, transition
 
     def _use_transition(self, transition: jaus.Transition, *, extends_core: bool) -> None:
         message, kind = transition.message, None
@@ -262,8 +255,8 @@ class Machines:
                 if actions:
                     items.append(argument + tuple_of(*map(self._reference, actions)))
             for argument, transitions in (
-                ("transitions=", generated_transitions(node)),
-                ("defaults=", generated_defaults(node)),
+                ("transitions=", node.transitions),
+                ("defaults=", node.defaults),
             ):
                 if transitions:
                     transition_texts = [
@@ -274,11 +267,7 @@ class Machines:
                 yield call("State", *items)
 
     def _walks(self, machine: Machine) -> Iterator[str]:
-        listed = {
-            path: (generated_transitions(node), generated_defaults(node))
-            for path, node in machine.nodes.items()
-        }
-        for way in walks(machine, listed):
+        for way in walks(machine):
             yield tuple_of(
                 *(
                     tuple_of(
@@ -347,18 +336,6 @@ def messages_of(services: Iterable[jaus.Service]) -> list[jaus.MessageDef]:
                     messages[transition.message] = None
             messages.update(dict.fromkeys(action.sends for action in actions))
     return [message for message in messages if message is not None]
-
-
-def generated_transitions(node: StateNode) -> list[jaus.Transition]:
-    """Returns the transitions of a state that are generated: those that the runtime leaves."""
-    transitions = (transition for state in node.elements for transition in state.transitions)
-    return [transition for transition in transitions if not is_core_trigger(transition)]
-
-
-def generated_defaults(node: StateNode) -> list[jaus.Transition]:
-    """Returns the default transitions of a state that are generated."""
-    defaults = (default for state in node.elements for default in state.defaults)
-    return [transition for transition in defaults if not is_core_trigger(transition)]
 
 
 def _attribute(machine: Machine) -> str:

@@ -24,7 +24,6 @@ from jausml.language.interfaces.definitions import (
 )
 from jausml.language.semantics import names as words
 from jausml_generators.python import names
-from jausml_generators.python import names as common_names
 from jausml_generators.ros_interfaces.definitions import (
     DefinitionFile,
     DefinitionSection,
@@ -46,7 +45,7 @@ class MessagesPackage:
     def __init__(self, package: str, source: str) -> None:
         self._package = package
         self._source = source
-        self._names = common_names.Scope(separator="")
+        self._names = names.Scope(separator="")
         self.files: list[DefinitionFile] = []
 
     def add(self, message: jaus.MessageDef) -> None:
@@ -84,8 +83,8 @@ class _Fields:
         self._package = package
         self._owner = owner
         self._section = section
-        self._fields = common_names.Scope()
-        self._constants = common_names.Scope()
+        self._fields = names.Scope()
+        self._constants = names.Scope()
 
     def add(self, field: wire.Field) -> None:
         """Adds a field."""

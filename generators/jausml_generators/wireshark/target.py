@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from jausml.language.model.model import Model
 
 JAUS_PORT = 3794
+"""The port that IANA assigned to JAUS (AS5669A)."""
 NEIGHBOUR_PORTS = range(53794, 53826)
 """UDP ports of processes that share that of JAUS and do not own it, as the runtime takes them."""
-"""The port that IANA assigned to JAUS (AS5669A)."""
 
 
 class MessageTable:

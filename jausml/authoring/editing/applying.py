@@ -287,7 +287,7 @@ def converted(texts: Values, feature: FeatureTable) -> list[Any]:
         value, fault = convert(text, cast("DataTypeTable", feature.data_type))
         if fault is not None:
             hint = f"; {fault.hint}" if fault.hint else ""
-            raise EditError(f"{feature.name}: {fault.reason}{hint}")
+            raise EditError(f"{feature.name}: {fault.message}{hint}")
         values.append(value)
     return values
 

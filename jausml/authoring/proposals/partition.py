@@ -28,14 +28,15 @@ from jausml.language.semantics.connections.exchanges import TO_JAUS, TO_ROS
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import CORE
 from jausml.language.semantics.jaus.services import code
-from jausml.views.analysis.partition.ties import carriers_of, full_name, maps_of, serves
+from jausml.language.semantics.paths.scopes import carriers_of, maps_of
+from jausml.views.analysis.partition.ties import full_name, serves
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.semantics.paths.scopes import Carrier
     from jausml.views.analysis.partition.plans import Plan, Planned, Planner
-    from jausml.views.analysis.partition.ties import Carrier
 
 _COPIED = (
     *("namespace", "frequency", "type", "authority", "defaultAuthority", "controlTimeout"),

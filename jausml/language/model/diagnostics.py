@@ -40,6 +40,17 @@ class Related:
 
 
 @dataclass(frozen=True, slots=True)
+class ReadFault:
+    """Why a document, a reference or a value cannot be read; the place is in the document."""
+
+    rule: str
+    message: str
+    hint: str = ""
+    line: int = 1
+    column: int = 1
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding about a model.
 

@@ -15,7 +15,7 @@ from functools import cache
 from jausml.language.metamodel import ClassTable, FeatureKind, Metamodels
 from jausml.language.metamodel.classes import jaus, ros
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.model.diagnostics import Location
+from jausml.language.model.diagnostics import Location, ReadFault
 from jausml.language.model.documents import Document
 from jausml.language.model.library import (
     LIBRARY_URI,
@@ -25,7 +25,6 @@ from jausml.language.model.library import (
     place_in_library,
 )
 from jausml.language.model.model import Model
-from jausml.language.model.uris import UriFault
 
 _CODE = re.compile(r'\bcode="0x([0-9A-Fa-f]{4})"')
 _VERSION = re.compile(r"([0-9]{1,9})\.([0-9]{1,9})")
@@ -45,7 +44,7 @@ _WHOLES = frozenset({"services", "actions"})
 class NameFinder:
     """Finds elements by name."""
 
-    def __init__(self, model: Model, open_library: Callable[[str], Document | UriFault]) -> None:
+    def __init__(self, model: Model, open_library: Callable[[str], Document | ReadFault]) -> None:
         self._model = model
         self._open = open_library
         self._indices: dict[Document, dict[str, list[EObject]]] = {}

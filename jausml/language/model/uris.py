@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+from jausml.language.model.diagnostics import ReadFault
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import open_input
 from jausml.language.model.library import (
@@ -40,15 +41,6 @@ class FileTarget:
     path: Path
     display: str
     is_library: bool
-
-
-@dataclass(frozen=True, slots=True)
-class UriFault:
-    """Why an href names no file: rule id, message and hint."""
-
-    rule: str
-    message: str
-    hint: str = ""
 
 
 class UriResolver:
@@ -82,18 +74,18 @@ class UriResolver:
         shipped = shipped_as(real) if real not in contents else None
         return FileTarget(shipped or real, path, is_library=shipped is not None)
 
-    def resolve(self, uri: str, base: Document) -> FileTarget | UriFault:
+    def resolve(self, uri: str, base: Document) -> FileTarget | ReadFault:
         """Resolves the URI of an href.
 
         Returns:
             The file, which need not exist, or the reason why the URI names none.
         """
         if "\0" in unquote(uri):
-            return UriFault("JML211", "the href has a NUL character")
+            return ReadFault("JML211", "the href has a NUL character")
         if uri.startswith(LIBRARY_URI):
             return self._in_library(unquote(uri[len(LIBRARY_URI) :]))
         if _WINDOWS.match(uri):
-            return UriFault(
+            return ReadFault(
                 "JML211",
                 f"'{uri}' is a Windows path, not a URI",
                 "write a relative path with forward slashes",
@@ -103,9 +95,9 @@ class UriResolver:
             return self._file(unquote(uri), base)
         return self._with_scheme(scheme.group(1).lower(), uri, base)
 
-    def _with_scheme(self, scheme: str, uri: str, base: Document) -> FileTarget | UriFault:
+    def _with_scheme(self, scheme: str, uri: str, base: Document) -> FileTarget | ReadFault:
         if scheme in ("http", "https", "ftp"):
-            return UriFault(
+            return ReadFault(
                 "JML208",
                 f"'{uri}' is not fetched from the network",
                 "refer to a local file by a relative path",
@@ -114,32 +106,32 @@ class UriResolver:
             try:
                 parts = urlsplit(uri)
             except ValueError:
-                return UriFault("JML211", f"'{uri}' is not a URI")
+                return ReadFault("JML211", f"'{uri}' is not a URI")
             if parts.netloc not in ("", "localhost"):
-                return UriFault("JML208", f"'{uri}' names a file of another machine")
+                return ReadFault("JML208", f"'{uri}' names a file of another machine")
             return self._file(unquote(parts.path), base)
         if uri.startswith(_PLATFORM):
             return self._in_workspace(unquote(uri[len(_PLATFORM) :]), base)
         # What is of the workspace is followed; what is of a plug-in is not.
         kind = "/".join(uri.split("/")[:2]) if scheme == "platform" else scheme
-        return UriFault(
+        return ReadFault(
             "JML211",
             f"'{uri}' is of the unsupported scheme '{kind}'",
             "refer to a file by a relative path, or by platform:/resource/<project>/",
         )
 
-    def _file(self, path: str, base: Document) -> FileTarget | UriFault:
+    def _file(self, path: str, base: Document) -> FileTarget | ReadFault:
         # Not by pathlib: `a/../b` must lose its dots before symbolic links are followed.
         display = os.path.normpath(Path(base.display).parent / path)
         return self._checked(display, path, base)
 
-    def _checked(self, display: str, written: str, base: Document) -> FileTarget | UriFault:
+    def _checked(self, display: str, written: str, base: Document) -> FileTarget | ReadFault:
         real = Path(os.path.realpath(display))
         if real.is_relative_to(self._library):
             return FileTarget(real, display, is_library=True)
         allowed = self._allow_outside or real in self._known or real.is_relative_to(self._root)
         if not (allowed or any(map(real.is_relative_to, self._projects_of(base).values()))):
-            return UriFault(
+            return ReadFault(
                 "JML209",
                 f"'{written}' lies outside the project root {self._root}",
                 "name another one by --project-root, or use --allow-outside",
@@ -161,7 +153,7 @@ class UriResolver:
             self._around[document.parent] = projects
         return self._around[document.parent]
 
-    def _in_workspace(self, path: str, base: Document) -> FileTarget | UriFault:
+    def _in_workspace(self, path: str, base: Document) -> FileTarget | ReadFault:
         """Finds a file of an Eclipse project, or of a folder of the root that has its name."""
         project, _, rest = path.partition("/")
         projects = self._projects_of(base)
@@ -172,19 +164,19 @@ class UriResolver:
         elif self._root.name == project:
             folder = self._root
         else:
-            return UriFault(
+            return ReadFault(
                 "JML210",
                 f"no Eclipse project '{project}' is known",
                 f"say where it is by --project {project}=FOLDER",
             )
         return self._file(os.path.relpath(folder / rest, Path(base.display).parent), base)
 
-    def _in_library(self, path: str) -> FileTarget | UriFault:
+    def _in_library(self, path: str) -> FileTarget | ReadFault:
         real = Path(os.path.realpath(self._library / path))
         if real.is_relative_to(self._library) and os.path.isfile(real):  # noqa: PTH113 -- as above
             return FileTarget(real, _shown(real), is_library=True)
         known = map(place_in_library, library_paths(suffixes=(XMI,)))
-        return UriFault("JML212", f"the library has no model '{path}'", suggest(path, known))
+        return ReadFault("JML212", f"the library has no model '{path}'", suggest(path, known))
 
 
 def _shown(path: Path) -> str:

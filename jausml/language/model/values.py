@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
 
 from jausml.language.metamodel import DataTypeTable, ValueKind
+from jausml.language.model.diagnostics import ReadFault
 
 _INTEGER = re.compile(r"[+-]?[0-9]+")
 _REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
@@ -26,16 +26,7 @@ _SPECIAL_REALS = {
 _LONGEST_SHOWN = 40
 
 
-@dataclass(frozen=True, slots=True)
-class ValueFault:
-    """Why a text is no value of a data type: rule id, the end of a sentence, and a hint."""
-
-    rule: str
-    reason: str
-    hint: str = ""
-
-
-def convert(text: str, data_type: DataTypeTable) -> tuple[Any, ValueFault | None]:
+def convert(text: str, data_type: DataTypeTable) -> tuple[Any, ReadFault | None]:
     """Converts the text of an attribute.
 
     Returns:
@@ -83,14 +74,14 @@ def show(text: str) -> str:
     return f"'{flat}'"
 
 
-def _string(text: str, data_type: DataTypeTable) -> tuple[Any, ValueFault | None]:
+def _string(text: str, data_type: DataTypeTable) -> tuple[Any, ReadFault | None]:
     if data_type.pattern is None or data_type.pattern.fullmatch(text):
         return text, None
     reason = f"{show(text)} does not match the pattern {data_type.pattern_text}"
-    return None, ValueFault("JML107", f"{reason} of {data_type.name}")
+    return None, ReadFault("JML107", f"{reason} of {data_type.name}")
 
 
-def _integer(text: str, data_type: DataTypeTable) -> tuple[Any, ValueFault | None]:
+def _integer(text: str, data_type: DataTypeTable) -> tuple[Any, ReadFault | None]:
     if not _INTEGER.fullmatch(text):
         return None, _wrong(text, "an integer")
     # The length guards against texts that Python refuses to convert.
@@ -100,7 +91,7 @@ def _integer(text: str, data_type: DataTypeTable) -> tuple[Any, ValueFault | Non
     return None, _wrong(text, f"an integer in {data_type.minimum}..{data_type.maximum}")
 
 
-def _real(text: str) -> tuple[Any, ValueFault | None]:
+def _real(text: str) -> tuple[Any, ReadFault | None]:
     stripped = text.strip()
     if _REAL.fullmatch(stripped):
         return float(stripped), None
@@ -109,10 +100,10 @@ def _real(text: str) -> tuple[Any, ValueFault | None]:
     return None, _wrong(text, "a number")
 
 
-def _wrong(text: str, wanted: str) -> ValueFault:
-    return ValueFault("JML106", f"{show(text)} is not {wanted}")
+def _wrong(text: str, wanted: str) -> ReadFault:
+    return ReadFault("JML106", f"{show(text)} is not {wanted}")
 
 
-def _no_literal(text: str, data_type: DataTypeTable) -> ValueFault:
+def _no_literal(text: str, data_type: DataTypeTable) -> ReadFault:
     hint = suggest(text, data_type.legal) or f"one of {', '.join(data_type.legal)}"
-    return ValueFault("JML105", f"{show(text)} is not a literal of {data_type.name}", hint)
+    return ReadFault("JML105", f"{show(text)} is not a literal of {data_type.name}", hint)

@@ -11,7 +11,8 @@ import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from jausml.generation import FileTask, Target, render
+from jausml.generation.rendering import render
+from jausml.generation.target import FileTask, Target
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import Model, read_models
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message

@@ -12,7 +12,7 @@ import pytest
 from sweeps import sweep
 from workspaces import python_path
 
-from jausml.generation import render
+from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE

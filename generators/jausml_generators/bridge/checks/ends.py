@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.semantics.assignments.frames import is_coordinate
 from jausml.language.semantics.paths.scopes import (
-    expanded,
-    outer_scope,
     place,
     source_paths,
+    spelled_out,
     used_maps,
 )
 from jausml_generators.bridge.checks.check import NO_STEP, Chain, quantities_of, store
@@ -80,8 +79,7 @@ class Ends:
     @property
     def assignments(self) -> list[bridge.Assignment]:
         """The assignments of the direction, of wholes those of their members."""
-        written = self.map.toRos if self.to_ros else self.map.toJaus
-        return list(expanded(written, outer_scope(self.map, to_ros=self.to_ros)))
+        return spelled_out(self.map, to_ros=self.to_ros)
 
     @functools.cached_property
     def chains(self) -> list[Chain]:

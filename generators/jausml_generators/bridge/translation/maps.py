@@ -8,6 +8,7 @@ from jausml.generation.literals import printable
 from jausml.language.cdr import full_name
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.connections.stops import stop_assignments
+from jausml.language.semantics.paths.scopes import spelled_out
 from jausml_generators.bridge.translation.expressions import (
     FORMAT,
     OCTETS,
@@ -205,7 +206,7 @@ def _refuse_limits(body: Body, attribute_map: bridge.AttributeMap) -> None:
     """
     carried = {
         path
-        for assignment in attribute_map.toRos
+        for assignment in spelled_out(attribute_map, to_ros=True)
         if isinstance(assignment, bridge.FieldAssignment)
         for path in paths_of(assignment.source)
     }

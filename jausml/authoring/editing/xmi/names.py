@@ -9,10 +9,11 @@ from jausml.authoring.editing.drafts import Context
 from jausml.authoring.editing.reading import is_library
 from jausml.authoring.editing.working_copy import ElementCopy
 from jausml.language.model import refs
+from jausml.language.model.diagnostics import ReadFault
 from jausml.language.model.documents import Document
 from jausml.language.model.library import LIBRARY_URI, copy_in_project, library_root
 from jausml.language.model.refs import FragmentFinder, Ref
-from jausml.language.model.uris import UriFault, UriResolver
+from jausml.language.model.uris import UriResolver
 from jausml.language.model.xmi.parsing import Node
 
 
@@ -59,7 +60,7 @@ class Names:
         if not uri:
             return context.document
         target = self._resolver.resolve(uri, context.document)
-        if isinstance(target, UriFault):
+        if isinstance(target, ReadFault):
             return None
         known = (document for document in context.model.documents if document.path == target.path)
         return next(known, None)

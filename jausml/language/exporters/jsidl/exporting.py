@@ -27,8 +27,13 @@ from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.comparison import NOTHING, Difference, Policy, compare
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.language.model.model import Model
-from jausml.language.semantics.jaus.inherited_machines import Machine, machine_with, states_of
-from jausml.language.semantics.jaus.machines import described, is_core_trigger
+from jausml.language.semantics.jaus.inherited_machines import (
+    Machine,
+    is_core_trigger,
+    machine_with,
+    states_of,
+)
+from jausml.language.semantics.jaus.machines import described
 from jausml.language.semantics.jaus.services import with_inherited
 
 UNSAID = MappingProxyType({"frame": "unstated", "moves": "True", "documentation": NOTHING})

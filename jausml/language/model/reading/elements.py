@@ -19,13 +19,13 @@ from jausml.language.metamodel import (
 )
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import holds, link, new_object, set_value, set_values
-from jausml.language.model.diagnostics import Related
+from jausml.language.model.diagnostics import ReadFault, Related
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
 from jausml.language.model.notation import BY_NAME
 from jausml.language.model.reading.classes import ClassFinder, is_xmi, target_class
 from jausml.language.model.reading.problems import NodePlace, Problems, XmlAttribute
-from jausml.language.model.values import ValueFault, convert, nearest, show, suggest_or_list
+from jausml.language.model.values import convert, nearest, show, suggest_or_list
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.printing import XSI
 
@@ -337,10 +337,10 @@ class ElementBuilder:
         set_values(obj, feature, values)
 
     def _report_value(
-        self, place: NodePlace, obj: EObject, feature: FeatureTable, fault: ValueFault
+        self, place: NodePlace, obj: EObject, feature: FeatureTable, fault: ReadFault
     ) -> None:
         what = f"wrong value of '{feature.name}' of {obj.eClass.name}"
-        self._lose(obj, feature, fault.rule, place, f"{what}: {fault.reason}", fault.hint)
+        self._lose(obj, feature, fault.rule, place, f"{what}: {fault.message}", fault.hint)
 
     def _check_repeated(
         self, place: NodePlace, obj: EObject, feature: FeatureTable, values: list[Any]

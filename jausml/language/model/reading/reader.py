@@ -10,7 +10,7 @@ from pathlib import Path
 
 from jausml.language.metamodel import FeatureTable, Metamodels, load_metamodels
 from jausml.language.metamodel.classes.ecore import EObject
-from jausml.language.model.diagnostics import Diagnostic, Location, Severity
+from jausml.language.model.diagnostics import Diagnostic, Location, ReadFault, Severity
 from jausml.language.model.documents import Document
 from jausml.language.model.inputs import bounded, read_input
 from jausml.language.model.model import Model, without_collector
@@ -27,7 +27,7 @@ from jausml.language.model.reading.references import (
     Resolution,
     in_order_of_import,
 )
-from jausml.language.model.uris import FileTarget, UriFault, UriResolver
+from jausml.language.model.uris import FileTarget, UriResolver
 from jausml.language.model.xmi.parsing import Node, parse
 
 _BESIDE = "JML103"
@@ -130,7 +130,7 @@ class _Reading:
         self._opened: dict[Document, dict[str, Document | None]] = {}
         self._uris = uris
         self._documents: dict[Path, Document] = {}
-        self._targets: dict[tuple[str, str], FileTarget | UriFault] = {}
+        self._targets: dict[tuple[str, str], FileTarget | ReadFault] = {}
         rules = {id_: rule for notation in notations for id_, rule in notation.rules.items()}
         self._problems = Problems(rules)
         self._model = Model([], metamodels)
@@ -196,22 +196,22 @@ class _Reading:
         if fault is not None:
             self._problems.report("JML001", Location(document.display), fault)
 
-    def _open(self, uri: str, base: Document) -> Document | UriFault:
+    def _open(self, uri: str, base: Document) -> Document | ReadFault:
         """Returns the document that a URI names, read at the first call."""
         opened = self._opened_by(uri, base)
         if base.is_shared:
             # A fault is noted too: a document of the library that lacks another must not be shared.
-            document = None if isinstance(opened, UriFault) else opened
+            document = None if isinstance(opened, ReadFault) else opened
             self._opened.setdefault(base, {}).setdefault(uri, document)
         return opened
 
-    def _opened_by(self, uri: str, base: Document) -> Document | UriFault:
+    def _opened_by(self, uri: str, base: Document) -> Document | ReadFault:
         # A URI means the same from everywhere in a document, and thousands of references repeat it.
         key = (uri, base.display)
         target = self._targets.get(key)
         if target is None:
             target = self._targets[key] = self._uris.resolve(uri, base)
-        if isinstance(target, UriFault):
+        if isinstance(target, ReadFault):
             return target
         document = self._documents.get(target.path) or self._take(target)
         if document is None:
@@ -219,7 +219,7 @@ class _Reading:
             fault = self._load(document)
             if fault is not None:
                 message = f"referenced file {target.display}: {fault}"
-                absent = UriFault("JML203", message)
+                absent = ReadFault("JML203", message)
                 # The next reference to it gets the same answer without a second look at the disk.
                 self._targets[key] = absent
                 del self._documents[target.path]
@@ -327,19 +327,19 @@ class _Reading:
         written = self._written.get(document)
         for import_entry in written.imports if written is not None else ():
             opened = self._open(import_entry.uri, document)
-            if isinstance(opened, UriFault):
+            if isinstance(opened, ReadFault):
                 place = Location(document.display, import_entry.line, import_entry.column)
                 self._problems.report(opened.rule, place, opened.message, opened.hint)
             elif opened is not document and opened not in document.imports:
                 document.imports.append(opened)
-            lost = isinstance(opened, UriFault) or not opened.readable
+            lost = isinstance(opened, ReadFault) or not opened.readable
             document.lacks_imports = document.lacks_imports or lost
 
     def _explain(self, document: Document, qualified_class: str, name: str) -> Explanation:
         written = self._written.get(document)
         return Explanation() if written is None else written.explain(qualified_class, name)
 
-    def _open_library(self, uri: str) -> Document | UriFault:
+    def _open_library(self, uri: str) -> Document | ReadFault:
         return self._open(uri, self._model.documents[0])
 
     def _declare(self) -> None:

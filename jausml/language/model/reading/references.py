@@ -15,7 +15,7 @@ from jausml.language.metamodel import FeatureKind, Metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import holds, link, point
-from jausml.language.model.diagnostics import Related
+from jausml.language.model.diagnostics import ReadFault, Related
 from jausml.language.model.documents import Document
 from jausml.language.model.model import Model
 from jausml.language.model.names import NameFinder, depth, library_codes, qualified_name
@@ -25,7 +25,6 @@ from jausml.language.model.reading.elements import Mention, Reference
 from jausml.language.model.reading.library_cache import NotShareableError
 from jausml.language.model.reading.problems import Problems
 from jausml.language.model.refs import Found, FragmentFinder
-from jausml.language.model.uris import UriFault
 from jausml.language.model.values import show
 from jausml.language.model.xmi.parsing import Node
 
@@ -100,7 +99,7 @@ _HEXADECIMAL = 16
 
 
 class KnownNames:
-    """Names that a document can use, as `jausml.language.model.notation.Known` says."""
+    """Names that a document can use."""
 
     def __init__(self, model: Model, names: NameFinder, document: Document) -> None:
         self._model = model
@@ -108,7 +107,7 @@ class KnownNames:
         self._document = document
 
     def find(self, qualified_class: str, name: str) -> list[EObject]:
-        """Returns the elements of a class that a name means in the document."""
+        """Returns the elements of a class that a name means: none, the one, or all it may mean."""
         wanted = self._model.metamodels.classes[qualified_class]
         return self._names.find(name, wanted, self._document, None)
 
@@ -147,7 +146,7 @@ def in_order_of_import(documents: Iterable[Document]) -> list[Document]:
     return list(done)
 
 
-Open = Callable[[str, Document], "Document | UriFault"]
+Open = Callable[[str, Document], "Document | ReadFault"]
 """Opens the document that a URI names, seen from another document."""
 
 _FEW_RELATED = 10
@@ -160,7 +159,7 @@ _ENDLESS = f"leads back to itself, or through more than {_DEEPEST} elements"
 class _Absent:
     """A file that references name in vain, and those references."""
 
-    fault: UriFault
+    fault: ReadFault
     references: list[Reference] = field(default_factory=list)
 
 
@@ -241,7 +240,7 @@ class Resolution:
             return self._names.target(reference)
         if reference.uri:
             opened = self._open(reference.uri, document)
-            if isinstance(opened, UriFault):
+            if isinstance(opened, ReadFault):
                 # One finding for each file and cause, however many references name it.
                 key = (opened.rule, opened.message)
                 self._absent.setdefault(key, _Absent(opened)).references.append(reference)
@@ -277,7 +276,7 @@ class Resolution:
             self._circular.add(node)
             return None
         opened = self._open(uri, document) if uri else document
-        if isinstance(opened, UriFault) or not opened.readable:
+        if isinstance(opened, ReadFault) or not opened.readable:
             return None
         # Marked while it is followed, so that a circle of hrefs ends here and not in the stack.
         self._following.add(node)

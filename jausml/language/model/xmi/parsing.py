@@ -13,6 +13,7 @@ from typing import Any
 from xml.parsers import expat
 
 from jausml.language.model import inputs
+from jausml.language.model.diagnostics import ReadFault
 
 MAX_DEPTH = 200
 
@@ -67,28 +68,17 @@ class Node:
         return f"<{self.tag}> at {self.line}:{self.column}"
 
 
-@dataclass(frozen=True, slots=True)
-class ParseFault:
-    """Why a document has no nodes: rule id, message, hint and place."""
-
-    rule: str
-    message: str
-    hint: str = ""
-    line: int = 1
-    column: int = 1
-
-
 @dataclass(slots=True)
 class ParseResult:
     """The root element of a document, or the fault that hides it."""
 
     root: Node | None = None
-    fault: ParseFault | None = None
+    fault: ReadFault | None = None
     encoding: str = "utf-8"
 
 
 class _Refused(Exception):  # noqa: N818 -- leaves the callbacks, never this module
-    def __init__(self, fault: ParseFault) -> None:
+    def __init__(self, fault: ReadFault) -> None:
         super().__init__(fault.message)
         self.fault = fault
 
@@ -113,7 +103,7 @@ def parse(data: bytes) -> ParseResult:
     except (LookupError, ValueError) as error:
         # pyexpat asks Python for encodings that expat lacks; multi-byte ones are refused so.
         return ParseResult(
-            fault=ParseFault("JML006", f"the encoding cannot be read: {error}", _AS_UTF_8)
+            fault=ReadFault("JML006", f"the encoding cannot be read: {error}", _AS_UTF_8)
         )
     return ParseResult(root=builder.root, encoding=detect_encoding(data))
 
@@ -194,7 +184,7 @@ class _TreeBuilder:
         stack.append(node)
         if len(stack) > MAX_DEPTH:
             message = f"elements are nested more than {MAX_DEPTH} deep"
-            raise _Refused(ParseFault("JML008", message, line=line, column=column))
+            raise _Refused(ReadFault("JML008", message, line=line, column=column))
 
     def _end(self, _name: str) -> None:
         self._stack.pop()
@@ -218,26 +208,26 @@ class _TreeBuilder:
             column = len(before.decode("utf-8", errors="replace")) + 1
         # Entities can read other files, and grow without bounds (the attack of a billion laughs).
         hint = "models need none; delete the <!DOCTYPE ...> declaration"
-        raise _Refused(ParseFault("JML007", "a DOCTYPE is not accepted", hint, line, column))
+        raise _Refused(ReadFault("JML007", "a DOCTYPE is not accepted", hint, line, column))
 
 
-def _accident(data: bytes) -> ParseFault | None:
+def _accident(data: bytes) -> ReadFault | None:
     """Recognises files that are no XML for a reason that can be told."""
     if not data.strip():
-        return ParseFault("JML003", "the file is empty")
+        return ReadFault("JML003", "the file is empty")
     if data.startswith(_LFS_POINTER):
-        return ParseFault(
+        return ReadFault(
             "JML005", "the file is a Git LFS pointer, not a model", "run `git lfs pull`"
         )
     return None
 
 
-def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
+def _explain(error: expat.ExpatError, data: bytes) -> ReadFault:
     line, column = max(error.lineno, 1), error.offset + 1
     # Markers of a merge give all kinds of errors of XML; which one does not help.
     conflict, first = inputs.unmerged(data)
     if conflict:
-        return ParseFault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)
+        return ReadFault(inputs.UNMERGED, conflict, inputs.UNMERGED_HINT, first)
     reason = expat.ErrorString(error.code) or str(error)
     rule, hint = "JML004", ""
     if error.code in _ENCODING_ERRORS:
@@ -249,7 +239,7 @@ def _explain(error: expat.ExpatError, data: bytes) -> ParseFault:
     else:
         reason = f"not well-formed XML: {reason}"
         hint = _AS_UTF_8 if error.code == _INVALID_TOKEN and not _is_utf_8(data) else ""
-    return ParseFault(rule, reason, hint, line, column)
+    return ReadFault(rule, reason, hint, line, column)
 
 
 def _is_utf_8(data: bytes) -> bool:

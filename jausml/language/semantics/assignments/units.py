@@ -25,6 +25,7 @@ from jausml.language.semantics.paths.scopes import (
     outer_scope,
     place,
     source_paths,
+    spelled_out,
     target_paths,
 )
 from jausml.language.semantics.subject import remembered
@@ -227,7 +228,7 @@ def _units(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[Unit | None]:
     Of lists, and of wholes of numbers such as an orientation, it is none.
     """
     scope = outer_scope(used, to_ros=to_ros)
-    for assignment in used.toRos if to_ros else used.toJaus:
+    for assignment in spelled_out(used, to_ros=to_ros):
         if isinstance(assignment, bridge.ListAssignment):
             yield None
         if not isinstance(assignment, bridge.FieldAssignment):

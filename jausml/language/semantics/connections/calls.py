@@ -17,7 +17,7 @@ from jausml.language.semantics.jaus.commands import (
 from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
 from jausml.language.semantics.jaus.services import code, lineage, query_name
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
-from jausml.language.semantics.paths.scopes import parse_path, target_paths
+from jausml.language.semantics.paths.scopes import parse_path, spelled_out, target_paths
 from jausml.language.semantics.subject import remembered
 
 REQUEST = "request"
@@ -75,7 +75,7 @@ def maps_success(connection: bridge.RosServiceConnection) -> bool:
     member = parse_path(connection.successMember)
     return any(
         parse_path(path) == member
-        for assignment in used.toRos
+        for assignment in spelled_out(used, to_ros=True)
         if not isinstance(assignment, bridge.Ignore)
         for path in target_paths(assignment)
     )

@@ -14,7 +14,7 @@ from jausml.language.semantics.jaus.services import (
     peers_of,
     query_name,
 )
-from jausml.language.semantics.paths.scopes import source_paths
+from jausml.language.semantics.paths.scopes import flattened, outer_scope, source_paths
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset
     incoming = (c.map for c in owner.bridgeConnections if c.direction.name == "jausToRos")
     fields: dict[jaus.MessageDef, set[str]] = defaultdict(set)
     for attribute_map in dict.fromkeys(incoming):
-        for path in _read_paths(attribute_map.toRos):
+        for path in _read_paths(attribute_map):
             join, rest = report_join_of(path, attribute_map.reportJoins)
             message = attribute_map.message if join is None else join.message
             fields[message].add(rest.split(".")[0].partition("[")[0])
@@ -105,18 +105,18 @@ def requested_fields(owner: bridge.Bridge) -> Mapping[jaus.MessageDef, frozenset
 
 def requested_in(used: bridge.AttributeMap | None) -> frozenset[str]:
     """Returns the fields of its message that a map reads; none without a map."""
-    paths = () if used is None else _read_paths(used.toRos)
+    paths = () if used is None else _read_paths(used)
     return frozenset(path.split(".")[0].partition("[")[0] for path in paths)
 
 
-def _read_paths(assignments: Iterable[bridge.Assignment]) -> Iterator[str]:
+def _read_paths(used: bridge.AttributeMap) -> Iterator[str]:
     """Yields the source paths that start at the message, those in lists included."""
-    for assignment in assignments:
-        yield from source_paths(assignment)
-        nested = assignment.assignments if isinstance(assignment, bridge.ListAssignment) else ()
-        for inner in _read_paths(nested):
-            if inner.startswith("/"):
-                yield inner[1:]
+    for placed in flattened(used.toRos, outer_scope(used, to_ros=True)):
+        for path in source_paths(placed.assignment):
+            if not placed.scope.is_nested:
+                yield path
+            elif path.startswith("/"):
+                yield path[1:]
 
 
 def is_report(connection: bridge.Connection) -> bool:

@@ -121,6 +121,27 @@ class StateNode:
         """Whether an element says that it is initial."""
         return any(element.initial for element in self.elements)
 
+    @property
+    def transitions(self) -> list[jaus.Transition]:
+        """Its transitions, without those that the services of the runtime take."""
+        return _own(transition for element in self.elements for transition in element.transitions)
+
+    @property
+    def defaults(self) -> list[jaus.Transition]:
+        """Its default transitions, without those that the services of the runtime take."""
+        return _own(default for element in self.elements for default in element.defaults)
+
+
+def is_core_trigger(transition: jaus.Transition) -> bool:
+    """Tells whether the services of the runtime act on the message of a transition themselves."""
+    message = transition.message
+    owner = None if message is None else message.eContainer()
+    return owner is not None and owner.urn in SERVED_BY_RUNTIME
+
+
+def _own(transitions: Iterable[jaus.Transition]) -> list[jaus.Transition]:
+    return [transition for transition in transitions if not is_core_trigger(transition)]
+
 
 @dataclass
 class Machine:
@@ -175,6 +196,26 @@ class Machine:
                 self.nodes[enclosing] = StateNode(enclosing)
                 self._enclose(enclosing)
         return self.nodes[path]
+
+    def transitions(self) -> Iterator[tuple[str, jaus.Transition]]:
+        """Yields all transitions with the paths of their states."""
+        for path, node in self.nodes.items():
+            for state in node.elements:
+                for transition in (*state.transitions, *state.defaults):
+                    yield path, transition
+
+    def tried(self, state: str) -> Iterator[tuple[str, jaus.Transition]]:
+        """Yields the transitions that may be taken in a state, with the paths of their states.
+
+        They come in the order in which the runtime tries them.
+        """
+        path = state
+        while path:
+            node = self.nodes.get(path, StateNode(path))
+            groups = (node.transitions, node.defaults)
+            for transitions in groups if path == state else reversed(groups):
+                yield from ((path, transition) for transition in transitions)
+            path = path.rpartition(".")[0]
 
     def children(self, path: str) -> list[str]:
         """Returns the states directly inside a state, or the outermost ones of an empty path."""

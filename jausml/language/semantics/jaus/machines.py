@@ -127,10 +127,3 @@ def described(transition: jaus.Transition) -> str:
     if transition.message is not None:
         return str(transition.message.name)
     return event_name(transition.event) or "anything else"
-
-
-def is_core_trigger(transition: jaus.Transition) -> bool:
-    """Tells whether the services of the runtime act on the message of a transition themselves."""
-    message = transition.message
-    owner = None if message is None else message.eContainer()
-    return owner is not None and owner.urn in SERVED_BY_RUNTIME

@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     WithSource: TypeAlias = (
         bridge.FieldAssignment | bridge.ListAssignment | bridge.MessageAssignment
     )
+    Carrier: TypeAlias = (
+        bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection
+    )
 
 
 COUNTERS = ("index", COUNT)
@@ -189,6 +192,12 @@ def expanded(
             yield assignment
         else:
             yield from expanded(parts, scope)
+
+
+def spelled_out(used: bridge.AttributeMap, *, to_ros: bool) -> list[bridge.Assignment]:
+    """Returns the assignments of a direction of a map, of wholes those of their members."""
+    written = used.toRos if to_ros else used.toJaus
+    return list(expanded(written, outer_scope(used, to_ros=to_ros)))
 
 
 def parts_in(assignment: bridge.Assignment, scope: PathScope) -> list[bridge.Assignment] | None:
@@ -401,5 +410,23 @@ def used_maps(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> Iterator[b
             assignment = assignments.pop(0)
             if isinstance(assignment, bridge.ListAssignment):
                 assignments = [*assignment.assignments, *assignments]
-            if isinstance(assignment, bridge.MessageAssignment):
+            if isinstance(assignment, bridge.MessageAssignment) and assignment.map is not None:
                 waiting.append(assignment.map)
+
+
+def carriers_of(owner: bridge.Bridge) -> tuple[Carrier, ...]:
+    """Returns all connections of a bridge: of topics, of ROS services and of ROS actions."""
+    return (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
+
+
+def maps_of(carrier: Carrier) -> tuple[bridge.AttributeMap, ...]:
+    """Returns the maps that a connection uses, in either direction, each once."""
+    used: list[bridge.AttributeMap | None]
+    if isinstance(carrier, bridge.Connection):
+        used = [carrier.map]
+    elif isinstance(carrier, bridge.RosServiceConnection):
+        used = [carrier.request, carrier.response]
+    else:
+        used = [carrier.element]
+    ways = [(one, way) for one in used if one is not None for way in (True, False)]
+    return tuple(dict.fromkeys(inner for one, way in ways for inner in used_maps(one, to_ros=way)))

@@ -16,12 +16,12 @@ from jausml.language.metamodel import ClassTable, FeatureKind, FeatureTable, Met
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.metamodel.filling import count
+from jausml.language.model.diagnostics import ReadFault
 from jausml.language.model.documents import Document
 from jausml.language.model.library import LIBRARY_URI, library_root
 from jausml.language.model.model import Model
 from jausml.language.model.names import NameFinder, name_of
 from jausml.language.model.reading.reader import read_models
-from jausml.language.model.uris import UriFault
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.writer import external_href, is_written
 from jausml.language.semantics.connections.exchanges import FEATURES, unstated
@@ -123,7 +123,7 @@ class DocumentNames:
         for length in range(1, len(steps) + 1):
             yield ".".join(steps[-length:])
 
-    def _open_library(self, uri: str) -> Document | UriFault:
+    def _open_library(self, uri: str) -> Document | ReadFault:
         path = self._library / uri.removeprefix(LIBRARY_URI)
         for document in self._model.documents:
             if document.path == path:

@@ -13,6 +13,7 @@ from jausml.language.semantics.jaus.inherited_machines import DEEPEST, too_deep
 from jausml.language.semantics.jaus.machines import Behaviour, behaviours_of
 from jausml.language.semantics.jaus.services import with_inherited
 from jausml.language.semantics.names import DEVICES, is_identifier, package_key, snake_case, taken
+from jausml.language.semantics.paths.scopes import carriers_of
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
@@ -253,7 +254,7 @@ def _siblings(owner: EObject) -> Iterator[Sequence[Named]]:
         yield owner.connections
     if isinstance(owner, bridge.Bridge):
         yield owner.maps
-        yield [*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections]
+        yield carriers_of(owner)
     if isinstance(owner, ros.Node):
         yield [*owner.publishers, *owner.serviceClients]
         yield [*owner.subscriptions, *owner.serviceServers]

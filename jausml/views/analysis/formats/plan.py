@@ -11,8 +11,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.metamodel.classes.system import System
+    from jausml.language.semantics.paths.scopes import Carrier
     from jausml.views.analysis.partition.plans import Plan, Planned
-    from jausml.views.analysis.partition.ties import Carrier
     from jausml.views.analysis.sizes import Assumptions
 
 _HEAD = ("", "host", "connections", "CPU %", "datagrams/s", "kB/s to hosts", "wait ms")

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import networkx
 
 from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.paths.scopes import carriers_of
 from jausml.views.analysis.partition.cutting import attractions, cut, halved
 from jausml.views.analysis.partition.scale import Scale
-from jausml.views.analysis.partition.ties import carriers_of
 from jausml.views.analysis.partition.weighing import Limits, Weighing
 
 if TYPE_CHECKING:
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from jausml.language.metamodel.classes import bridge
     from jausml.language.metamodel.classes.system import Host, System
+    from jausml.language.semantics.paths.scopes import Carrier
     from jausml.views.analysis.partition.scale import Part
-    from jausml.views.analysis.partition.ties import Carrier
     from jausml.views.analysis.partition.weighing import Group
     from jausml.views.analysis.sizes import Assumptions
 

@@ -10,35 +10,19 @@ from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import resolve_topic
 from jausml.language.semantics.jaus.commands import needs_control
 from jausml.language.semantics.jaus.services import code, lineage
-from jausml.language.semantics.paths.scopes import used_maps
+from jausml.language.semantics.paths.scopes import carriers_of
 from jausml.views.analysis.streams import is_single, is_to_ros, keeps_control
 
 if TYPE_CHECKING:
     from collections.abc import Hashable, Iterable, Iterator
 
     from jausml.language.metamodel.classes import jaus
+    from jausml.language.semantics.paths.scopes import Carrier
 
-    Carrier = bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection
     Tie = tuple[Hashable, str]
     """What connections have in common, and how to say that."""
 
 _FOUND = "found", "they command who is found at run time, which may be the same component"
-
-
-def carriers_of(owner: bridge.Bridge) -> tuple[Carrier, ...]:
-    """Returns all connections of a bridge: of topics, of ROS services and of ROS actions."""
-    return (*owner.bridgeConnections, *owner.serviceConnections, *owner.actionConnections)
-
-
-def maps_of(carrier: Carrier) -> set[bridge.AttributeMap]:
-    """Returns the maps that a connection uses, in either direction."""
-    if isinstance(carrier, bridge.Connection):
-        used = [carrier.map]
-    elif isinstance(carrier, bridge.RosServiceConnection):
-        used = [one for one in (carrier.request, carrier.response) if one is not None]
-    else:
-        used = [carrier.element]
-    return {inner for one in used for way in (True, False) for inner in used_maps(one, to_ros=way)}
 
 
 def tied(owners: Iterable[bridge.Bridge]) -> list[tuple[str, list[Carrier]]]:

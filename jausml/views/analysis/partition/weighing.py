@@ -15,11 +15,10 @@ from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.connections.reports import joined_reports
 from jausml.language.semantics.connections.topics import endpoints
 from jausml.language.semantics.hosts import host_of
+from jausml.language.semantics.paths.scopes import carriers_of, maps_of
 from jausml.views.analysis.partition.ties import (
-    carriers_of,
     commands,
     full_name,
-    maps_of,
     serves,
     tied,
 )
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from jausml.language.metamodel.classes.system import Host, System
-    from jausml.views.analysis.partition.ties import Carrier
+    from jausml.language.semantics.paths.scopes import Carrier
     from jausml.views.analysis.sizes import Assumptions
     from jausml.views.analysis.streams import Stream, Traffic
 

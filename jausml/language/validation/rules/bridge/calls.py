@@ -17,7 +17,7 @@ from jausml.language.semantics.jaus.commands import is_emergency, is_steering, t
 from jausml.language.semantics.jaus.core_services import CORE_MESSAGES
 from jausml.language.semantics.paths.attributes import PathFault
 from jausml.language.semantics.paths.ros_paths import RosPlace, ros_name
-from jausml.language.semantics.paths.scopes import source_paths
+from jausml.language.semantics.paths.scopes import source_paths, spelled_out
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.findings import uncontrollable, unprovided
 from jausml.language.validation.rule import Finding, Note, rule
@@ -222,9 +222,8 @@ def _untaken_bools(subject: Subject, connection: bridge.RosServiceConnection) ->
     used = connection.response
     if used is not None and not subject.is_intact(used):
         return []
-    read = {
-        path for assignment in (used.toJaus if used else ()) for path in source_paths(assignment)
-    }
+    assignments = spelled_out(used, to_ros=False) if used else ()
+    read = {path for assignment in assignments for path in source_paths(assignment)}
     return [
         str(field.name)
         for field in connection.type.response.fields

@@ -36,8 +36,10 @@ from jausml.language.semantics.paths.scopes import (
     DIRECTED,
     Directed,
     Placed,
+    carriers_of,
     directed,
     directions_of,
+    maps_of,
 )
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
@@ -324,15 +326,7 @@ def _quantities_bridge(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 
 
 def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:
-    referred: list[bridge.AttributeMap | None] = [
-        bridge_connection.map for bridge_connection in owner.bridgeConnections
-    ]
-    for call in owner.serviceConnections:
-        referred += [call.request, call.response]
-    maps = [
-        *owner.maps,
-        *(attribute_map for attribute_map in referred if attribute_map is not None),
-    ]
+    maps = [*owner.maps, *(one for each in carriers_of(owner) for one in maps_of(each))]
     return {quantity.name: quantity for used in maps for quantity in used.quantities}
 
 

@@ -18,8 +18,10 @@ from jausml.language.validation.rule import Finding, Note, rule
 
 PARAMETERS = frozenset(
     {
+        "autostart",
         "compiled",
         "diagnostics_frequency",
+        "frequency",
         "jaus_allowed_hosts",
         "jaus_amplification_limit",
         "jaus_authority",

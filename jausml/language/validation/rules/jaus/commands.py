@@ -7,8 +7,13 @@ from collections.abc import Iterator
 from jausml.language.attributes.guards import GuardError, conditions, parse_guard
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model.diagnostics import Severity
-from jausml.language.semantics.jaus.commands import CONTROLLER, controlled_by_nobody, needs_control
-from jausml.language.semantics.jaus.core_services import SERVED_BY_RUNTIME
+from jausml.language.semantics.jaus.commands import (
+    CONTROLLER,
+    controlled_by_nobody,
+    is_command,
+    needs_control,
+)
+from jausml.language.semantics.jaus.inherited_machines import is_core_trigger
 from jausml.language.semantics.jaus.machines import behaviours_of
 from jausml.language.semantics.jaus.services import ACCESS_CONTROL, lineage
 from jausml.language.semantics.subject import Subject
@@ -32,10 +37,7 @@ def commands(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
             continue
         for _, transition in behaviour.transitions():
             message = transition.message
-            if message is None or not message.isCommand:
-                continue
-            owner = message.eContainer()
-            if owner is not None and owner.urn in SERVED_BY_RUNTIME:
+            if message is None or not is_command(message) or is_core_trigger(transition):
                 continue
             try:
                 asked = set(conditions(parse_guard(transition.guard)))

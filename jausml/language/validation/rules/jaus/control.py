@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import TypeAlias
+from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.metamodel.classes.ecore import EObject
@@ -23,12 +23,12 @@ from jausml.language.semantics.jaus.services import (
     with_inherited,
 )
 from jausml.language.semantics.names import urn_fault
+from jausml.language.semantics.paths.scopes import carriers_of
 from jausml.language.semantics.subject import Subject, remembered
 from jausml.language.validation.rule import Finding, Note, rule
 
-_Connection: TypeAlias = (
-    "bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection"
-)
+if TYPE_CHECKING:
+    from jausml.language.semantics.paths.scopes import Carrier
 
 
 @rule("JML364", "control that is never granted", kinds=jaus.Component)
@@ -68,12 +68,7 @@ def lapse_is_decided(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding
     table = subject.model.metamodels.class_of(owner).features["controlTimeout"]
     if is_set(owner, table):
         return
-    connections: tuple[_Connection, ...] = (
-        *owner.bridgeConnections,
-        *owner.serviceConnections,
-        *owner.actionConnections,
-    )
-    for connection in connections:
+    for connection in carriers_of(owner):
         if not _takes_commands(subject, connection):
             continue
         known = list(connection.peers)
@@ -88,7 +83,7 @@ def lapse_is_decided(subject: Subject, owner: bridge.Bridge) -> Iterator[Finding
             break
 
 
-def _takes_commands(subject: Subject, connection: _Connection) -> bool:
+def _takes_commands(subject: Subject, connection: Carrier) -> bool:
     """Tells whether components may command the ROS side by a connection."""
     if connection.direction.name != "jausToRos":
         return False

@@ -191,12 +191,7 @@ def kinds(subject: Subject, service: jaus.Service) -> Iterator[Finding]:
     Good: `kind="push" target="Inspection"`, and `kind="pop"` in Inspection
     """
     for behaviour in behaviours_of(subject, service):
-        used = {
-            transition.kind.name
-            for node in behaviour.machine.nodes.values()
-            for state in node.elements
-            for transition in (*state.transitions, *state.defaults)
-        }
+        used = {transition.kind.name for _, transition in behaviour.machine.transitions()}
         for _, transition in behaviour.transitions():
             kind = transition.kind.name
             name = described(transition)

@@ -6,7 +6,7 @@ import ipaddress
 import re
 from collections import defaultdict
 from collections.abc import Iterator
-from typing import TypeAlias
+from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus, system
 from jausml.language.metamodel.classes.ecore import EObject
@@ -17,6 +17,9 @@ from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.semantics.jaus.core_services import is_discovered
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
+
+if TYPE_CHECKING:
+    from jausml.language.semantics.paths.scopes import Carrier
 
 _LIMITS = {"subsystem": 65534, "node": 254}
 
@@ -90,7 +93,7 @@ def control_of_all(_: Subject, connection: bridge.Connection) -> Iterator[Findin
     Good: the same with `choice="nearest"`, or with the subsystem of the vehicle
     """
     command = connection.map.message if connection.map is not None else None
-    if command is not None and command.isCommand:
+    if command is not None and is_command(command):
         yield from _control_of_all(connection)
 
 
@@ -181,12 +184,7 @@ def _elsewhere(search: jaus.PeerSearch) -> Iterator[Finding]:
             yield Finding(search, f"{message} {feature} {number}", feature)
 
 
-_Connection: TypeAlias = (
-    "bridge.Connection | bridge.RosServiceConnection | bridge.RosActionConnection"
-)
-
-
-def _control_of_all(connection: _Connection) -> Iterator[Finding]:
+def _control_of_all(connection: Carrier) -> Iterator[Finding]:
     search = connection.search
     if search is None or search.choice.name != "all" or search.subsystem:
         return
