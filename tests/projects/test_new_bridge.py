@@ -393,6 +393,30 @@ def test_it_asks_on_a_terminal(rover):
     assert [used for _, used, *_ in ways(model)] == ["local_pose", "velocity_state"]
 
 
+@pytest.mark.slow
+def test_none_of_several_ways_adds_nothing(rover):
+    ends = ("LocalWaypointListDriver.SetLocalWaypoint", "geometry_msgs/PoseStamped")
+    copy = ("new", "map", "own_waypoint", *ends, "--copy", "local_waypoint")
+    model = rover("text", ("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose"), copy)
+    before = model.read_bytes()
+    main, terminal = pty.openpty()
+    words = ("new", "action-connection", "survey:nav2_msgs/FollowWaypoints")
+    process = subprocess.Popen(
+        [*warm.command(), *words], stdin=terminal, stdout=terminal, stderr=terminal
+    )
+    os.close(terminal)
+    try:
+        _until(main, "Which (numbers)")
+        os.write(main, b"0\n")
+        _until(main, "survey: none of them is taken")
+        assert process.wait(60) == 2
+    finally:
+        process.kill()
+        process.wait()
+        os.close(main)
+    assert model.read_bytes() == before
+
+
 def _until(terminal, words):
     """Reads from a terminal until some words have come; returns what came."""
     shown, end = "", time.monotonic() + 60

@@ -265,7 +265,11 @@ def _chosen_way(
     if not can_ask():
         text = f"{name} fits several: say --driver and --element, or take the first by --yes"
         raise click.UsageError(text + _listed(candidates))
-    return candidates[choose(f"{name} fits several:", [way.says() for way in candidates])[0]]
+    numbers = choose(f"{name} fits several:", [way.says() for way in candidates])
+    if len(numbers) != 1:
+        taken = "none of them is taken" if not numbers else "one connection takes one of them"
+        raise click.UsageError(f"{name}: {taken}; name others by --driver and --element")
+    return candidates[numbers[0]]
 
 
 def _free_name(owner: bridges.Bridge, name: str) -> str:

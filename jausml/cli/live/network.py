@@ -238,6 +238,8 @@ def _message_name(context: click.Context, _parameter: click.Parameter, word: str
         content = json.loads(word)
     except ValueError as error:
         raise click.BadParameter(f"the message is no JSON: {error}") from error
+    except RecursionError as error:
+        raise click.BadParameter("the message is no JSON: it is nested too deep") from error
     fields = content.get("fields", {})
     if not (isinstance(content.get("message"), str) and isinstance(fields, dict)):
         raise click.BadParameter('an object has a name as "message", and an object as "fields"')

@@ -19,7 +19,6 @@ from jausml.cli.live.recordings import (
     output_option,
     shown_time,
     skipped_lines,
-    stopped_by_signals,
     transport_settings,
 )
 from jausml.cli.shared.files import EnvironmentFault, ending_at
@@ -151,6 +150,7 @@ def command(
     from jausml.live.recording.mcap_files import TrafficFilter
     from jausml.live.recording.recorder import Recorder, SplitLimits, topics_of
     from jausml.live.recording.ros_topics import RosTopics
+    from jausml.live.signals import ended_by_signals
     from jausml.live.traffic.frames import UdpReader
 
     size = None if max_size is None else int(max_size * _MEGA)
@@ -161,7 +161,7 @@ def command(
     is_any = all_topics or (model is None and bool(topics))
     stop = Event()
     with ExitStack() as stack:
-        stack.enter_context(stopped_by_signals(stop))
+        stack.enter_context(ended_by_signals(stop.set))
         ros = RosTopics(selection)
         # ROS looks around while the model is read.
         speaks_ros = (model is not None or is_any) and _entered(ros, stack, is_wanted=is_any)
