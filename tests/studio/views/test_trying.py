@@ -267,5 +267,5 @@ def test_a_value_of_an_alternative_is_sent_as_that(name):
 def test_a_value_of_an_alternative_that_is_not_there_is_refused():
     model = scope_of(CAR).library
     message = next(e for e in model.instances(jaus.MessageDef) if e.name == "ReportAnalogAction")
-    with pytest.raises(AnswerError, match="there is no member Longitudinal.7"):
+    with pytest.raises(AnswerError, match=r"there is no member Longitudinal\.7"):
         jaus_values.payload(message, {"Longitudinal.7": "100"})
