@@ -21,7 +21,7 @@ from jausml.cli.live.recordings import (
     skipped_lines,
     transport_settings,
 )
-from jausml.cli.shared.files import EnvironmentFault, ending_at
+from jausml.cli.shared.files import EnvironmentFault, cannot_write, ending_at
 from jausml.cli.shared.models import open_catalogue, optional_model_argument
 from jausml.cli.shared.options import (
     FiniteRange,
@@ -211,12 +211,7 @@ def _parts(path: Path, limits: SplitLimits, compression: str, *, force: bool) ->
     except RecordingError as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
-        raise _cannot_write(path, error) from error
-
-
-def _cannot_write(path: Path, error: OSError) -> EnvironmentFault:
-    name = click.format_filename(path)
-    return EnvironmentFault(f"cannot write {name}: {error.strerror or error}")
+        raise cannot_write(path, error) from error
 
 
 def _so_far(recorder: Recorder, parts: RecordingFiles) -> str:
@@ -358,5 +353,5 @@ def _show_files(parts: RecordingFiles, recorder: Recorder) -> None:
         remark(f"written: {names}, captures beside")
         return
     until = "nothing" if recorder.reached is None else f"all until {shown_time(recorder.reached)}"
-    fault = _cannot_write(parts.current.path, recorder.fault)
+    fault = cannot_write(parts.current.path, recorder.fault)
     raise EnvironmentFault(f"{fault}; {until} is in the files; {recorder.lost} were lost since")

@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
-from jausml.cli.shared.files import STDIN, EnvironmentFault, ending_at, reason_of, shown_path
+from jausml.cli.shared.files import (
+    STDIN,
+    EnvironmentFault,
+    cannot_write,
+    ending_at,
+    reason_of,
+    shown_path,
+)
 from jausml.cli.shared.terminal import Progress, step
 
 if TYPE_CHECKING:
@@ -39,8 +46,7 @@ def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
     except FileExistsError as error:
         raise already_there(path) from error
     except OSError as error:
-        name = click.format_filename(path)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror or error}") from error
+        raise cannot_write(path, error) from error
 
 
 def not_itself(recording: str, output: str) -> None:
