@@ -420,7 +420,7 @@ def test_none_of_several_ways_adds_nothing(rover):
     )
     os.close(terminal)
     try:
-        _until(main, "Which (numbers)")
+        _until(main, "Which (number)")
         os.write(main, b"0\n")
         _until(main, "survey: none of them is taken")
         assert process.wait(60) == 2
