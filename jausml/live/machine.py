@@ -26,7 +26,6 @@ from urllib.parse import urlsplit
 import jausml
 from jausml import __version__, installing
 from jausml.live.programs import PROGRAMS
-from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.bridge.ros.environment import (
     LARGEST_SAFE_DOMAIN,
     domain_fault,
@@ -38,6 +37,8 @@ from jausml.views.diagrams.writers import svg
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+    from jausml.runtime.base.settings import TransportSettings
 
 
 class Outcome(Enum):
@@ -127,11 +128,6 @@ _NETWORK = "network"
 _PATIENCE = 1.0
 """Seconds that the own datagram has to come back."""
 _LIMIT = Path("/proc/sys/net/core/rmem_max")
-
-
-def settings_of(interface: str, port: int, multicast_group: str) -> TransportSettings:
-    """Returns settings of a transport."""
-    return TransportSettings(interface=interface, port=port, multicast_group=multicast_group)
 
 
 def network_checks(settings: TransportSettings) -> Iterator[Finding]:

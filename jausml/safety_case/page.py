@@ -17,7 +17,8 @@ from urllib.parse import quote
 from markupsafe import Markup
 
 from jausml.safety_case.argument import SUPPORTED, UNDEVELOPED, counted
-from jausml.views.diagrams.layout.sheet import Box, Course, Engine, Line, Places, Point, Sheet
+from jausml.views.diagrams.layout.graphviz import place
+from jausml.views.diagrams.layout.sheet import Box, Course, Line, Places, Point, Sheet
 from jausml.views.diagrams.writers.shapes import LINE_HEIGHT, ROW, SMALL, cut, style, width
 from jausml.views.diagrams.writers.svg import MARGIN, TOP, curve, opening, text_element
 from jausml.views.pages import page
@@ -85,14 +86,14 @@ class _Argument:
             self.lines.setdefault(line.id, line)
 
 
-def pictures(case: SafetyCase, engine: Engine) -> dict[str, str]:
+def pictures(case: SafetyCase) -> dict[str, str]:
     """Returns the pictures by name: `case` of all hazards, and those of each by `names_of`."""
     arguments_by_name = {"case": _overview(case)}
     for hazard in case.hazards:
         for at, name in enumerate(names_of(hazard)):
             some = hazard.goals[at * _AT_ONCE : (at + 1) * _AT_ONCE]
             arguments_by_name[name] = _hazard(case, replace(hazard, goals=some))
-    return {name: _drawn(argument, engine) for name, argument in arguments_by_name.items()}
+    return {name: _drawn(argument) for name, argument in arguments_by_name.items()}
 
 
 def names_of(hazard: HazardCase) -> list[str]:
@@ -142,13 +143,13 @@ def _hazard(case: SafetyCase, hazard: HazardCase) -> _Argument:
     return argument
 
 
-def _drawn(argument: _Argument, engine: Engine) -> str:
+def _drawn(argument: _Argument) -> str:
     boxes = tuple(
         Box(id_, shape.size[0], shape.size[1] + 2 * _DIAMOND * shape.is_open, (), "", 0)
         for id_, shape in argument.shapes.items()
     )
     sheet = Sheet(boxes, (), tuple(argument.lines.values()), downwards=True)
-    return "\n".join(_svg(argument, engine.place(sheet))) + "\n"
+    return "\n".join(_svg(argument, place(sheet))) + "\n"
 
 
 def _svg(argument: _Argument, places: Places) -> Iterator[str]:

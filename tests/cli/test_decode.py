@@ -604,3 +604,9 @@ def test_fields_that_are_nested_too_deep_are_told(jausml, form):
     result = jausml("encode", text=form.format("[" * 100_000))
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == "<stdin>:1: the fields are nested too deep\n"
+
+
+def test_a_message_of_ocu_that_is_nested_too_deep_is_refused():
+    result = CliRunner().invoke(main, ["ocu", "query", "100.1.1", '{"a":' * 100_000])
+    assert result.exit_code == 2
+    assert "the message is no JSON: it is nested too deep" in result.stderr

@@ -11,7 +11,7 @@ from picture_figures import Figures, figures
 from sweeps import sweep
 
 from jausml.views.diagrams.graph import Edge, End, Graph, Node, Port
-from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.layout.graphviz import place
 from jausml.views.diagrams.layout.sheet import Places, Route
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.views import graph_of, view_names
@@ -27,7 +27,7 @@ SHIPPED = {
 
 def drawn(graph):
     sheet = shapes.sheet_of(ordered(graph), packed=False)
-    return figures(sheet, Graphviz().place(sheet))
+    return figures(sheet, place(sheet))
 
 
 def assert_no_worse(found, most, unused):

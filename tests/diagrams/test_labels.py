@@ -10,7 +10,7 @@ from large_systems import large_system
 from sweeps import sweep
 
 from jausml.views.diagrams.bundling import is_crowded
-from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.layout.graphviz import place
 from jausml.views.diagrams.layout.labels import Ground, _crosses
 from jausml.views.diagrams.layout.parallel import APART, nearness
 from jausml.views.diagrams.layout.settling import Area, area_of, chain
@@ -36,12 +36,12 @@ lines that run close to others all along."""
 
 def placed(graph):
     sheet = shapes.sheet_of(ordered(graph), packed=False)
-    return sheet, Graphviz().place(sheet)
+    return sheet, place(sheet)
 
 
 def on_page(graph):
     sheet = values._sheet(graph)
-    return sheet, Graphviz().place(sheet)
+    return sheet, place(sheet)
 
 
 def _known(view, graph):
@@ -102,7 +102,7 @@ def test_ways_of_shipped_models_are_clear_on_the_page(name):
     for view in view_names(model, library=False):
         graph = graph_of(model, view)
         if not is_crowded(graph):
-            found = values.settled(graph, Graphviz()).places
+            found = values.settled(graph).places
             assert_ways_are_clear(found.sheet, found.corners, found.frames, found.routes)
 
 

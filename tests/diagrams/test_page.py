@@ -13,7 +13,6 @@ from diagram_support import CAR, read
 from sweeps import sweep
 from test_pictures import HOSTILE, hostile
 
-from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import html
 
@@ -39,7 +38,7 @@ class Page(HTMLParser):
 
 def test_the_page_asks_no_host_and_runs_its_own_script_alone():
     report = read(CAR)
-    text = html.render(graph_of(report.model, "system", report.diagnostics), Graphviz())
+    text = html.render(graph_of(report.model, "system", report.diagnostics))
     page = Page(text)
     assert page.policy.startswith("default-src 'none'")
     assert "unsafe" not in page.policy
@@ -55,8 +54,8 @@ def test_the_page_asks_no_host_and_runs_its_own_script_alone():
 
 @pytest.mark.parametrize("text", sweep(HOSTILE, every=4, rest=1), ids=range(len(HOSTILE)))
 def test_texts_are_data(text):
-    made = html.render(hostile(text), Graphviz())
-    plain = html.render(hostile("x"), Graphviz())
+    made = html.render(hostile(text))
+    plain = html.render(hostile("x"))
     shapes = [
         [tag for tag, _ in Page(document).tags if tag not in ("text",)]
         for document in (made, plain)
@@ -69,12 +68,12 @@ def test_texts_are_data(text):
 
 
 def test_the_same_bytes_each_time():
-    assert html.render(hostile("x"), Graphviz()) == html.render(hostile("x"), Graphviz())
+    assert html.render(hostile("x")) == html.render(hostile("x"))
 
 
 def test_the_filter_finds_edges_by_the_rows_at_their_ends():
     report = read(CAR)
-    text = html.render(graph_of(report.model, "system", report.diagnostics), Graphviz())
+    text = html.render(graph_of(report.model, "system", report.diagnostics))
     known = json.loads(re.search(r'id="known">(.*)</script>', text)[1])
     edges = [entry for entry in known.values() if entry["title"] == "vehicle → bridge"]
     assert any("odometry" in edge["text"] for edge in edges)

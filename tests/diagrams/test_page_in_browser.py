@@ -7,7 +7,6 @@ from diagram_support import CAR, read
 from sweeps import sweep
 from test_pictures import HOSTILE, hostile
 
-from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import html
 from jausml.views.diagrams.writers.shapes import width
@@ -18,7 +17,7 @@ def car(tmp_path_factory):
     report = read(CAR)
     path = tmp_path_factory.mktemp("page") / "car.html"
     graph = graph_of(report.model, "system", report.diagnostics)
-    path.write_text(html.render(graph, Graphviz()), encoding="utf-8")
+    path.write_text(html.render(graph), encoding="utf-8")
     return path.as_uri()
 
 
@@ -127,7 +126,7 @@ def test_tables_say_the_same_and_are_sorted_and_filtered(page, car):
 @pytest.mark.parametrize("text", sweep(HOSTILE[:1] + HOSTILE[4:5], every=2))
 def test_texts_are_data(page, text, tmp_path):
     path = tmp_path / "page.html"
-    path.write_text(html.render(hostile(text), Graphviz()), encoding="utf-8")
+    path.write_text(html.render(hostile(text)), encoding="utf-8")
     asked = []
     page.on("request", lambda request: asked.append(request.url))
     page.on("dialog", lambda dialog: asked.append(dialog.message))

@@ -13,7 +13,7 @@ from sweeps import sweep
 from jausml.views.diagrams.bundling import bundled
 from jausml.views.diagrams.graph import BRIDGE_COLUMN, Edge, End, Finding, Graph, Group, Node, Port
 from jausml.views.diagrams.layout import graphviz
-from jausml.views.diagrams.layout.graphviz import Graphviz
+from jausml.views.diagrams.layout.graphviz import place
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.writers import shapes, svg
 from jausml.views.diagrams.writers.shapes import cut, width
@@ -72,7 +72,7 @@ def hostile(text):
 @pytest.mark.parametrize("text", sweep(HOSTILE, every=2, rest=1), ids=range(len(HOSTILE)))
 def test_texts_are_data(text):
     found = hostile(text)
-    picture = svg.render(found, Graphviz())
+    picture = svg.render(found)
     root = ElementTree.fromstring(picture.encode())  # noqa: S314 - our own
     names = {element.tag.removeprefix(SVG) for element in root.iter()}
     assert names <= {"svg", "title", "style", "defs", "marker", "path", "rect", "text", "g"}
@@ -102,7 +102,7 @@ def test_a_machine_is_legible():
 
 def assert_legible(found):
     sheet = shapes.sheet_of(found, packed=False)
-    places = Graphviz().place(sheet)
+    places = place(sheet)
     corners = [
         (*places.boxes[sheet_box.id], sheet_box.width, sheet_box.height)
         for sheet_box in sheet.boxes
@@ -127,14 +127,12 @@ def assert_legible(found):
 
 
 def test_the_same_bytes_each_time():
-    assert svg.render(graph(CAR), Graphviz()) == svg.render(graph(CAR), Graphviz())
+    assert svg.render(graph(CAR)) == svg.render(graph(CAR))
 
 
 def test_themes():
     found = graph(MODELS / "minimal" / "minimal.xmi")
-    auto, light, dark = (
-        svg.render(found, Graphviz(), theme) for theme in ("auto", "light", "dark")
-    )
+    auto, light, dark = (svg.render(found, theme) for theme in ("auto", "light", "dark"))
     assert "prefers-color-scheme:dark" in auto
     assert "prefers-color-scheme" not in light + dark
     assert "#1E1E1E" in dark
@@ -164,7 +162,7 @@ def test_a_large_system_has_a_frame_for_each_bridge():
     told = sum(edge.count for edge in shown.edges)
     across = [p for n in shown.nodes if n.kind != "bridge" for p in n.ports if "also" in p.label]
     assert told + sum(int(port.note.split()[0]) for port in across) == len(found.edges)
-    picture = svg.render(found, Graphviz())
+    picture = svg.render(found)
     assert picture.count('class="box') == 66
 
 
@@ -179,7 +177,7 @@ def test_bundles_have_no_labels_and_their_boxes_say_what_is_wrong():
         ),
         edges=tuple(replace(e, findings=wrong) for e in found.edges),
     )
-    picture = svg.render(marked, Graphviz())
+    picture = svg.render(marked)
     assert 'class="label"' not in picture
     assert picture.count(">! warning: is wrong</text>") == 60
 
@@ -193,7 +191,7 @@ def test_findings_are_a_word_and_not_a_colour_alone():
     found = graph(MODELS / "minimal" / "minimal.xmi")
     wrong = (Finding("error", "JML1", "is wrong"),)
     marked = replace(found, nodes=(replace(found.nodes[0], findings=wrong), *found.nodes[1:]))
-    picture = svg.render(marked, Graphviz())
+    picture = svg.render(marked)
     assert re.search(r">× error: is wrong</text>", picture)
     assert 'class="doubled"' in picture
 
@@ -210,7 +208,7 @@ def test_findings_are_a_word_and_not_a_colour_alone():
 def test_the_pictures_of_the_docs_show_what_is_there(name, path, view):
     # Another version of Graphviz may place things elsewhere.
     shown = (MODELS.parent / "docs" / f"diagram-{name}.svg").read_text(encoding="utf-8")
-    drawn = svg.render(graph(path, view), Graphviz(), "light")
+    drawn = svg.render(graph(path, view), "light")
     texts = re.compile(r">([^<]*)</text>")
     assert texts.findall(shown) == texts.findall(drawn)
 
@@ -233,7 +231,7 @@ def test_the_rows_of_maps_face_each_other(monkeypatch, file, view):
     found = graph(MAPPINGS / f"{file}.ros2jaus", view)
     assert_legible(found)
     sheet = shapes.sheet_of(found, packed=False)
-    places = Graphviz().place(sheet)
+    places = place(sheet)
     left = [box for box in sheet.boxes if box.column == min(b.column for b in sheet.boxes)]
     begin = max(places.boxes[box.id][0] + box.width for box in left)
     end = min(places.boxes[box.id][0] for box in sheet.boxes if box not in left)
@@ -256,7 +254,7 @@ def test_the_rows_of_maps_face_each_other(monkeypatch, file, view):
 def test_lines_of_both_directions_stand_beside_each_other():
     found = graph(MAPPINGS / "velocity_state_driver.ros2jaus", "map:velocity_command")
     sheet = shapes.sheet_of(found, packed=False)
-    places = Graphviz().place(sheet)
+    places = place(sheet)
     ways = {}
     for line in sheet.lines:
         points = places.lines[line.id].points

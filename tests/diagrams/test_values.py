@@ -15,7 +15,6 @@ from test_pictures import large
 
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
-from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.layout.settling import FRAME_MARGIN
 from jausml.views.diagrams.layout.sheet import Places, Route
 from jausml.views.diagrams.views import graph_of
@@ -30,19 +29,20 @@ def graph(path=CAR, view="system"):
     return graph_of(report.model, view, report.diagnostics, MODELS)
 
 
-class Rows:
-    """An engine that puts boxes side by side: a layout in no time."""
+def rows(sheet):
+    """Puts boxes side by side: a layout in no time."""
+    left, boxes = 0, {}
+    for box in sheet.boxes:
+        boxes[box.id] = left, 40
+        left += box.width + 150
+    lines = {
+        sheet_line.id: Route(((0, 0), (1, 1), (2, 2), (3, 3)), (1, 1)) for sheet_line in sheet.lines
+    }
+    return Places(left, 200, boxes, {}, lines)
 
-    def place(self, sheet):
-        left, boxes = 0, {}
-        for box in sheet.boxes:
-            boxes[box.id] = left, 40
-            left += box.width + 150
-        lines = {
-            sheet_line.id: Route(((0, 0), (1, 1), (2, 2), (3, 3)), (1, 1))
-            for sheet_line in sheet.lines
-        }
-        return Places(left, 200, boxes, {}, lines)
+
+def render(*arguments, **more):
+    return values.settled(*arguments, **more).values()
 
 
 def areas(found):
@@ -88,11 +88,11 @@ def assert_framed(found):
 )
 def test_boxes_are_apart_in_their_frames_and_the_same_each_time(path, view):
     shown = graph(path, view)
-    found = values.render(shown, Graphviz())
+    found = render(shown)
     assert_apart(found)
     assert_framed(found)
     assert json.loads(json.dumps(found)) == found
-    assert values.render(shown, Graphviz()) == found
+    assert render(shown) == found
     for edge in found["edges"]:
         assert len(edge["route"]) % 3 == 1
 
@@ -112,7 +112,7 @@ def hosted(graph):
 @pytest.mark.parametrize("shown", [large(), hosted(large()), hosted(large(20, 200, 2000))])
 def test_a_large_system_has_frames_and_each_of_its_rows_and_lines(shown):
     assert is_crowded(shown)
-    found = values.render(framed(shown), Graphviz())
+    found = render(framed(shown))
     assert_apart(found)
     assert_framed(found)
     assert found["crowded"]
@@ -127,7 +127,7 @@ def test_a_large_system_has_frames_and_each_of_its_rows_and_lines(shown):
             above = one["y"] + one["height"] <= other["y"]
             assert apart or above or other["y"] + other["height"] <= one["y"]
     assert max(found["width"], found["height"]) < 4 * min(found["width"], found["height"])
-    assert values.render(framed(shown), Graphviz()) == found
+    assert render(framed(shown)) == found
 
 
 def test_what_runs_elsewhere_stands_in_the_frame_of_its_host():
@@ -149,7 +149,7 @@ def test_boxes_in_columns_stand_near_the_rows_that_they_are_joined_with():
         Edge(f"e{n}", End(f"c{n}", "p0"), End("b", f"p{8 - 4 * n}"), "message") for n in range(3)
     )
     shown = Graph("system", "s", (bridge, *others), (Group("f", "bridge", "b"),), edges)
-    found = values.render(shown, Graphviz())
+    found = render(shown)
     where = areas(found)
     assert where["component:c2"][1] < where["component:c1"][1] < where["component:c0"][1]
     assert where["component:c0"][2] < where["bridge:b"][0]
@@ -160,27 +160,27 @@ def test_frames_are_as_wide_as_the_lines_in_them():
     edges = (Edge("e", End("a", "p0"), End("c", "p1"), "topic"),)
     shown = Graph("system", "s", nodes, (Group("g", "host", "g"),), edges)
     at = {f"node:{name}": (0, 150 * n) for n, name in enumerate("abc")}
-    [plain] = values.render(replace(shown, edges=()), Rows(), at)["groups"]
-    [wide] = values.render(shown, Rows(), at)["groups"]
+    [plain] = render(replace(shown, edges=()), at, place=rows)["groups"]
+    [wide] = render(shown, at, place=rows)["groups"]
     assert wide["width"] >= plain["width"] + 24
     # Where something else stands they are not.
     stranger = replace(box("x", "node"), group="")
     others = replace(shown, nodes=(*nodes, stranger))
     beside = (plain["x"] + plain["width"] + 5, 150)
-    [narrow] = values.render(others, Rows(), {**at, "node:x": beside})["groups"]
+    [narrow] = render(others, {**at, "node:x": beside}, place=rows)["groups"]
     assert narrow["width"] == plain["width"]
     # A way of the engine counts too.
-    [routed] = values.render(replace(shown, edges=(line("a", "b"),)), Rows())["groups"]
+    [routed] = render(replace(shown, edges=(line("a", "b"),)), place=rows)["groups"]
     assert routed["x"] <= 0 - FRAME_MARGIN
 
 
 def test_nothing_to_show():
-    found = values.render(Graph("system", "nothing"), Graphviz())
+    found = render(Graph("system", "nothing"))
     assert (found["nodes"], found["width"], found["height"]) == ([], 0, 0)
 
 
 def test_ports_are_rows_of_their_box():
-    found = values.render(graph(), Graphviz())
+    found = render(graph())
     for node in found["nodes"]:
         ends = [node["head"], *(port["y"] + port["height"] for port in node["ports"])]
         assert [port["y"] for port in node["ports"]] == ends[:-1]
@@ -197,22 +197,22 @@ def test_no_box_grows_by_what_is_wrong_with_it():
             for n in shown.nodes
         ),
     )
-    plain, found = (values.render(variant, Rows()) for variant in (shown, marked))
+    plain, found = (render(variant, place=rows) for variant in (shown, marked))
     assert areas(plain) == areas(found)
     assert found["nodes"][0]["findings"][0]["message"] == wrong[0].message
 
 
 def test_where_parts_stand_is_found_again_only_where_a_size_or_a_place_has_changed():
     shown, standing = graph(), values.Standing()
-    first = values.settled(shown, Rows(), {}, standing)
+    first = values.settled(shown, {}, standing, place=rows)
     wrong = (Finding("error", "JML1", "is wrong"),)
     marked = replace(shown, nodes=tuple(replace(node, findings=wrong) for node in shown.nodes))
-    values.settled(shown, Rows(), {}, standing)
-    kept = values.settled(marked, Rows(), {}, standing)
+    values.settled(shown, {}, standing, place=rows)
+    kept = values.settled(marked, {}, standing, place=rows)
     assert kept.places is standing.last
     assert kept.places.corners == first.places.corners
     key = shown.nodes[0].key
-    assert values.settled(marked, Rows(), {key: (7, 7)}, standing).places is not kept.places
+    assert values.settled(marked, {key: (7, 7)}, standing, rows).places is not kept.places
 
 
 def box(name, kind="component", rows=1, group=""):
@@ -234,11 +234,11 @@ def test_a_new_box_comes_beside_its_peer_and_nothing_else_moves():
         (line("a", "b"), line("b", "n")),
     )
     standing = values.Standing()
-    before = values.render(old, Graphviz(), standing=standing)
+    before = render(old, standing=standing)
     new = replace(
         old, nodes=(box("x"), *old.nodes, box("y", "node")), edges=(*old.edges, line("x", "b"))
     )
-    after = values.render(new, Graphviz(), standing=standing)
+    after = render(new, standing=standing)
     assert_apart(after)
     assert corners(before).items() <= corners(after).items()
     where = areas(after)
@@ -252,17 +252,17 @@ def test_a_new_box_comes_beside_its_peer_and_nothing_else_moves():
 def test_what_comes_back_stands_where_it_stood():
     old = Graph("system", "s", (box("a"), box("b", "bridge"), box("c")), (), (line("a", "b"),))
     standing = values.Standing()
-    before = values.render(old, Graphviz(), standing=standing)
-    values.render(replace(old, nodes=old.nodes[:2]), Graphviz(), standing=standing)
-    assert values.render(old, Graphviz(), standing=standing) == before
+    before = render(old, standing=standing)
+    render(replace(old, nodes=old.nodes[:2]), standing=standing)
+    assert render(old, standing=standing) == before
 
 
 def test_a_renamed_box_stays():
     old = Graph("system", "s", (box("a"), box("b", "bridge"), box("c")), (), (line("a", "b"),))
     standing = values.Standing()
-    before = values.render(old, Graphviz(), standing=standing)
+    before = render(old, standing=standing)
     new = replace(old, nodes=(box("z"), *old.nodes[1:]), edges=(line("z", "b"),))
-    after = values.render(new, Graphviz(), standing=standing)
+    after = render(new, standing=standing)
     assert corners(after)["component:z"] == corners(before)["component:a"]
     assert after["edges"][0]["route"] == before["edges"][0]["route"] != []
 
@@ -272,21 +272,21 @@ def test_a_box_that_users_placed_is_renamed_too():
     old = Graph("system", "s", (box("a"), box("b", "bridge"), box("c")), (), (line("a", "b"),))
     moved = {"component:a": (900, 600)}
     standing = values.Standing()
-    values.render(old, Graphviz(), moved, standing)
+    render(old, moved, standing)
     new = replace(old, nodes=(box("z"), *old.nodes[1:]), edges=(line("z", "b"),))
-    after = values.render(new, Graphviz(), moved, standing)
+    after = render(new, moved, standing)
     assert corners(after)["component:z"] == (900, 600)
     both = (box("z"), box("b", "bridge"), box("y"))
-    twice = values.render(replace(new, nodes=both), Graphviz(), moved, standing)
+    twice = render(replace(new, nodes=both), moved, standing)
     assert {"component:z", "component:y"} <= set(corners(twice))
 
 
 def test_a_place_that_users_gave_counts_and_its_edges_lose_their_ways():
     shown = graph()
-    before = values.render(shown, Graphviz())
+    before = render(shown)
     key = next(node["key"] for node in before["nodes"] if node["kind"] == "bridge")
     other = next(node for node in before["nodes"] if node["kind"] == "node")
-    after = values.render(shown, Graphviz(), {key: (other["x"] + 3, other["y"] + 5)})
+    after = render(shown, {key: (other["x"] + 3, other["y"] + 5)})
     assert corners(after)[key] == (other["x"] + 3, other["y"] + 5)
     assert [node["key"] for node in after["nodes"] if node["moved"]] == [key]
     assert_apart(after)
@@ -294,26 +294,26 @@ def test_a_place_that_users_gave_counts_and_its_edges_lose_their_ways():
     for edge in after["edges"]:
         assert not edge["route"] or bridge not in (edge["source"]["node"], edge["target"]["node"])
     # Opened again it is the same.
-    assert values.render(shown, Graphviz(), {key: corners(after)[key]}) == after
+    assert render(shown, {key: corners(after)[key]}) == after
 
 
 def test_a_box_that_was_moved_goes_back_where_it_stood():
     shown, standing = graph(), values.Standing()
-    before = values.render(shown, Graphviz(), standing=standing)
+    before = render(shown, standing=standing)
     key = before["nodes"][0]["key"]
-    moved = values.render(shown, Graphviz(), {key: (900, 900)}, standing)
+    moved = render(shown, {key: (900, 900)}, standing)
     assert corners(moved)[key] == (900, 900)
-    assert values.render(shown, Graphviz(), {}, standing) == before
+    assert render(shown, {}, standing) == before
 
 
 def test_a_box_that_grows_makes_room_for_itself_alone():
     nodes = (box("a", rows=1), box("b"), box("c"), box("d", "bridge"))
     old = Graph("system", "s", nodes, (), tuple(line(name, "d") for name in "abc"))
     standing = values.Standing()
-    before = values.render(old, Graphviz(), standing=standing)
+    before = render(old, standing=standing)
     first = min("abc", key=lambda name: corners(before)[f"component:{name}"][1])
     grown = tuple(box(first, rows=8) if node.id == first else node for node in nodes)
-    after = values.render(replace(old, nodes=grown), Graphviz(), standing=standing)
+    after = render(replace(old, nodes=grown), standing=standing)
     assert_apart(after)
     assert corners(after)[f"component:{first}"] == corners(before)[f"component:{first}"]
     assert corners(after)["bridge:d"] == corners(before)["bridge:d"]
@@ -328,7 +328,7 @@ def test_of_frames_none_covers_what_is_not_in_it():
     edges = tuple(line(f"{a}{g}", f"bridge{g}") for a in ("component", "node") for g in "gh")
     old = Graph("system", "s", nodes, groups, edges)
     standing = values.Standing()
-    values.render(old, Graphviz(), standing=standing)
+    render(old, standing=standing)
     new = old
     for number in range(4):
         group = "gh"[number % 2]
@@ -337,7 +337,7 @@ def test_of_frames_none_covers_what_is_not_in_it():
             nodes=(*new.nodes, box(f"n{number}", KINDS[number % 3], 4, group)),
             edges=(*new.edges, line(f"n{number}", f"bridge{group}")),
         )
-        found = values.render(new, Graphviz(), standing=standing)
+        found = render(new, standing=standing)
         assert_apart(found)
         assert_framed(found)
     g, h = found["groups"]
@@ -387,8 +387,8 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
         edges = list({edge.id: edge for edge in edges}.values())
         shown = Graph("system", "s", tuple(nodes), groups, tuple(edges), downwards)
         forgetful = replace(deepcopy(standing), last=None)
-        found = values.render(shown, Rows(), moved, standing)
-        assert found == values.render(shown, Rows(), moved, forgetful)
+        found = render(shown, moved, standing, place=rows)
+        assert found == render(shown, moved, forgetful, place=rows)
         assert_apart(found)
         assert_framed(found)
         now = corners(found)
@@ -413,14 +413,12 @@ def machine(*names, edges=(), group=""):
 @pytest.mark.parametrize("edges", [(), ("ba",), ("cd", "db", "bc"), ("ba", "cb", "dc")])
 def test_the_initial_state_stands_first_and_a_new_one_last(group, edges):
     old, standing = machine(*"abcd", edges=edges, group=group), values.Standing()
-    before = corners(values.render(old, Graphviz(), standing=standing))
+    before = corners(render(old, standing=standing))
     assert all(before[name][1] > before["a"][1] for name in "bcd")
     for where in (group, ""):
         new = replace(machine(*"abcd", "e", edges=edges, group=group))
         added = (replace(new.nodes[-1], group=where),)
-        found = values.render(
-            replace(new, nodes=new.nodes[:-1] + added), Graphviz(), standing=standing
-        )
+        found = render(replace(new, nodes=new.nodes[:-1] + added), standing=standing)
         assert_apart(found)
         after = corners(found)
         assert all(after["e"][1] > after[name][1] for name in "abcd")

@@ -328,6 +328,12 @@ def test_comments_of_both_sides_are_kept(tmp_path, encoding):
     assert text == replaced(ours, NEW, THEIRS, RATE) + "<!-- end -->\n"
 
 
+def test_comments_of_theirs_at_one_place_stay_in_their_order(merge):
+    several = ("  <bridges", "  <!-- one -->\n  <!-- two -->\n  <bridges")
+    text, findings = merge(MINIMAL, replaced(MINIMAL, RATE), replaced(MINIMAL, several))
+    assert (text, findings) == (replaced(MINIMAL, several, RATE), ())
+
+
 def test_a_comment_that_both_changed_is_there_twice_and_one_that_they_took_away_is_not(merge):
     base = replaced(MINIMAL, OLD, THEIRS)
     ours = replaced(base, ("<!-- old -->", "<!-- ours -->"))

@@ -11,7 +11,8 @@ from threading import Event, Thread
 import pytest
 import warm
 
-from jausml.live.peers.network import identified, make_network
+from jausml.live.peers.network import DEFAULT_GROUP, identified, make_network
+from jausml.live.peers.operator import running_operator
 from jausml.runtime import JausComponent
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.settings import TransportSettings
@@ -260,3 +261,12 @@ def test_a_watch_goes_on_while_another_tool_commands(jausml, vehicle, free_port,
         watch.kill()
         watch.wait()
     assert out.count("Velocity_X=1.2500000 m/s") == 40
+
+
+def test_control_that_cannot_be_asked_for_leaves_nothing_behind(component, free_port, catalogue):
+    component()
+    network = make_network(None, "127.0.0.1", free_port, DEFAULT_GROUP, ())
+    with running_operator(network, catalogue) as operator:
+        with pytest.raises(ValueError, match="authority 300"):
+            operator.control(TARGET, 300)
+        assert operator.holds == ()

@@ -16,6 +16,7 @@ from lxml import etree
 from sweeps import sweep
 
 from jausml.authoring.editing.project import Project
+from jausml.authoring.projects.creating import renewed
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 
@@ -180,6 +181,16 @@ def test_copies_are_renewed_unless_somebody_changed_them(project, jausml):
     assert old.read_bytes() == present
     assert mine.read_bytes().endswith(b"<!-- mine -->")
     assert "0 copies" in jausml("init", folder, "--copies").output
+
+
+def test_a_copy_that_somebody_changed_keeps_no_other_from_being_renewed_again(tmp_path):
+    for text in (b"1", b"2", b"3"):
+        wanted, kept = renewed(tmp_path, {"mine": b"ours", "other": text})
+        for path, data in wanted.items():
+            (tmp_path / path).write_bytes(data)
+        assert (tmp_path / "other").read_bytes() == text
+        assert kept == ([] if text == b"1" else ["mine"])
+        (tmp_path / "mine").write_bytes(b"mine")
 
 
 def _as_of_an_older_tool(copy, sums):

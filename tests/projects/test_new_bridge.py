@@ -21,6 +21,7 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.model.names import name_of
 from jausml.language.text.notation import NOTATIONS
+from jausml.live.ros.running import RosEndpoint, Running, RunningCall, RunningGraph, RunningTopic
 
 NOTATION = pytest.mark.parametrize("notation", sweep(["text", "xmi"], every=2))
 DRIVE, ODOM = "cmd_vel:geometry_msgs/Twist", "odom:nav_msgs/Odometry"
@@ -163,6 +164,19 @@ def test_of_several_robots_somebody_says_which_one():
     assert of_one_robot(topics[:1], None) == topics[:1]
     with pytest.raises(click.UsageError, match="no topic runs in the namespace 'c'"):
         of_one_robot(topics, "c")
+
+
+def test_what_comes_next_is_told_of_the_robot_that_is_meant(rover, jausml, monkeypatch):
+    """Its names are relative to the namespace that the bridge has then."""
+    end = RosEndpoint("/driver", "reliable", "volatile")
+    drive = [RunningTopic(f"/{r}/cmd_vel", ("geometry_msgs/msg/Twist",), (), (end,)) for r in "ab"]
+    calls = [RunningCall(f"/{r}/reset", ("std_srvs/srv/Trigger",), ("/n",), ()) for r in "ab"]
+    graph = RunningGraph(tuple(drive), tuple(calls))
+    monkeypatch.setattr("jausml.live.ros.running.what_runs", lambda *_: Running(graph))
+    rover("text")
+    done = jausml("new", "bridge", "rover", "--from-graph", "--namespace", "a", "--yes")
+    following = re.findall(r"jausml new service-connection (\S+)", done.output)
+    assert following == ["reset:std_srvs/Trigger"]
 
 
 def test_a_namespace_is_for_what_runs(rover, jausml):
@@ -391,6 +405,30 @@ def test_it_asks_on_a_terminal(rover):
         process.wait()
         os.close(main)
     assert [used for _, used, *_ in ways(model)] == ["local_pose", "velocity_state"]
+
+
+@pytest.mark.slow
+def test_none_of_several_ways_adds_nothing(rover):
+    ends = ("LocalWaypointListDriver.SetLocalWaypoint", "geometry_msgs/PoseStamped")
+    copy = ("new", "map", "own_waypoint", *ends, "--copy", "local_waypoint")
+    model = rover("text", ("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose"), copy)
+    before = model.read_bytes()
+    main, terminal = pty.openpty()
+    words = ("new", "action-connection", "survey:nav2_msgs/FollowWaypoints")
+    process = subprocess.Popen(
+        [*warm.command(), *words], stdin=terminal, stdout=terminal, stderr=terminal
+    )
+    os.close(terminal)
+    try:
+        _until(main, "Which (number)")
+        os.write(main, b"0\n")
+        _until(main, "survey: none of them is taken")
+        assert process.wait(60) == 2
+    finally:
+        process.kill()
+        process.wait()
+        os.close(main)
+    assert model.read_bytes() == before
 
 
 def _until(terminal, words):

@@ -337,12 +337,14 @@ def test_it_asks_on_a_terminal(ears):
     model = ears("text")
     command = (*warm.command(), "new", "map", "own", *COMMAND)
     with at_terminal(*command, cwd=model.parents[1]) as terminal:
-        terminal.wait_for("Which (numbers)")
+        terminal.wait_for("Which (number)")
         assert "Ready maps have both ends" in terminal.shown
         begin = len(terminal.shown)
         terminal.type("0\n")
-        terminal.wait_for("Which (numbers)", begin)
+        terminal.wait_for("Which (number)", begin)
         assert "What fills CommandType?" in terminal.shown
+        terminal.type("1,2\n")
+        terminal.wait_for("give a number from 1 to 4, or 0 for none")
         terminal.type("2\n")
         terminal.wait_for("Do zeros stop what it moves, when its source is lost? [y/N]")
         terminal.type("\n")

@@ -49,10 +49,10 @@ class ElementCopy:
         "values",
     )
 
-    def __init__(self, table: ClassTable, file: str, obj: EObject | None = None) -> None:
+    def __init__(self, table: ClassTable, file: str) -> None:
         self.table = table
         self.file = file
-        self.obj = obj
+        self.obj: EObject | None = None
         self.identifier = ""
         self.values: dict[str, tuple[str | None, ...]] = {}
         self.references: dict[str, list[ElementCopy | Ref]] = {}

@@ -68,11 +68,14 @@ def with_comments(merged: str, base: str, theirs: str, line_of: LineOf, *, is_xm
         margin = indentation.group() if indentation is not None else ""
         edits.append((at, at, f"{margin}{comment.written}\n"))
     newline = "\r\n" if "\r\n" in merged else "\n"
-    # From the end to the beginning, so that the places before stay right.
-    for start, end, new in sorted(edits, key=lambda edit: edit[0], reverse=True):
+    parts: list[str] = []
+    done = 0
+    for start, end, new in sorted(edits, key=lambda edit: edit[0]):
         written = new.replace("\r\n", "\n").replace("\n", newline)
-        merged = merged[:start] + written + merged[end:]
-    return merged
+        parts += (merged[done:start], written)
+        # What comes at a place may stand behind what goes there.
+        done = max(done, end)
+    return "".join((*parts, merged[done:]))
 
 
 def _removal(text: str, comment: Comment) -> tuple[int, int, str]:

@@ -128,7 +128,7 @@ def _contents(wish: Wish) -> dict[str, bytes]:
         files[path] = text.encode()
     for folder, copies in copies_for().items():
         files |= {f"{folder}/{path}": data for path, data in copies.items()}
-        files[f"{folder}/{SUMS}"] = sums_of(copies)
+        files[f"{folder}/{SUMS}"] = sums_of({path: _digest(data) for path, data in copies.items()})
     return files
 
 
@@ -172,17 +172,19 @@ def _differs(path: Path, data: bytes) -> bool:
         return False
 
 
-def sums_of(contents: Mapping[str, bytes]) -> bytes:
+def sums_of(digests: Mapping[str, str]) -> bytes:
     """Returns what says of copies what they are."""
-    lines = (f"{_digest(data)}  {path}\n" for path, data in sorted(contents.items()))
-    return "".join(lines).encode()
+    return "".join(f"{digest}  {path}\n" for path, digest in sorted(digests.items())).encode()
 
 
 def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, bytes], list[str]]:
     """Returns the copies that are to be written anew, and those that somebody has changed."""
     stored = read_input(folder / SUMS) if (folder / SUMS).is_file() else b""
     lines = stored.decode("utf-8", "replace").splitlines()
-    known = {path: digest for digest, _, path in (line.partition("  ") for line in lines)}
+    known = {
+        path: known_digest for known_digest, _, path in (line.partition("  ") for line in lines)
+    }
+    digests = {path: _digest(data) for path, data in contents.items()}
     wanted: dict[str, bytes] = {}
     kept = []
     for path, data in contents.items():
@@ -193,8 +195,10 @@ def renewed(folder: Path, contents: Mapping[str, bytes]) -> tuple[dict[str, byte
             wanted[path] = data
         else:
             kept.append(path)
-    sums = sums_of(contents)
-    if stored != sums and not kept:
+            # Who takes the change back has the copy renewed next time.
+            digests[path] = known.get(path, "")
+    sums = sums_of({path: stated for path, stated in digests.items() if stated})
+    if stored != sums:
         wanted[SUMS] = sums
     return wanted, kept
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from jausml.authoring.studio.memory import Memory
 from jausml.views.diagrams.bundling import framed, is_crowded
 from jausml.views.diagrams.folding import is_large
-from jausml.views.diagrams.layout.graphviz import Graphviz
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.writers import values
 
@@ -62,7 +61,6 @@ class Drawings:
         self._memory = Memory(root)
         self._views: dict[tuple[str, str], _View] = {}
         self._names: dict[str, list[str]] = {}
-        self._engine = Graphviz()
 
     def follow(self, file: str, names: list[str]) -> None:
         """Keeps what is known of views whose names have changed, where all others are there."""
@@ -128,7 +126,7 @@ class Drawings:
         for node in shown.nodes:
             if node.element in view.expected:
                 standing.boxes[node.key or node.id] = view.expected.pop(node.element)
-        return values.settled(shown, self._engine, moved, standing)
+        return values.settled(shown, moved, standing)
 
     def expect(self, file: str, name: str, element: str, corner: Point) -> None:
         """Has the box of a new element stand where it was dropped."""

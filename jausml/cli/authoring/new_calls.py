@@ -11,7 +11,7 @@ import click
 from jausml.cli.authoring.new import add_to, model_option, pairs, show_open
 from jausml.cli.authoring.topics import side_option
 from jausml.cli.shared.options import FiniteRange
-from jausml.cli.shared.terminal import can_ask, choose, remark
+from jausml.cli.shared.terminal import can_ask, choose_one, remark
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Command
@@ -265,7 +265,12 @@ def _chosen_way(
     if not can_ask():
         text = f"{name} fits several: say --driver and --element, or take the first by --yes"
         raise click.UsageError(text + _listed(candidates))
-    return candidates[choose(f"{name} fits several:", [way.says() for way in candidates])[0]]
+    number = choose_one(f"{name} fits several:", [way.says() for way in candidates])
+    if number is None:
+        raise click.UsageError(
+            f"{name}: none of them is taken; name others by --driver and --element"
+        )
+    return candidates[number]
 
 
 def _free_name(owner: bridges.Bridge, name: str) -> str:

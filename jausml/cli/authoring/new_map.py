@@ -11,7 +11,7 @@ import click
 
 from jausml.cli.authoring.new import add_to, model_option, pairs, show_open
 from jausml.cli.shared.options import refuse_options
-from jausml.cli.shared.terminal import can_ask, choose, remark
+from jausml.cli.shared.terminal import can_ask, choose_one, remark
 
 if TYPE_CHECKING:
     from jausml.authoring.editing.commands import Command
@@ -147,10 +147,13 @@ def _copy(
         if joints is not None:
             raise click.UsageError("--joints: no ready map of the two knows joints by names")
         return ()
-    at = [names.index(wanted)] if wanted is not None else [0] if yes else _chosen_ready(names)
-    if not at:
+    if wanted is not None:
+        at: int | None = names.index(wanted)
+    else:
+        at = 0 if yes else _chosen_ready(names)
+    if at is None:
         return ()
-    used = ready_maps[at[0]]
+    used = ready_maps[at]
     _check_ways(used, wish)
     place = scope.ref(owner)
     if joints is not None:
@@ -169,9 +172,7 @@ def _copy(
             "--joints NAME,NAME"
         )
     click.echo(f"a copy of the ready map {name_of(used)}, with its vectors")
-    remark(
-        f"a connection can use it as it is, too: jausml new bridge NAME TOPIC:TYPE:{names[at[0]]}"
-    )
+    remark(f"a connection can use it as it is, too: jausml new bridge NAME TOPIC:TYPE:{names[at]}")
     return copied(scope, place, used, wish.name)
 
 
@@ -190,13 +191,13 @@ def _check_ways(used: bridge.AttributeMap, wish: Wish) -> None:
             )
 
 
-def _chosen_ready(names: Sequence[str]) -> list[int]:
+def _chosen_ready(names: Sequence[str]) -> int | None:
     if not can_ask():
         raise click.UsageError(
             f"ready maps have both ends: {', '.join(names)}; `jausml show map {names[0]}` shows"
             f" one. --copy {names[0]} copies it, --fill fills a new one"
         )
-    return choose("Ready maps have both ends. Copy one?", names)
+    return choose_one("Ready maps have both ends. Copy one?", names)
 
 
 def begun_map(scope: Scope, owner: bridge.Bridge, wish: Wish, *, yes: bool) -> Begun:
@@ -235,8 +236,8 @@ def _answered(wish: Wish, doubt: Doubt) -> Wish:
     """Returns a wish with what somebody says to a doubt, which may be nothing."""
     from jausml.authoring.proposals.mapping.beginning import shown
 
-    chosen = choose(f"What fills {doubt.target}?", [shown(choice) for choice in doubt.choices])
-    return wish.with_answer(doubt, doubt.choices[chosen[0]]) if chosen else wish
+    chosen = choose_one(f"What fills {doubt.target}?", [shown(choice) for choice in doubt.choices])
+    return wish if chosen is None else wish.with_answer(doubt, doubt.choices[chosen])
 
 
 def _show_begun(begun: Begun) -> None:

@@ -232,7 +232,7 @@ def bridge(
             topics = topics_in(running, words)
             if not words:
                 topics = of_one_robot(topics, namespace)
-                show_left(running, scope)
+                show_left(running, scope, namespace or "")
                 left = left_topic(scope)
         else:
             topics = topics_of(words)

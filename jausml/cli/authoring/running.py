@@ -247,8 +247,12 @@ def _published(subscriptions: Sequence[RosEndpoint]) -> dict[str, str] | None:
     return {"reliability": "reliable", **({"durability": "transient_local"} if kept else {})}
 
 
-def show_left(running: Running, scope: Scope, namespace: str = "") -> None:
-    """Says of all that is no topic of a bridge why, and which command comes next."""
+def show_left(running: Running, scope: Scope, namespace: str) -> None:
+    """Says of all that is no topic of a bridge why, and which command comes next.
+
+    `namespace`: that of the bridge; what is called beyond it is of others.
+    """
+    space = f"/{namespace.strip('/')}/".replace("//", "/")
     for topic in running.graph.topics:
         if len(topic.types) > 1:
             _left(f"{topic.name} has several types, a fault of its nodes")
@@ -257,11 +261,13 @@ def show_left(running: Running, scope: Scope, namespace: str = "") -> None:
         ("action", _action, running.graph.actions),
     ):
         for call in calls:
+            if not call.name.startswith(space):
+                continue
             if len(call.types) > 1:
                 _left(f"{kind} {call.name} has several types, a fault of its nodes")
                 continue
             side = "" if call.servers else " --side operator"
-            _left(*next_of(scope, _relative(call.name, namespace), call.types[0], side))
+            _left(*next_of(scope, call.name.removeprefix(space), call.types[0], side))
 
 
 def left_topic(scope: Scope) -> LeftOut:

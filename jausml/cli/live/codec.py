@@ -184,7 +184,7 @@ class _Output:
 
     def __init__(self, output_format: str, *, are_numbers: bool = False) -> None:
         self.has_failed = False
-        self._shown = _numbered if are_numbers else lambda content: content
+        self._are_numbers = are_numbers
         self._is_json = output_format == "json"
 
     def message(self, decoded: DecodedMessage) -> None:
@@ -192,7 +192,7 @@ class _Output:
         from jausml.live.messages import text as message_text
 
         if self._is_json:
-            write(to_json(self._shown(decoded.to_json())))
+            self._write(decoded.to_json())
             return
         write(message_text.title(decoded))
         for line in message_text.lines(decoded):
@@ -208,12 +208,17 @@ class _Output:
         if located:
             click.echo(f"{place}: {observation.error}", err=True)
         if self._is_json:
-            write(to_json(self._shown({**observation.to_json(), **located})))
+            self._write({**observation.to_json(), **located})
             return
         from jausml.live.traffic import observing
 
         for line in observing.lines(observation):
             write(line)
+
+    def _write(self, content: dict[str, Any]) -> None:
+        from jausml.live.messages.values import as_numbers
+
+        write(to_json(as_numbers(content) if self._are_numbers else content))
 
     def problem(self, place: str, reason: str) -> None:
         """Writes why a line cannot be decoded: to stderr, and for programs to stdout."""
@@ -221,21 +226,6 @@ class _Output:
         click.echo(f"{place}: {reason}", err=True)
         if self._is_json:
             write(to_json({"error": reason, "place": place}))
-
-
-def _numbered(content: Any) -> Any:
-    """Returns what JSON shows, with the numbers of named values."""
-    from jausml.live.messages.values import NamedValue
-
-    match content:
-        case NamedValue():
-            return int(content)
-        case dict():
-            return {name: _numbered(value) for name, value in content.items()}
-        case list() | tuple():
-            return [_numbered(value) for value in content]
-        case _:
-            return content
 
 
 def _check_meaning(catalogue: Catalogue, service: str | None, message: str | None) -> None:

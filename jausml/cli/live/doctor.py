@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from jausml.cli.shared.files import PROBLEMS, ending_at
+from jausml.cli.live.recordings import transport_settings
+from jausml.cli.shared.files import PROBLEMS
 from jausml.cli.shared.models import project_files, read, reading_options
 from jausml.cli.shared.options import (
     format_option,
@@ -60,8 +61,7 @@ def command(
     from jausml.live import machine
     from jausml.live.machine import Outcome
 
-    with ending_at(ValueError, kind=click.UsageError):
-        settings = machine.settings_of(interface, port, multicast_group)
+    settings = transport_settings(interface, port, multicast_group)
     paths = models or project_files()
     packages = _packages(paths, reading) if paths else {}
     findings = [*machine.python_checks(), *machine.program_checks(), *machine.ros_checks(packages)]

@@ -238,6 +238,8 @@ def _message_name(context: click.Context, _parameter: click.Parameter, word: str
         content = json.loads(word)
     except ValueError as error:
         raise click.BadParameter(f"the message is no JSON: {error}") from error
+    except RecursionError as error:
+        raise click.BadParameter("the message is no JSON: it is nested too deep") from error
     fields = content.get("fields", {})
     if not (isinstance(content.get("message"), str) and isinstance(fields, dict)):
         raise click.BadParameter('an object has a name as "message", and an object as "fields"')
@@ -278,7 +280,7 @@ def _message_names(context: click.Context, _parameter: click.Parameter, begun: s
 
 def _provided(parameters: dict[str, Any]) -> list[str]:
     """Returns URN and version of the services of the named component, none if it says none."""
-    from jausml.live.peers.discovery import provided_services
+    from jausml.live.peers.discovery import label_of, provided_services
     from jausml.live.peers.network import identified
 
     try:
@@ -289,7 +291,7 @@ def _provided(parameters: dict[str, Any]) -> list[str]:
             services = provided_services(ours, parameters["target"], _COMPLETION_TIME)
     except (KeyError, OSError, click.ClickException):
         return []  # a completion has nobody to tell it
-    return [f"{service.urn}/{service.major}.{service.minor}" for service in services]
+    return [label_of(service) for service in services]
 
 
 def _field_names(context: click.Context, _parameter: click.Parameter, begun: str) -> list[str]:

@@ -19,10 +19,9 @@ from jausml.cli.live.recordings import (
     output_option,
     shown_time,
     skipped_lines,
-    stopped_by_signals,
     transport_settings,
 )
-from jausml.cli.shared.files import EnvironmentFault, ending_at
+from jausml.cli.shared.files import EnvironmentFault, cannot_write, ending_at
 from jausml.cli.shared.models import open_catalogue, optional_model_argument
 from jausml.cli.shared.options import (
     FiniteRange,
@@ -151,6 +150,7 @@ def command(
     from jausml.live.recording.mcap_files import TrafficFilter
     from jausml.live.recording.recorder import Recorder, SplitLimits, topics_of
     from jausml.live.recording.ros_topics import RosTopics
+    from jausml.live.signals import ended_by_signals
     from jausml.live.traffic.frames import UdpReader
 
     size = None if max_size is None else int(max_size * _MEGA)
@@ -161,7 +161,7 @@ def command(
     is_any = all_topics or (model is None and bool(topics))
     stop = Event()
     with ExitStack() as stack:
-        stack.enter_context(stopped_by_signals(stop))
+        stack.enter_context(ended_by_signals(stop.set))
         ros = RosTopics(selection)
         # ROS looks around while the model is read.
         speaks_ros = (model is not None or is_any) and _entered(ros, stack, is_wanted=is_any)
@@ -211,12 +211,7 @@ def _parts(path: Path, limits: SplitLimits, compression: str, *, force: bool) ->
     except RecordingError as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
-        raise _cannot_write(path, error) from error
-
-
-def _cannot_write(path: Path, error: OSError) -> EnvironmentFault:
-    name = click.format_filename(path)
-    return EnvironmentFault(f"cannot write {name}: {error.strerror or error}")
+        raise cannot_write(path, error) from error
 
 
 def _so_far(recorder: Recorder, parts: RecordingFiles) -> str:
@@ -358,5 +353,5 @@ def _show_files(parts: RecordingFiles, recorder: Recorder) -> None:
         remark(f"written: {names}, captures beside")
         return
     until = "nothing" if recorder.reached is None else f"all until {shown_time(recorder.reached)}"
-    fault = _cannot_write(parts.current.path, recorder.fault)
+    fault = cannot_write(parts.current.path, recorder.fault)
     raise EnvironmentFault(f"{fault}; {until} is in the files; {recorder.lost} were lost since")

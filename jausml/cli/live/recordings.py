@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from datetime import datetime, timezone
 from pathlib import Path
-from threading import Event
 from typing import TYPE_CHECKING, BinaryIO, cast
 
 import click
 
-from jausml.cli.shared.files import STDIN, EnvironmentFault, ending_at, reason_of, shown_path
+from jausml.cli.shared.files import (
+    STDIN,
+    EnvironmentFault,
+    cannot_write,
+    ending_at,
+    reason_of,
+    shown_path,
+)
 from jausml.cli.shared.terminal import Progress, step
 
 if TYPE_CHECKING:
@@ -41,8 +46,7 @@ def written(path: str, *, force: bool) -> Iterator[BinaryIO]:
     except FileExistsError as error:
         raise already_there(path) from error
     except OSError as error:
-        name = click.format_filename(path)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror or error}") from error
+        raise cannot_write(path, error) from error
 
 
 def not_itself(recording: str, output: str) -> None:
@@ -65,25 +69,6 @@ def already_there(path: str) -> EnvironmentFault:
 def shown_time(seconds: float) -> str:
     """Returns a time as people read it, of the world and to the millisecond."""
     return datetime.fromtimestamp(seconds, tz=timezone.utc).isoformat(" ", "milliseconds")
-
-
-@contextmanager
-def stopped_by_signals(stop: Event) -> Iterator[None]:
-    """Has signals end a recording or a replay in good order, in the midst of nothing.
-
-    They are SIGINT, SIGTERM, and SIGHUP, which comes when the terminal goes, unless that is ignored
-    as `nohup` has it.
-    """
-    numbers = [signal.SIGINT, signal.SIGTERM]
-    hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
-    if hang_up is not None and signal.getsignal(hang_up) != signal.SIG_IGN:
-        numbers.append(hang_up)
-    former = [signal.signal(number, lambda *_: stop.set()) for number in numbers]
-    try:
-        yield
-    finally:
-        for number, handler in zip(numbers, former, strict=True):
-            signal.signal(number, handler)
 
 
 class _Counted:

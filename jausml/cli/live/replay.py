@@ -21,7 +21,6 @@ from jausml.cli.live.recordings import (
     output_option,
     shown_time,
     skipped_lines,
-    stopped_by_signals,
     written,
 )
 from jausml.cli.shared.files import PROBLEMS, STDIN, EnvironmentFault, shown_path
@@ -246,6 +245,7 @@ def _to_wire(recording: str, model: Model, span: TimeSpan, options: dict[str, An
 
     from jausml.live.recording.bags import Bag
     from jausml.live.recording.to_wire import ReplayPace, WireReplay
+    from jausml.live.signals import ended_by_signals
 
     stop = Event()
     bag, allowed = Bag(recording, span), options["allow_commands"]
@@ -253,7 +253,7 @@ def _to_wire(recording: str, model: Model, span: TimeSpan, options: dict[str, An
     transport = {name: options[name] for name in ("interface", "port", "multicast_group")}
     list(islice(bag.messages(), 1))  # what cannot be read opens no bridge
     with (
-        stopped_by_signals(stop),
+        ended_by_signals(stop.set),
         WireReplay(model, transport, allow_commands=allowed) as replay,
         pressed(partial(_pause, pace)) as has_keys,
     ):

@@ -40,14 +40,8 @@ class Command:
     defaults: Mapping[str, str] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
-class _Exited:
-    name: str
-
-
-@dataclass(frozen=True, slots=True)
-class _Signalled:
-    number: int
+_Event = str | int
+"""The name of a process that has ended, or the number of a signal that came."""
 
 
 class Heir:
@@ -108,7 +102,7 @@ class Supervisor:
         self._environment = environment
         self._emit = emit
         self._lock = threading.Lock()
-        self._events: queue.SimpleQueue[_Exited | _Signalled] = queue.SimpleQueue()
+        self._events: queue.SimpleQueue[_Event] = queue.SimpleQueue()
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._threads: list[threading.Thread] = []
         self._width = max((len(command.name) for command in commands), default=0)
@@ -132,7 +126,7 @@ class Supervisor:
     @contextmanager
     def _handled_signals(self) -> Iterator[None]:
         def handle(number: int, _: FrameType | None) -> None:
-            self._events.put(_Signalled(number))
+            self._events.put(number)
 
         # One more Ctrl-C while Python itself ends changes nothing either.
         atexit.register(_ignore_signals)
@@ -171,26 +165,26 @@ class Supervisor:
                         self._emit(f"{name:{self._width}} | {text}")
                     except OSError:
                         # Nobody reads us any more; the pipe is still drained.
-                        self._events.put(_Signalled(signal.SIGHUP))
+                        self._events.put(signal.SIGHUP)
 
     def _watch(self, name: str, process: subprocess.Popen[bytes]) -> None:
         process.wait()
-        self._events.put(_Exited(name))
+        self._events.put(name)
 
     def _wait(self, deadline: float | None) -> None:
         running = set(self._processes)
         while running:
             event = self._next_event(deadline)
-            if not isinstance(event, _Exited):
+            if not isinstance(event, str):
                 return
-            running.discard(event.name)
-            code = self._processes[event.name].returncode
+            running.discard(event)
+            code = self._processes[event].returncode
             if code != 0:
                 others = "; all others were stopped" if len(self._processes) > 1 else ""
-                self.failures.append((event.name, f"{_how(code)}{others}"))
+                self.failures.append((event, f"{_how(code)}{others}"))
                 return
 
-    def _next_event(self, deadline: float | None) -> _Exited | _Signalled | None:
+    def _next_event(self, deadline: float | None) -> _Event | None:
         """Returns the next event, None when the time is over."""
         try:
             left = None if deadline is None else max(0.0, deadline - time.monotonic())
@@ -224,7 +218,7 @@ class Supervisor:
     def _all_ended(self, names: set[str], deadline: float) -> bool:
         while any(self._processes[name].poll() is None for name in names):
             event = self._next_event(deadline)
-            is_hurried = isinstance(event, _Signalled) and event.number != signal.SIGHUP
+            is_hurried = isinstance(event, int) and event != signal.SIGHUP
             if event is None or is_hurried:
                 return False
         return True

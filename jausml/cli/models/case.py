@@ -154,11 +154,10 @@ def _former(folder: Path) -> Former:
 def _drawn(case: SafetyCase) -> dict[str, str]:
     """Returns the document and the pictures of a case, by file."""
     from jausml.safety_case.page import pictures, render
-    from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
 
     with ending_at(LayoutError), step("drawing"):
-        drawings = pictures(case, Graphviz())
+        drawings = pictures(case)
     return {_DOCUMENT: render(case, drawings)} | {f"{name}.svg": e for name, e in drawings.items()}
 
 

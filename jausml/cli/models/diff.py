@@ -288,7 +288,6 @@ def _diagram(comparison: _Comparison, view: str, output_format: str) -> str:
     from jausml.authoring.differences.drawing import Drawn, compared
     from jausml.authoring.differences.matching import Matching
     from jausml.views.diagrams.graph import Graph
-    from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
     from jausml.views.diagrams.views import UnknownViewError, graph_of
     from jausml.views.diagrams.writers import html, svg
@@ -308,16 +307,12 @@ def _diagram(comparison: _Comparison, view: str, output_format: str) -> str:
     roots = [(a, b) for a, b in comparison.pairs if a is not None and b is not None]
     matching = Matching(old.model, new.model, roots)
     graph = compared(old, new, matching, comparison.changes)
-    marks = [group.state for group in graph.groups]
-    marks += [edge.state for edge in graph.edges]
-    marks += [node.state for node in graph.nodes]
-    marks += [port.state for node in graph.nodes for port in node.ports]
-    if comparison.changes and not any(marks):
+    if comparison.changes and not graph.compares:
         summary = _summary(comparison.changes)
         click.echo(f"note: nothing changed in {view}; {summary} elsewhere", err=True)
     render = svg.render if output_format == "svg" else html.render
     with ending_at(LayoutError):
-        return render(graph, Graphviz())
+        return render(graph)
 
 
 def _line(change: Change) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from jausml.generation.workspace import Result, Selection
     from jausml.language.model.model import Model
     from jausml.language.model.project import Reading
-
-    Line = tuple[str, bool]
-    """What is printed, with its line end, and whether on stderr."""
 
 _FEW = 3
 """Files of a package that are listed one by one when the same becomes of them."""
@@ -153,18 +150,13 @@ def command(
         judged = with_code(report, result, folder)
         write_report(RENDERERS[output_format](judged), output, report.files)
     else:
-        _tell(_fixes(result))
-        _tell(_changes(result, folder, mode, quiet=quiet))
+        _tell_fixes(result)
+        _tell_changes(result, folder, mode, quiet=quiet)
     if fix and result.drift and not result.fixed:
         remark("--fix changed nothing: how these fit again is for you to decide")
-    _tell(_conclusion(result, quiet=quiet))
+    _conclude(result, quiet=quiet)
     if result.plan.refused or _has_fallen_behind(result, mode, strict=strict):
         raise click.exceptions.Exit(PROBLEMS)
-
-
-def _tell(lines: Iterable[Line]) -> None:
-    for line, err in lines:
-        click.echo(line, nl=False, err=err)
 
 
 def _mode(modes: dict[str, bool], *, fix: bool, is_report: bool) -> str:
@@ -269,47 +261,44 @@ def _no_system(error: NoSystemError) -> str:
     return f"{message}\n\n{_EXAMPLE.format(map=error.maps[0])}"
 
 
-def _fixes(result: Result) -> Iterator[Line]:
+def _tell_fixes(result: Result) -> None:
     for fix in result.fixed:
         edit, place = fix.edit, f"{result.plan.out / fix.path}:{fix.edit.line}"
         old, new = (" ".join(text.split()) for text in (edit.old, edit.new))
-        yield f"{place}: fixed: {f'{old} -> {new}' if new else f'took out {old}'}\n", True
+        click.echo(f"{place}: fixed: {f'{old} -> {new}' if new else f'took out {old}'}", err=True)
 
 
-def _changes(result: Result, folder: Path, mode: str, *, quiet: bool) -> Iterator[Line]:
-    """Yields what no longer fits, and what becomes of files."""
+def _tell_changes(result: Result, folder: Path, mode: str, *, quiet: bool) -> None:
+    """Tells what no longer fits, and what becomes of files."""
     from jausml.generation.plan import unified_diff
     from jausml.language.validation.formats.text import lines_of
 
     for finding in result.drift:
         (line,) = lines_of(finding.diagnostic(folder))
-        yield f"{painted_findings(line)}\n", True
+        click.echo(painted_findings(line), err=True)
         if finding.stub:
-            yield finding.stub if finding.stub.endswith("\n") else f"{finding.stub}\n", True
+            click.echo(finding.stub.removesuffix("\n"), err=True)
     if mode == "diff":
-        yield unified_diff(result.plan), False
+        click.echo(unified_diff(result.plan), nl=False)
     elif verbosity().verbose:
-        yield from _list(result.plan)
+        for action in result.plan.actions:
+            click.echo(f"{action.kind.value:6} {action.path} ({action.reason})")
     elif not quiet or mode == "check":
-        yield from _list_changes(result.plan)
+        for change in _changes(result.plan):
+            click.echo(change)
 
 
-def _conclusion(result: Result, *, quiet: bool) -> Iterator[Line]:
+def _conclude(result: Result, *, quiet: bool) -> None:
     for action in result.plan.refused:
-        yield f"{result.plan.out / action.path}: error: {action.reason}\n", True
+        click.echo(f"{result.plan.out / action.path}: error: {action.reason}", err=True)
     if quiet:
         return
-    yield f"{_summary(result)}\n", True
+    click.echo(_summary(result), err=True)
     if result.drift and not result.fixed and any(finding.edits for finding in result.drift):
-        yield "--fix changes your files where it is certain how\n", True
+        click.echo("--fix changes your files where it is certain how", err=True)
 
 
-def _list(plan: Plan) -> Iterator[Line]:
-    for action in plan.actions:
-        yield f"{action.kind.value:6} {action.path} ({action.reason})\n", False
-
-
-def _list_changes(plan: Plan) -> Iterator[Line]:
+def _changes(plan: Plan) -> Iterator[str]:
     """Yields what is not kept; many files of a package with one fate are one line."""
     from jausml.generation.plan import ActionKind
 
@@ -321,10 +310,10 @@ def _list_changes(plan: Plan) -> Iterator[Line]:
             fates.setdefault(fate, []).append(action.path)
     for (kind, package, reason), paths in fates.items():
         if package and len(paths) > _FEW:
-            yield f"{kind:6} {package}/ ({len(paths)} files, {reason})\n", False
+            yield f"{kind:6} {package}/ ({len(paths)} files, {reason})"
             continue
         for path in paths:
-            yield f"{kind:6} {path} ({reason})\n", False
+            yield f"{kind:6} {path} ({reason})"
 
 
 def _summary(result: Result) -> str:

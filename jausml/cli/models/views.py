@@ -99,7 +99,6 @@ def diagram(
 
 
 def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
-    from jausml.views.diagrams.layout.graphviz import Graphviz
     from jausml.views.diagrams.layout.sheet import LayoutError
     from jausml.views.diagrams.writers import html, svg
     from jausml.views.diagrams.writers.text import render_dot, render_mermaid
@@ -112,11 +111,11 @@ def _rendered(graph: Graph, suffix: str, theme: str) -> str | bytes:
     with ending_at(LayoutError):
         match suffix:
             case ".png":
-                return svg.render_png(graph, Graphviz(), theme)
+                return svg.render_png(graph, theme)
             case ".html":
-                return html.render(graph, Graphviz(), theme)
+                return html.render(graph, theme)
             case _:
-                return svg.render(graph, Graphviz(), theme)
+                return svg.render(graph, theme)
 
 
 Number = TypeVar("Number", int, float)

@@ -56,8 +56,13 @@ def writing(path: str | Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        name = click.format_filename(path)
-        raise EnvironmentFault(f"cannot write {name}: {error.strerror}") from error
+        raise cannot_write(path, error) from error
+
+
+def cannot_write(path: str | Path, error: OSError) -> EnvironmentFault:
+    """Returns the error of a file or folder that cannot be written."""
+    name = click.format_filename(path)
+    return EnvironmentFault(f"cannot write {name}: {error.strerror or error}")
 
 
 def git(*arguments: str, cwd: Path | None = None) -> subprocess.CompletedProcess[bytes]:

@@ -172,7 +172,12 @@ def can_ask() -> bool:
     return sys.stdin.isatty() and sys.stderr.isatty()
 
 
-def choose(question: str, options: Sequence[str]) -> list[int]:
+def choose_one(question: str, options: Sequence[str]) -> int | None:
+    """Asks for one of several options; returns its position, None where none is wanted."""
+    return next(iter(choose(question, options, is_one=True)), None)
+
+
+def choose(question: str, options: Sequence[str], *, is_one: bool = False) -> list[int]:
     """Asks for some of several options; returns their positions, none where none is wanted."""
     click.echo(question, err=True)
     for number, option in enumerate(options, start=1):
@@ -188,11 +193,15 @@ def choose(question: str, options: Sequence[str]) -> list[int]:
             not words
             or len(indices) != len(words)
             or not all(0 <= n < len(options) for n in indices)
+            or (is_one and len(words) > 1)
         ):
-            raise click.BadParameter(f"give numbers from 1 to {len(options)}, or {_NONE} for none")
+            wanted = "a number" if is_one else "numbers"
+            raise click.BadParameter(f"give {wanted} from 1 to {len(options)}, or {_NONE} for none")
         return list(dict.fromkeys(indices))
 
-    chosen: list[int] = click.prompt("Which (numbers)", "1", value_proc=numbers, err=True)
+    chosen: list[int] = click.prompt(
+        "Which (number)" if is_one else "Which (numbers)", "1", value_proc=numbers, err=True
+    )
     return chosen
 
 

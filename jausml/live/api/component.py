@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from jausml.live.api.messages import Declarations, Received, Subscription, catalogue, taking
-from jausml.live.peers.discovery import controller_of
+from jausml.live.peers.discovery import controller_of, label_of
 from jausml.live.peers.network import DEFAULT_GROUP, Network, component_address, fault, identified
 from jausml.live.peers.operator import Operator, running_operator
 from jausml.live.peers.requesting import request
@@ -197,9 +197,7 @@ class Component:
         """
         subsystems = self._waiting.survey.take(duration)
         return {
-            str(component.address): tuple(
-                f"{service.urn}/{service.major}.{service.minor}" for service in component.services
-            )
+            str(component.address): tuple(map(label_of, component.services))
             for subsystem in subsystems
             for component in subsystem.components.values()
         }

@@ -246,7 +246,8 @@ class Catalogue:
             raise EncodeError(f"{shown(code)} is not a code of four hexadecimal digits", "code")
         return int(code, 16)
 
-    def _encode_embedded(self, message: Any, /) -> bytes:
+    def encode_embedded(self, message: Any, /) -> bytes:
+        """Returns the payload of a message inside another, in the shape of `encode`."""
         if not isinstance(message, dict):
             raise EncodeError(f"{shown(message)} is not an object of a message")
         try:

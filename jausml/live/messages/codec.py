@@ -140,9 +140,8 @@ class _Record:
         for name, part in self._parts.items():
             if name not in fields or name == first:
                 continue
-            codec = single(part) if isinstance(part, Item) else part
             try:
-                Named(name, codec).write(fields, bytearray())
+                Named(name, _alone(part)).write(fields, bytearray())
             except EncodeError as error:
                 yield error
 
@@ -216,6 +215,10 @@ def _inner(field: wire.Field, encode_message: EncodeMessage) -> Item | Codec:
         raise error.inside(field.name) from None
 
 
+def _alone(part: Item | Codec) -> Codec:
+    return single(part) if isinstance(part, Item) else part
+
+
 # -- lists, arrays, variants -----------------------------------------------------------------------
 
 
@@ -269,7 +272,7 @@ class _Elements(NamedTuple):
 
 def _elements(element: wire.Field, encode_message: EncodeMessage) -> _Elements:
     part = _inner(element, encode_message)
-    one = single(part) if isinstance(part, Item) else part
+    one = _alone(part)
 
     def read(count: int, buffer: bytes, offset: int) -> tuple[list[Any], int]:
         values: list[Any] = []
@@ -315,7 +318,7 @@ class _Variant:
         check_distinct((option.name for option in kind.options), TAG)
         self._options = kind.options
         self._codecs = [
-            Named(option.name, _alone(option, encode_message)) for option in kind.options
+            Named(option.name, _alone(_inner(option, encode_message))) for option in kind.options
         ]
         self._tag = Named(TAG, single(unsigned(kind.tag)))
         self._choices = options_in_words(kind)
@@ -352,9 +355,3 @@ class _Variant:
             return legal_integer(fields[TAG], ((0, max(len(self._options) - 1, 0)),))
         except EncodeError as error:
             raise EncodeError(f"{error.reason}, {self._choices}", TAG) from None
-
-
-def _alone(field: wire.Field, encode_message: EncodeMessage) -> Codec:
-    """Returns what reads and writes a field by itself."""
-    part = _inner(field, encode_message)
-    return single(part) if isinstance(part, Item) else part

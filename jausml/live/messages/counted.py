@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages.errors import DecodeError, EncodeError, did_you_mean, similar
 from jausml.live.messages.items import Codec, Item, Named, item_of, single, too_short
@@ -28,11 +29,8 @@ MESSAGE = "message"
 """Name under which the decoded form of an embedded message stands beside its `hex`."""
 
 
-class EncodeMessage(Protocol):
-    """Encodes an embedded message."""
-
-    def __call__(self, message: Any, /) -> bytes:
-        """Returns the payload of a message in the shape that `jausml decode` prints."""
+EncodeMessage = Callable[[Any], bytes]
+"""Returns the payload of an embedded message in the shape that `jausml decode` prints."""
 
 
 def count_of(count: wire.Count, what: str) -> Codec:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
@@ -120,7 +120,9 @@ class DefinedCatalogue(Catalogue):
             by_identity: dict[object, MessageEntry] = {}
             definitions = self._by_code[code]
             for definition, owner, service in definitions:
-                entry = message_entry(definition, self._encode_embedded, self.decode, self)
+                entry: MessageEntry = DefinedMessage(
+                    definition, self.encode_embedded, self.decode, self
+                )
                 try:
                     # Most codes have one definition, which nothing can be equal to.
                     identity: object = entry.identity if len(definitions) > 1 else definition
@@ -138,28 +140,6 @@ class DefinedCatalogue(Catalogue):
         return self._owners[self.entry(definition)]
 
 
-def message_entry(
-    definition: jaus.MessageDef,
-    encode_message: EncodeMessage,
-    decode_message: DecodeMessage,
-    catalogue: DefinedCatalogue | None = None,
-) -> MessageEntry:
-    """Returns the entry of a definition.
-
-    Args:
-        catalogue: What lists it and its answers; nothing is known of these without.
-    """
-    return MessageEntry(
-        str(definition.name),
-        int(str(definition.code), 16),
-        str(definition.documentation or ""),
-        _Facts(definition, catalogue),
-        encode_message,
-        decode_message,
-        is_command=is_command(definition),
-    )
-
-
 def _service(definition: jaus.Service, messages: partial[Any]) -> ServiceEntry:
     owner = definition.eContainer()
     names = {
@@ -175,10 +155,29 @@ def _service(definition: jaus.Service, messages: partial[Any]) -> ServiceEntry:
     return ServiceEntry(names, inputs, outputs, messages)
 
 
-class _Facts:
-    """What a model says of a message."""
+class DefinedMessage(MessageEntry):
+    """A message that a model defines."""
 
-    def __init__(self, definition: jaus.MessageDef, catalogue: DefinedCatalogue | None) -> None:
+    def __init__(
+        self,
+        definition: jaus.MessageDef,
+        encode_message: EncodeMessage,
+        decode_message: DecodeMessage,
+        catalogue: DefinedCatalogue | None = None,
+    ) -> None:
+        """Is a definition.
+
+        Args:
+            catalogue: What lists it and its answers; nothing is known of these without.
+        """
+        super().__init__(
+            str(definition.name),
+            int(str(definition.code), 16),
+            str(definition.documentation or ""),
+            encode_message,
+            decode_message,
+            is_command=is_command(definition),
+        )
         self._definition, self._catalogue = definition, catalogue
 
     @property
@@ -188,13 +187,19 @@ class _Facts:
         owners = () if catalogue is None else catalogue.owners_of(self._definition)
         return [(catalogue, owner) for owner in owners if catalogue is not None]
 
+    @property
     def layout(self) -> wire.Message:
+        """How it is laid out (`wire.LayoutError`: it cannot be)."""
         return wire.resolve(self._definition)
 
+    @cached_property
     def is_for_controller(self) -> bool:
+        """Whether a service of it has its commands obeyed from the controller alone."""
         return any(obeys_controller_alone(self._definition, owner) for _, owner in self._owned)
 
+    @cached_property
     def answers(self) -> tuple[MessageEntry, ...]:
+        """The messages that confirm or reject it."""
         entries = (
             catalogue.entry(answer)
             for catalogue, owner in self._owned
@@ -202,7 +207,9 @@ class _Facts:
         )
         return tuple(dict.fromkeys(entries))
 
+    @cached_property
     def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
+        """The query and the report that tell what it has set."""
         for catalogue, owner in self._owned:
             answer = told_after(self._definition, owner)
             if answer is not None:

@@ -8,9 +8,10 @@ from __future__ import annotations
 import json
 import re
 import struct
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
 from jausml.live.messages.codec import PRESENCE, TAG, codec_of, may_hold
@@ -18,7 +19,7 @@ from jausml.live.messages.counted import MESSAGE
 from jausml.live.messages.errors import DecodeError, DefinitionError, EncodeError, MessageError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Mapping
+    from collections.abc import Iterator, Mapping
 
     from jausml.live.messages.counted import EncodeMessage
     from jausml.live.messages.items import Codec
@@ -148,31 +149,17 @@ class ServiceEntry:
             service = service.inherits
 
 
-class MessageFacts(Protocol):
-    """What a catalogue knows of a message beside its name; each is worked out when it is used."""
-
-    def layout(self) -> wire.Message:
-        """Returns how it is laid out (`wire.LayoutError`: it cannot be)."""
-
-    def is_for_controller(self) -> bool:
-        """Tells whether components obey it from their controller alone, by any of its services."""
-
-    def answers(self) -> tuple[MessageEntry, ...]:
-        """Returns the messages that confirm or reject it."""
-
-    def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
-        """Returns the query and the report that tell what it has set; None without any."""
-
-
 class MessageEntry:
-    """A message of the catalogue: one name, code and layout, defined by one or more services."""
+    """A message of the catalogue: one name, code and layout, defined by one or more services.
+
+    Whoever lists it says how it is laid out and what belongs to it, when that is used.
+    """
 
     def __init__(
         self,
         name: str,
         code: int,
         documentation: str,
-        facts: MessageFacts,
         encode_message: EncodeMessage,
         decode_message: DecodeMessage,
         *,
@@ -181,7 +168,6 @@ class MessageEntry:
         self.name, self.code, self.documentation = name, code, documentation
         self.is_command = is_command
         self.services: tuple[ServiceEntry, ...] = ()
-        self._facts = facts
         self._encode_message = encode_message
         self._decode_message = decode_message
 
@@ -206,22 +192,22 @@ class MessageEntry:
     @property
     def layout(self) -> wire.Message:
         """How it is laid out (`wire.LayoutError`: it cannot be)."""
-        return self._facts.layout()
+        raise NotImplementedError
 
     @cached_property
     def is_for_controller(self) -> bool:
         """Whether components obey it from their controller alone, by any of its services."""
-        return self._facts.is_for_controller()
+        raise NotImplementedError
 
     @cached_property
     def answers(self) -> tuple[MessageEntry, ...]:
         """The messages that confirm or reject it, by each service that defines it."""
-        return self._facts.answers()
+        raise NotImplementedError
 
     @cached_property
     def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
         """The query and the report that tell what it has set; None without any."""
-        return self._facts.exchange()
+        raise NotImplementedError
 
     @cached_property
     def record(self) -> wire.Record:
@@ -337,11 +323,8 @@ class EmbeddedMessage(dict[str, Any]):
         self.decoded = decoded
 
 
-class DecodeMessage(Protocol):
-    """Decodes an embedded message; None leaves it as it is."""
-
-    def __call__(self, payload: bytes, /) -> DecodedMessage | None:
-        """Returns the message of a payload."""
+DecodeMessage = Callable[[bytes], "DecodedMessage | None"]
+"""Returns an embedded message of its payload; None leaves it as it is."""
 
 
 def put_in_place(record: wire.Record, fields: dict[str, Any], decode: DecodeMessage) -> None:

@@ -101,7 +101,7 @@ class ThawedCatalogue(Catalogue):
         """Lists them."""
         super().__init__()
         self._entries: dict[int, tuple[MessageEntry, ...]] = {}
-        self.listed = tuple(self._message(message) for message in values.messages)
+        self.listed = tuple(_ThawedMessage(self, message) for message in values.messages)
         services = [self._service(service) for service in values.services]
         for service, value in zip(services, values.services, strict=True):
             self.services[service.urn, service.version] = service
@@ -116,17 +116,6 @@ class ThawedCatalogue(Catalogue):
     def _with_code(self, code: int) -> tuple[MessageEntry, ...]:
         return self._entries.get(code, ())
 
-    def _message(self, message: FrozenMessage) -> MessageEntry:
-        return MessageEntry(
-            message.name,
-            message.code,
-            message.documentation,
-            _Facts(self, message),
-            self._encode_embedded,
-            self.decode,
-            is_command=message.is_command,
-        )
-
     def _service(self, service: FrozenService) -> ServiceEntry:
         def messages() -> tuple[tuple[MessageEntry, ...], tuple[MessageEntry, ...]]:
             inputs = tuple(self.listed[number] for number in service.inputs)
@@ -136,28 +125,37 @@ class ThawedCatalogue(Catalogue):
         return ServiceEntry(service.names, inputs, outputs, messages)
 
 
-class _Facts:
-    """What was read of a message."""
+class _ThawedMessage(MessageEntry):
+    """A message of such values."""
 
     def __init__(self, catalogue: ThawedCatalogue, message: FrozenMessage) -> None:
+        """Is listed by a catalogue."""
+        super().__init__(
+            message.name,
+            message.code,
+            message.documentation,
+            catalogue.encode_embedded,
+            catalogue.decode,
+            is_command=message.is_command,
+        )
         self._catalogue, self._message = catalogue, message
 
     @cached_property
-    def _layout(self) -> wire.Message | wire.LayoutError:
+    def layout(self) -> wire.Message:
         layout: wire.Message | wire.LayoutError = pickle.loads(self._message.layout)  # noqa: S301 - our own
+        if isinstance(layout, wire.LayoutError):
+            raise layout
         return layout
 
-    def layout(self) -> wire.Message:
-        if isinstance(self._layout, wire.LayoutError):
-            raise self._layout
-        return self._layout
-
+    @property
     def is_for_controller(self) -> bool:
         return self._message.is_for_controller
 
+    @property
     def answers(self) -> tuple[MessageEntry, ...]:
         return tuple(self._catalogue.listed[number] for number in self._message.answers)
 
+    @property
     def exchange(self) -> tuple[MessageEntry, MessageEntry] | None:
         places = self._message.exchange
         return places and (self._catalogue.listed[places[0]], self._catalogue.listed[places[1]])

@@ -117,7 +117,7 @@ def as_numbers(value: Any) -> Any:
             return int(value)
         case dict():
             return {name: as_numbers(member) for name, member in value.items()}
-        case list():
+        case list() | tuple():
             return [as_numbers(item) for item in value]
         case _:
             return value

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.language import wire
 from jausml.live.messages import MessageError
 from jausml.live.messages.values import symbol
+from jausml.live.peers.discovery import label_of
 from jausml.live.peers.query_client import Refused
 from jausml.live.peers.rendering import shown_fields
 
@@ -21,7 +22,7 @@ def offers_of(system: WatchedSystem, sticks: Sticks, target: JausAddress) -> dic
     """Returns the services of a component, the commands that it takes, the reports it gives."""
     operator = system.operator
     provided = operator.services(target)
-    labels = {f"{identity.urn}/{identity.major}.{identity.minor}" for identity in provided}
+    labels = set(map(label_of, provided))
     commands: dict[str, tuple[str, MessageEntry]] = {}
     reports: dict[str, str] = {}
     for service in operator.catalogue.services.values():

@@ -12,6 +12,7 @@ from jausml.live.messages import MessageError
 from jausml.live.messages.entries import parse_fields
 from jausml.live.messages.errors import did_you_mean, similar
 from jausml.live.messages.text import paths_of
+from jausml.live.peers.discovery import label_of
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.peers.rendering import report_line, service_lines, status_line, subsystem_lines
 from jausml.live.peers.requesting import outcome, request
@@ -70,7 +71,7 @@ def _message_names(operator: Operator, target: JausAddress | None, command: str)
 def _inputs(operator: Operator, target: JausAddress | None) -> Iterator[MessageEntry]:
     """Yields the messages that a component takes; all there are where it has not said it."""
     provided = () if target is None else operator.survey.services(target)
-    labels = {f"{identity.urn}/{identity.major}.{identity.minor}" for identity in provided}
+    labels = set(map(label_of, provided))
     for service in operator.catalogue.services.values():
         if not labels or service.label in labels:
             for owner in service.lineage:

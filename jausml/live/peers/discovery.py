@@ -70,6 +70,11 @@ def services_of(report: ReportServices | ReportServiceList, subsystem: int) -> S
     return {address: tuple(services) for address, services in services_by_address.items()}
 
 
+def label_of(service: ServiceIdentity) -> str:
+    """Returns URN and version of a service, as the catalogue labels it."""
+    return f"{service.urn}/{service.major}.{service.minor}"
+
+
 def controller_of(report: ReportControl) -> str:
     """Returns the dotted address of the controller; 0.0.0 when there is none (AS5710)."""
     return f"{report.subsystem_id}.{report.node_id}.{report.component_id}"

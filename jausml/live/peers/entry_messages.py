@@ -13,6 +13,7 @@ from jausml.language import wire
 from jausml.language.wire.kinds import PRESENCE_VECTOR
 from jausml.live.messages import AmbiguousMessageError, MessageError, UnknownMessageError
 from jausml.live.messages.text import sample
+from jausml.live.peers.discovery import label_of
 from jausml.runtime.wire.message import DecodeError, EncodeError, Message
 
 if TYPE_CHECKING:
@@ -81,9 +82,8 @@ def find_message(
         return catalogue.message(name)
     except AmbiguousMessageError:
         for service in services:
-            label = f"{service.urn}/{service.major}.{service.minor}"
             try:
-                return catalogue.message(name, label)
+                return catalogue.message(name, label_of(service))
             except MessageError:
                 continue
         raise

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jausml.live.messages import MessageError
 from jausml.live.messages.values import listed
+from jausml.live.peers.discovery import label_of
 from jausml.live.peers.rendering import printable
 from jausml.runtime.wire.message import DecodeError, read_code
 
@@ -148,7 +149,7 @@ class Heard:
     def _providing(self, message: str, services: Sequence[ServiceIdentity]) -> list[ServiceEntry]:
         """Returns those of some services that take a message."""
         takers = list(self._takers(message))
-        labels = {f"{service.urn}/{service.major}.{service.minor}" for service in services}
+        labels = set(map(label_of, services))
         return [
             service
             for service in self.catalogue.services.values()

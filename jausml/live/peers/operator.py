@@ -85,10 +85,12 @@ class Operator(AnsweringClient, WatchingClient, ListingClient):
     ) -> Hold:
         """Takes control and keeps it until `release`."""
         self._forget(target)
-        hold = self._holds[target] = Hold(target, on_change)
-        hold.session = self._component.control(
-            target, authority=authority, resume=False, on_change=hold.changed
-        )
+        hold = Hold(target, on_change)
+        with self._component.loop.lock:  # what it says at once is of a hold that is known
+            hold.session = self._component.control(
+                target, authority=authority, resume=False, on_change=hold.changed
+            )
+            self._holds[target] = hold
         state = hold.answer(self.timeout)
         if state is None:
             self._forget(target)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.recording.mcap_files import RecordingError, need_library
+from jausml.live.recording.mcap_files import NANO, RecordingError, need_library
 from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.ros_values import RosReader
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
     from jausml.live.recording.mcap_files import Found
 
-_NANO = 10**9
 
 JAUS_TOPICS = "/jaus/"
 """How the topics of JAUS messages begin (`jausml record`)."""
@@ -48,7 +47,7 @@ class PlayedRecording:
         for record in recording.messages():
             time = record[2].log_time
             first = time if first is None else first
-            self.duration = max(self.duration, (time - first) / _NANO)  # in order, always
+            self.duration = max(self.duration, (time - first) / NANO)  # in order, always
             yield min(1.0, self.duration / length) if length else 0.0, self.duration, record
         if first is None:
             raise RecordingError(f"{self._path} has no messages")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from jausml.generation.target import system_of
 from jausml.language.semantics.connections.exchanges import MESSAGE, TO_JAUS
 from jausml.language.semantics.connections.topics import endpoints, resolve_topic
-from jausml.live.recording.mcap_files import RecordingError
+from jausml.live.recording.mcap_files import NANO, RecordingError
 from jausml.live.recording.recorded_types import RecordedTypes
 from jausml.live.workers.worker import Worker, WorkerError, bridge_code
 from jausml_generators.bridge.views import bridge_views
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from jausml.live.recording.bags import RosMessage
 
 
-_NANO = 10**9
 _TURN = 0.05
 """Seconds after which a pause begins or ends at the latest."""
 
@@ -62,7 +61,7 @@ class ReplayPace:
         for message in messages:
             if first is None:
                 first, begin = message.time, self._now()
-            since = (message.time - first) / _NANO
+            since = (message.time - first) / NANO
             due = max(begin + since / self._speed, free)
             if not self._waited(due):
                 return

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import signal
 import socket
-from contextlib import asynccontextmanager, contextmanager
+from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import uvicorn
@@ -14,9 +13,10 @@ from starlette.staticfiles import StaticFiles
 
 from jausml.live.serving.security import Guard, Served
 from jausml.live.serving.sockets import LARGEST_MESSAGE
+from jausml.live.signals import ended_by_signals
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable, Iterator
+    from collections.abc import AsyncIterator, Callable
     from pathlib import Path
 
     from starlette.requests import Request
@@ -78,7 +78,8 @@ def serve(
             timeout_graceful_shutdown=_SECONDS_TO_END,
         )
         server = uvicorn.Server(config)
-        with _ended_by_signals(server):
+        # Before the server looks for them, and when it raises them again.
+        with ended_by_signals(lambda: setattr(server, "should_exit", True)):
             opened()
             server.run(sockets=[listener])
 
@@ -121,23 +122,3 @@ class Sockets:
 
 def _family(host: str) -> socket.AddressFamily:
     return socket.AF_INET6 if ":" in host else socket.AF_INET
-
-
-@contextmanager
-def _ended_by_signals(server: uvicorn.Server) -> Iterator[None]:
-    """Has signals end the server: before it looks for them, and when it raises them again."""
-
-    def end(*_: object) -> None:
-        server.should_exit = True
-
-    signals = [signal.SIGINT, signal.SIGTERM]
-    # It comes when the terminal goes, unless that is to be ignored, as `nohup` has it.
-    hang_up = getattr(signal, "SIGHUP", None)  # Windows has none
-    if hang_up is not None and signal.getsignal(hang_up) != signal.SIG_IGN:
-        signals.append(hang_up)
-    before = [signal.signal(signal_number, end) for signal_number in signals]
-    try:
-        yield
-    finally:
-        for signal_number, handler in zip(signals, before, strict=True):
-            signal.signal(signal_number, handler)

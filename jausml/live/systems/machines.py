@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -53,16 +53,4 @@ class MachineState:
 
 def machines_as_json(machines: Sequence[MachineState]) -> list[dict[str, Any]]:
     """Returns machines as objects, lists, texts and numbers."""
-    return [
-        {
-            "service": machine.service,
-            "machine": machine.machine,
-            "state": machine.state or None,
-            "seconds": machine.seconds,
-            "times": [
-                {"state": time.state, "entries": time.entries, "seconds": time.seconds}
-                for time in machine.times
-            ],
-        }
-        for machine in machines
-    ]
+    return [{**asdict(machine), "state": machine.state or None} for machine in machines]

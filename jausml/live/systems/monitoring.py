@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
 
-from jausml.live.peers.discovery import type_name
+from jausml.live.peers.discovery import label_of, type_name
 from jausml.live.peers.network import component_address
 from jausml.live.ros.node import RosFault
 from jausml.live.systems.folding import (
@@ -177,10 +177,7 @@ class JausObserver:
         """Tells what Discovery said of components, once."""
         for subsystem in self._operator.survey.known():
             for address, component in subsystem.components.items():
-                services = tuple(
-                    f"{service.urn}/{service.major}.{service.minor}"
-                    for service in component.services
-                )
+                services = tuple(map(label_of, component.services))
                 answer = ComponentAnswer(
                     str(address),
                     name=component.identification or None,

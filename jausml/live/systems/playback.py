@@ -48,7 +48,8 @@ class Mark:
 
     Attributes:
         kind: `drop`, `state` or `control`.
-        subject: Bridge and name of a connection; an address and nothing for a component.
+        bridge: Bridge of a connection; the address of a component.
+        connection: Name of a connection; empty for a component.
         counter: The reason of a drop, as the bridge counts it; empty for all others.
         before: What it was before; for a drop the count.
     """
@@ -56,10 +57,16 @@ class Mark:
     kind: str
     since: float
     time: float
-    subject: tuple[str, str]
+    bridge: str
+    connection: str
     counter: str
     before: str
     after: str
+
+    @property
+    def subject(self) -> tuple[str, str]:
+        """What it is about, as states name it."""
+        return self.bridge, self.connection
 
     @property
     def count(self) -> int:
@@ -236,19 +243,21 @@ def _of_connection(former: ConnectionState, latest: ConnectionState) -> Iterator
         before = former.drops.get(reason, 0)
         before = before if before <= count else 0  # the bridge began anew
         if count > before:
-            yield Mark("drop", since, time, latest.key, reason, str(before), str(count))
+            yield Mark("drop", since, time, *latest.key, reason, str(before), str(count))
     if latest.phase != former.phase:
-        yield Mark("state", since, time, latest.key, "", former.phase, latest.phase)
+        yield Mark("state", since, time, *latest.key, "", former.phase, latest.phase)
 
 
 def _of_component(former: ComponentState | None, latest: ComponentState | None) -> Iterator[Mark]:
     if former is None or latest is None:
         return
-    since, subject = former.told or 0.0, (latest.address, "")
+    since = former.told or 0.0
     pairs: list[tuple[str, Any, Any]] = [
         ("state", former.state, latest.state),
         ("control", former.controller, latest.controller),
     ]
     for kind, before, after in pairs:
         if before != after and (before or (kind == "control" and before is not None)):
-            yield Mark(kind, since, latest.told or since, subject, "", before or "", after or "")
+            yield Mark(
+                kind, since, latest.told or since, latest.address, "", "", before or "", after or ""
+            )

@@ -19,13 +19,13 @@ FRAME = "!frame"
 """Behind the id of a bridge: its frame."""
 
 
-def bundled(graph: Graph, most: int = MOST_EDGES) -> Graph:
+def bundled(graph: Graph) -> Graph:
     """Returns a graph that can be read: as it is, or bundled where it has too many edges.
 
     What two frames have in common is told in the boxes, not by edges across.
     """
     bridges = [node for node in graph.nodes if node.kind == "bridge"]
-    if not is_crowded(graph, most):
+    if not is_crowded(graph):
         return graph
     frames = bridges_around(graph)
     inside: dict[tuple[str, str, str], list[Edge]] = defaultdict(list)
@@ -122,9 +122,9 @@ def _words(count: int) -> str:
     return f"{count} connection{'s' if count > 1 else ''}"
 
 
-def is_crowded(graph: Graph, most: int = MOST_EDGES) -> bool:
+def is_crowded(graph: Graph) -> bool:
     """Tells whether a graph has too many edges to be read without frames around its bridges."""
-    return len(graph.edges) > most and any(node.kind == "bridge" for node in graph.nodes)
+    return len(graph.edges) > MOST_EDGES and any(node.kind == "bridge" for node in graph.nodes)
 
 
 def framed(graph: Graph) -> Graph:

@@ -9,7 +9,7 @@ names, which stays when elements are added before it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -171,6 +171,12 @@ class Graph:
         return any(states) or any(edge.state for edge in self.edges)
 
     @property
+    def nesting(self) -> Iterator[Step]:
+        """Its boxes and frames, as `nested` has them."""
+        frames = [(group.id, group.parent) for group in self.groups]
+        return nested([node.group for node in self.nodes], frames)
+
+    @property
     def by_id(self) -> dict[str, Node]:
         """The nodes by id."""
         return {node.id: node for node in self.nodes}
@@ -184,47 +190,23 @@ def severity(findings: tuple[Finding, ...]) -> str:
     return next((level for level in _GRAVEST if any(f.severity == level for f in findings)), "")
 
 
-class Boxed(Protocol):
-    """A box."""
-
-    @property
-    def group(self) -> str:
-        """Id of its frame, empty for none."""
+Step = tuple[Literal["box", "begin", "end"], int, int]
+"""A box, or where a frame begins or ends: which, its number, and how many frames are around it."""
 
 
-class Framed(Protocol):
-    """A frame."""
-
-    @property
-    def id(self) -> str:
-        """Its id."""
-
-    @property
-    def parent(self) -> str:
-        """Id of the frame around it, empty for none."""
-
-
-class Step(NamedTuple):
-    """A box, or where a frame begins or ends."""
-
-    what: Literal["box", "begin", "end"]
-    number: int
-    depth: int
-
-
-def nested(boxes: Sequence[Boxed], frames: Sequence[Framed]) -> Iterator[Step]:
-    """Yields boxes and frames: first those in no frame, then each frame with its own."""
-    yield from _inside("", 0, boxes, frames)
-
-
-def _inside(
-    frame: str, depth: int, boxes: Sequence[Boxed], frames: Sequence[Framed]
+def nested(
+    boxes: Sequence[str], frames: Sequence[tuple[str, str]], frame: str = "", depth: int = 0
 ) -> Iterator[Step]:
-    for number, box in enumerate(boxes):
-        if box.group == frame:
-            yield Step("box", number, depth)
-    for number, inner_frame in enumerate(frames):
-        if inner_frame.parent == frame:
-            yield Step("begin", number, depth)
-            yield from _inside(inner_frame.id, depth + 1, boxes, frames)
-            yield Step("end", number, depth)
+    """Yields boxes and frames: first those in no frame, then each frame with its own.
+
+    `boxes`: the frame of each, empty for none. `frames`: id of each, and that of the frame around
+    it. `frame`: within which it begins.
+    """
+    for number, around in enumerate(boxes):
+        if around == frame:
+            yield "box", number, depth
+    for number, (own, around) in enumerate(frames):
+        if around == frame:
+            yield "begin", number, depth
+            yield from nested(boxes, frames, own, depth + 1)
+            yield "end", number, depth

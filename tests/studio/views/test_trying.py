@@ -13,10 +13,10 @@ from scope_support import CAR, MODELS, SHIPPED, scope_of
 from sweeps import sweep
 
 import jausml
-from jausml.authoring.proposals.elements import Scope
-from jausml.authoring.studio.views import trial_worker, trying
+from jausml.authoring.proposals.elements import AnswerError, Scope
+from jausml.authoring.studio.views import jaus_values, trial_worker, trying
 from jausml.authoring.studio.views.trying import Trials, inputs
-from jausml.language.metamodel.classes import bridge
+from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.workers.bootstrap import load_runtime
@@ -251,3 +251,21 @@ def test_every_ready_map_can_be_tried(name, monkeypatch):
                 assert found.bytes or found.error, used.name
                 for word in ("Traceback", "Error(", "has no attribute", "failed", "no field"):
                     assert word not in found.error, (used.name, found.error)
+
+
+@pytest.mark.parametrize("name", ["byte", "shortInteger", "integer"])
+def test_a_value_of_an_alternative_is_sent_as_that(name):
+    model = scope_of(CAR).library
+    message = next(e for e in model.instances(jaus.MessageDef) if e.name == "ReportAnalogAction")
+    data = jaus_values.payload(message, {f"Longitudinal.{name}": "100"})
+    index = ["byte", "shortInteger", "integer"].index(name)
+    # Code, presence vector, reference, then the index of the alternative, and its value.
+    assert data[5:6] == bytes([index])
+    assert int.from_bytes(data[6 : 6 + 2**index], "little") == 100
+
+
+def test_a_value_of_an_alternative_that_is_not_there_is_refused():
+    model = scope_of(CAR).library
+    message = next(e for e in model.instances(jaus.MessageDef) if e.name == "ReportAnalogAction")
+    with pytest.raises(AnswerError, match=r"there is no member Longitudinal\.7"):
+        jaus_values.payload(message, {"Longitudinal.7": "100"})

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.model import Model
-    from jausml.live.systems.playback import Mark
+    from jausml.live.systems.explaining import Explanation
 
 
 def methods(context: StudioContext) -> Mapping[str, Method]:
@@ -52,7 +52,7 @@ class _Requests:
             "damage": system.damage,
             "sources": {name: fault for name, fault in system.sources.items() if fault},
             "unreadable": system.unreadable,
-            "marks": [_mark_as_json(mark) for mark in system.marks],
+            "marks": system.marks,
             "unlisted": system.unlisted,
         }
         return {"share": 1.0, "fault": "", "read": read}
@@ -65,12 +65,11 @@ class _Requests:
 
     def why(
         self, recording: str, file: str, bridge: str, connection: str, at: float
-    ) -> dict[str, Any]:
+    ) -> Explanation:
         """Returns why a connection did not pass on what it dropped last."""
         system = self._recordings.system(recording)
         model, _ = self._model(file)
-        explanation = explained(system, model, (bridge, connection), at)
-        return {"at": explanation.at, "counter": explanation.counter, "state": explanation.state}
+        return explained(system, model, (bridge, connection), at)
 
     def _model(self, file: str) -> tuple[Model, Places]:
         model = self._context.project.model(file).model
@@ -79,17 +78,3 @@ class _Requests:
             places = places_of(model)
             self._places = model, places
         return model, places
-
-
-def _mark_as_json(mark: Mark) -> dict[str, Any]:
-    bridge, connection = mark.subject
-    return {
-        "kind": mark.kind,
-        "since": mark.since,
-        "time": mark.time,
-        "bridge": bridge,
-        "connection": connection,
-        "counter": mark.counter,
-        "before": mark.before,
-        "after": mark.after,
-    }

@@ -24,7 +24,7 @@ from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
 from jausml.live.serving.rpc import REFUSED, Method, RpcError
 from jausml.views.diagrams.folding import MOST_SHOWN
-from jausml.views.diagrams.layout.graphviz import Graphviz, program
+from jausml.views.diagrams.layout.graphviz import program
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import SYSTEM, UnknownViewError, graph_of, maps, view_names
 from jausml.views.diagrams.views.context import Context
@@ -171,7 +171,7 @@ def _picture(context: StudioContext, file: str, view: str) -> dict[str, Any]:
     diagnostics = verdict.report.diagnostics
     try:
         graph = graph_of(verdict.result.model, view, diagnostics, context.project.root)
-        return {"picture": svg.render(graph, Graphviz())}
+        return {"picture": svg.render(graph)}
     except (UnknownViewError, LayoutError) as error:
         raise RpcError(REFUSED, str(error)) from error
 

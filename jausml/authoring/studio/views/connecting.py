@@ -9,7 +9,14 @@ from jausml.authoring.editing.commands import Add, Remove, Set
 from jausml.authoring.proposals.bridging import is_served, offers, profile_of, qos_of
 from jausml.authoring.proposals.elements import AnswerError, Option, Options
 from jausml.authoring.proposals.new_elements import name_among
-from jausml.authoring.studio.views.crossing import bridged, carried, further_peer, through
+from jausml.authoring.studio.views.crossing import (
+    bridged,
+    carried,
+    further_peer,
+    namespace_of,
+    seen_from,
+    through,
+)
 from jausml.authoring.studio.views.spots import all_spots
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
 from jausml.language.model.names import name_of
@@ -168,7 +175,7 @@ def _mirrored(scope: Scope, known: Spot, other: EObject) -> Options:
     if end is None or end.type is None:
         return Options(refusal=f"{name_of(end)} has no type yet; choose one in its form")
     feature, cls, named = _OTHER_ENDS[end.eClass.name]
-    topic = _seen_from(other, known.owner, str(getattr(end, named) or name_of(end)))
+    topic = seen_from(other, known.owner, str(getattr(end, named) or name_of(end)))
     name = name_among(name_of(end), getattr(other, feature))
     kind = end.type
     values = {"name": (name,), named: (topic,), "type": (scope.ref(kind),)}
@@ -191,29 +198,17 @@ def _joined(scope: Scope, source: Spot, target: Spot) -> Options:
     named = _OTHER_ENDS[start.eClass.name][2]
     names = [
         resolve_topic(
-            getattr(spot.element, named) or "", _namespace(spot.owner), name_of(spot.owner)
+            getattr(spot.element, named) or "", namespace_of(spot.owner), name_of(spot.owner)
         )
         for spot in (source, target)
     ]
     if names[0] == names[1]:
         return Options(refusal=f"both are connected by {names[0]} already")
-    topic = _seen_from(target.owner, source.owner, str(getattr(start, named)))
+    topic = seen_from(target.owner, source.owner, str(getattr(start, named)))
     command = Set(scope.ref(end), named, (topic,))
     label = f"{name_of(end)} on {topic}"
     why = f"both have {ros_name(start.type)}; {name_of(end)} leaves {getattr(end, named)}"
     return Options((Option(label, why, (command,)),))
-
-
-def _namespace(node: EObject) -> str:
-    return str(getattr(node, "namespace", "") or "")
-
-
-def _seen_from(node: EObject, other: EObject, name: str) -> str:
-    """Returns how a node names what another names so."""
-    is_same = _namespace(node).strip("/") == _namespace(other).strip("/")
-    if name.startswith("/") or (is_same and not name.startswith("~")):
-        return name
-    return resolve_topic(name, _namespace(other), name_of(other))
 
 
 _FEATURES = ("components", "nodes")

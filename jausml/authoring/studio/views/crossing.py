@@ -384,13 +384,22 @@ def _wrong_end(at_ros: Spot, direction: str) -> str:
 
 def _topic(owner: EObject, node: EObject, end: ros.TopicEndpoint) -> str:
     """Returns how a bridge names the topic of an endpoint."""
-    namespace = str(getattr(node, "namespace", "") or "")
-    full = resolve_topic(end.topic or name_of(end), namespace, name_of(node))
-    own = str(getattr(owner, "namespace", "") or "")
-    is_same = own.strip("/") == namespace.strip("/") and not (end.topic or "").startswith(
-        ("~", "/")
-    )
-    return str(end.topic) if is_same and end.topic else full
+    if end.topic:
+        return seen_from(owner, node, str(end.topic))
+    return resolve_topic(name_of(end), namespace_of(node), name_of(node))
+
+
+def namespace_of(node: EObject) -> str:
+    """Returns the namespace of a node or bridge, empty for none."""
+    return str(getattr(node, "namespace", "") or "")
+
+
+def seen_from(node: EObject, other: EObject, name: str) -> str:
+    """Returns how a node or bridge names what another names so."""
+    is_same = namespace_of(node).strip("/") == namespace_of(other).strip("/")
+    if name.startswith("/") or (is_same and not name.startswith("~")):
+        return name
+    return resolve_topic(name, namespace_of(other), name_of(other))
 
 
 def _new_end(

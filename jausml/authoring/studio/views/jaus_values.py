@@ -11,7 +11,7 @@ from jausml.language import wire
 from jausml.language.semantics.jaus.services import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
-from jausml.live.messages.defined import message_entry
+from jausml.live.messages.defined import DefinedMessage
 from jausml.live.messages.entries import as_it_is, parts
 from jausml.live.messages.text import sample
 
@@ -67,7 +67,7 @@ def moment(text: str) -> datetime:
 
 
 def _entry(message: jaus.MessageDef) -> MessageEntry:
-    return message_entry(message, _no_message, as_it_is)
+    return DefinedMessage(message, _no_message, as_it_is)
 
 
 def _no_message(_: Any, /) -> bytes:
@@ -132,12 +132,11 @@ def _choose(kind: wire.Kind, value: Any, name: str) -> None:
 
 
 def _variable(kind: wire.VariableNumber, name: str, text: str, path: str) -> dict[str, Any]:
-    numbers = kind.by_index
-    try:
-        index = int(name)
-    except ValueError:
-        index = min(numbers)
-    return {"index": index, "value": _value(numbers[index], text, path)}
+    for alternative in kind.alternatives:
+        if name in (alternative.name, str(alternative.index)):
+            number = _value(alternative.number, text, path)
+            return {"index": alternative.index, "value": number}
+    raise AnswerError(f"there is no member {path}")
 
 
 def _value(kind: wire.Kind, text: str, path: str) -> Any:

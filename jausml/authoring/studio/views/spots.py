@@ -21,6 +21,12 @@ if TYPE_CHECKING:
     from jausml.authoring.proposals.elements import Scope
     from jausml.authoring.proposals.mapping.members import Member
     from jausml.language.metamodel.classes.ecore import EObject
+    from jausml.language.model import Document, Model
+    from jausml.language.model.xmi.parsing import Node
+    from jausml.language.text.tree import Span
+
+    _LineAndColumn: TypeAlias = tuple[int, int]
+    _Spanned: TypeAlias = tuple[_LineAndColumn, _LineAndColumn, EObject]
 
 _MARK = "!"
 
@@ -121,19 +127,6 @@ def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Mem
             is_jaus = isinstance(join, bridge.ReportJoin)
             return member(used, f"{join.name}.{port}", is_jaus=is_jaus)
     raise AnswerError("that box is no end of the map")
-
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.authoring.proposals.elements import Scope
-    from jausml.language.metamodel.classes.ecore import EObject
-    from jausml.language.model import Document, Model
-    from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.tree import Span
-
-    _LineAndColumn: TypeAlias = tuple[int, int]
-    _Spanned: TypeAlias = tuple[_LineAndColumn, _LineAndColumn, EObject]
 
 
 XMI, TEXT = "xmi", "text"

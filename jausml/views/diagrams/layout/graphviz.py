@@ -45,16 +45,16 @@ def program() -> Path | None:
     return next((place for place in places if place.is_file()), None)
 
 
-class Graphviz:
-    """The engine; it runs `dot` in a process of its own."""
+def place(sheet: Sheet) -> Places:
+    """Returns where everything stands, the same for the same sheet.
 
-    def place(self, sheet: Sheet) -> Places:
-        """Returns where everything stands; what needs no search is placed without Graphviz."""
-        if not sheet.downwards:
-            places = in_columns(sheet)
-            return cleared(sheet, places) if any(line.width for line in sheet.lines) else places
-        (layout,) = _run("\n".join(_graph(sheet)))
-        return cleared(sheet, spaced(sheet, _places(sheet, layout)))
+    What needs no search is placed without Graphviz, which has a process of its own.
+    """
+    if not sheet.downwards:
+        places = in_columns(sheet)
+        return cleared(sheet, places) if any(line.width for line in sheet.lines) else places
+    (layout,) = _run("\n".join(_graph(sheet)))
+    return cleared(sheet, spaced(sheet, _places(sheet, layout)))
 
 
 def _run(graphs: str) -> list[dict[str, Any]]:
@@ -95,7 +95,8 @@ def _graph(sheet: Sheet) -> Iterator[str]:
     yield '  graph [rankdir="TB", nodesep=0.4, ranksep=0.5]'
     yield "  node [shape=plain]"
     yield "  edge [dir=none]"
-    for what, number, _ in nested(sheet.boxes, sheet.frames):
+    frames = [(frame.id, frame.parent) for frame in sheet.frames]
+    for what, number, _ in nested([box.group for box in sheet.boxes], frames):
         match what:
             case "box":
                 size = _cell(sheet.boxes[number].width, sheet.boxes[number].height)

@@ -12,7 +12,7 @@ from itertools import pairwise, product
 from math import dist
 from typing import TYPE_CHECKING, TypeAlias
 
-from jausml.views.diagrams.layout.settling import Area, area_of, label_area
+from jausml.views.diagrams.layout.settling import Area, area_of, label_area, tiles
 from jausml.views.diagrams.layout.sheet import samples
 from jausml.views.diagrams.layout.ways import fitted
 
@@ -67,7 +67,7 @@ class Ground:
         self._segments: dict[_Tile, list[tuple[str, _Segment]]] = defaultdict(list)
         for name, way in self._paths.items():
             for segment in pairwise(way):
-                for tile in _tiles(_around(segment)):
+                for tile in tiles(_around(segment), _TILE):
                     self._segments[tile].append((name, segment))
         self._boxes = [area_of(box, places.boxes[box.id]) for box in sheet.boxes]
         self._thin = [
@@ -115,7 +115,7 @@ class Ground:
         near = area.wider(_FROM_OTHERS)
         return {
             name
-            for tile in _tiles(near)
+            for tile in tiles(near, _TILE)
             for name, segment in self._segments.get(tile, ())
             if _crosses(segment, area if name == line else near)
         }
@@ -138,13 +138,6 @@ def _borders(area: Area) -> Iterator[Area]:
     yield Area(left, bottom, right, bottom)
     yield Area(left, top, left, bottom)
     yield Area(right, top, right, bottom)
-
-
-def _tiles(area: Area) -> Iterator[_Tile]:
-    """Yields the tiles in which an area has a part."""
-    for column in range(int(area.left // _TILE), int(area.right // _TILE) + 1):
-        for row in range(int(area.top // _TILE), int(area.bottom // _TILE) + 1):
-            yield column, row
 
 
 def _around(segment: _Segment) -> Area:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from jausml.views.diagrams.layout.settling import Area
     from jausml.views.diagrams.layout.sheet import Line, Places, Point, Sheet
 
+_Path = tuple["Point", "Point", "Point", "Point"]
+
 APART = 12
 """Room between two lines of the same boxes."""
 
@@ -69,28 +71,27 @@ def _another(
     return min(candidates, default=(0, 0.0, None), key=lambda candidate: candidate[:2])[2]
 
 
-def _paths(source: Area, target: Area) -> Iterator[tuple[Point, Point, Point, Point]]:
+def _paths(source: Area, target: Area) -> Iterator[_Path]:
     """Yields simple ways between boxes of which one is above the other, or beside it."""
-    if source.bottom < target.top or target.bottom < source.top:
-        y0, y1 = (
-            (source.bottom, target.top) if source.top < target.top else (source.top, target.bottom)
-        )
-        for a, b in product(_ENDS, _ENDS):
-            x0 = round(source.left + a * (source.right - source.left), 1)
-            x1 = round(target.left + b * (target.right - target.left), 1)
-            middle = round((y0 + y1) / 2, 1)
-            yield (x0, y0), (x0, middle), (x1, middle), (x1, y1)
-    if source.right < target.left or target.right < source.left:
-        x0, x1 = (
-            (source.right, target.left)
-            if source.left < target.left
-            else (source.left, target.right)
-        )
-        for a, b in product(_ENDS, _ENDS):
-            y0 = round(source.top + a * (source.bottom - source.top), 1)
-            y1 = round(target.top + b * (target.bottom - target.top), 1)
-            middle = round((x0 + x1) / 2, 1)
-            yield (x0, y0), (middle, y0), (middle, y1), (x1, y1)
+    yield from _downwards(source, target)
+    for path in _downwards(source.transposed, target.transposed):
+        a, b, c, d = ((x, y) for y, x in path)
+        yield a, b, c, d
+
+
+def _downwards(source: Area, target: Area) -> Iterator[_Path]:
+    """Yields ways between boxes of which one is above the other."""
+    if source.bottom < target.top:
+        y0, y1 = source.bottom, target.top
+    elif target.bottom < source.top:
+        y0, y1 = source.top, target.bottom
+    else:
+        return
+    middle = round((y0 + y1) / 2, 1)
+    for a, b in product(_ENDS, _ENDS):
+        x0 = round(source.left + a * (source.right - source.left), 1)
+        x1 = round(target.left + b * (target.right - target.left), 1)
+        yield (x0, y0), (x0, middle), (x1, middle), (x1, y1)
 
 
 def _cross(one: Sequence[Point], other: Sequence[Point]) -> bool:

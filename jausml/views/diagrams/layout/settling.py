@@ -55,6 +55,11 @@ class Area(NamedTuple):
             max(self.bottom, other.bottom),
         )
 
+    @property
+    def transposed(self) -> Area:
+        """It with right and down exchanged."""
+        return Area(self.top, self.left, self.bottom, self.right)
+
     def wider(self, gap: float) -> Area:
         """Returns it with room around it."""
         return Area(self.left - gap, self.top - gap, self.right + gap, self.bottom + gap)
@@ -154,7 +159,7 @@ class _Ground:
         """Places a box."""
         self.corners[box.id] = corner
         area = self._areas[box.id] = area_of(box, corner)
-        for cell in _cells(area):
+        for cell in tiles(area):
             self._cells[cell].append(area)
         self._frames = {}
 
@@ -231,7 +236,7 @@ class _Ground:
         area = area_of(box, corner)
         return not any(
             area.overlaps(other_area)
-            for cell in _cells(area)
+            for cell in tiles(area)
             for other_area in self._cells.get(cell, ())
         )
 
@@ -272,10 +277,10 @@ class _Ground:
         return self._frames
 
 
-def _cells(area: Area) -> Iterator[tuple[int, int]]:
+def tiles(area: Area, size: float = _CELL) -> Iterator[tuple[int, int]]:
     """Yields the cells of a grid that an area has a part in: what overlaps shares one."""
-    for column in range(int(area.left // _CELL), int(area.right // _CELL) + 1):
-        for row in range(int(area.top // _CELL), int(area.bottom // _CELL) + 1):
+    for column in range(int(area.left // size), int(area.right // size) + 1):
+        for row in range(int(area.top // size), int(area.bottom // size) + 1):
             yield column, row
 
 
@@ -284,13 +289,13 @@ _Cells = defaultdict[tuple[int, int], set[str]]
 
 
 def _note(cells: _Cells, name: str, area: Area) -> None:
-    for cell in _cells(area):
+    for cell in tiles(area):
         cells[cell].add(name)
 
 
 def _near(cells: _Cells, area: Area) -> set[str]:
     """Returns what shares a cell with an area."""
-    return set().union(*(cells[cell] for cell in _cells(area) if cell in cells))
+    return set().union(*(cells[cell] for cell in tiles(area) if cell in cells))
 
 
 def _centred(box: Box, other: Area) -> float:

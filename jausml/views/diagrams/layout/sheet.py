@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import accumulate
-from typing import TYPE_CHECKING, Literal, Protocol
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -164,10 +164,3 @@ class Places:
                 for name, route in self.lines.items()
             },
         )
-
-
-class Engine(Protocol):
-    """Places what stands on a sheet."""
-
-    def place(self, sheet: Sheet) -> Places:
-        """Returns where everything stands, the same for the same sheet."""

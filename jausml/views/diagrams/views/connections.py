@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.semantics.connections import calls, stops
@@ -105,17 +105,13 @@ def add_bridge(builder: Builder, owner: bridge.Bridge) -> None:
     for connection in owner.bridgeConnections:
         _add_connection(builder, owner, connection)
     for service in owner.serviceConnections:
-        to_ros = service.direction.name == "jausToRos"
         asked = calls.asking(service)
         messages = [message for message in (asked, calls.answering(service)) if message is not None]
         note = " / ".join(name_of(message) for message in messages) or "?"
-        call = _Call(service, "service", service.service, service.type, note, asked)
-        _add_call(builder, owner, call, to_ros=to_ros)
+        _add_call(builder, owner, service, "service", service.service, note, asked)
     for action in owner.actionConnections:
-        to_ros = action.direction.name == "jausToRos"
         note = f"list of {name_of(action.driver)}"
-        call = _Call(action, "action", action.action, action.type, note, action.driver)
-        _add_call(builder, owner, call, to_ros=to_ros)
+        _add_call(builder, owner, action, "action", action.action, note, action.driver)
 
 
 def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.Connection) -> None:
@@ -155,31 +151,34 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
             _join(builder, row, here, end, "", name, forwards=to_ros)
 
 
-class _Call(NamedTuple):
-    """A ROS service or action that a bridge connects."""
+def _add_call(
+    builder: Builder,
+    owner: bridge.Bridge,
+    connection: bridge.RosServiceConnection | bridge.RosActionConnection,
+    words: str,
+    name: str,
+    note: str,
+    asked: jaus.MessageDef | jaus.Service | None,
+) -> None:
+    """Adds the connection with a ROS service or action.
 
-    connection: bridge.RosServiceConnection | bridge.RosActionConnection
-    words: str
-    name: str
-    kind: ros.ServiceType | ros.ActionType | None
-    note: str
-    asked: jaus.MessageDef | jaus.Service | None
-
-
-def _add_call(builder: Builder, owner: bridge.Bridge, call: _Call, *, to_ros: bool) -> None:
-    context, connection = builder.context, call.connection
+    `words`: which of both. `name`: its name. `note`: what JAUS has for it, `asked` that which is
+    asked for.
+    """
+    context, kind = builder.context, connection.type
+    to_ros = connection.direction.name == "jausToRos"
     arrow = "\N{RIGHTWARDS ARROW}" if to_ros else "\N{LEFTWARDS ARROW}"
-    more = {call.words: call.name, "type": _type(call.kind), "JAUS": call.note}
-    note = f"{call.note} {arrow} {_short(call.kind)}"
-    row = context.row(connection, name_of(connection), note, call.words, **more)
+    more = {words: name, "type": _type(kind), "JAUS": note}
+    note = f"{note} {arrow} {_short(kind)}"
+    row = context.row(connection, name_of(connection), note, words, **more)
     here = builder.put(context.id_of(owner), row)
     way = "asks" if to_ros else "answers"
-    for peer in _jaus_ends(builder, owner, connection.peers, connection.search, call.asked, way):
-        _join(builder, row, peer, here, call.words, call.note, forwards=to_ros, kind="call")
-    full = topic(call.name, owner)
+    for peer in _jaus_ends(builder, owner, connection.peers, connection.search, asked, way):
+        _join(builder, row, peer, here, words, note, forwards=to_ros, kind="call")
+    full = topic(name, owner)
     wanted = "serves" if to_ros else "calls"
-    for end in _ros_ends(builder, owner, full, wanted, _type(call.kind)):
-        _join(builder, row, here, end, call.words, full, forwards=to_ros, kind="call")
+    for end in _ros_ends(builder, owner, full, wanted, _type(kind)):
+        _join(builder, row, here, end, words, full, forwards=to_ros, kind="call")
 
 
 def _join(

@@ -15,7 +15,7 @@ from jausml.views.diagrams.graph import Port
 from jausml.views.diagrams.views.context import details, number
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator, Mapping
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from jausml.language.semantics.paths.attributes import Part
     from jausml.views.diagrams.views.context import Context
@@ -46,12 +46,12 @@ def plain(path: str) -> str:
 
 def jaus_members(context: Context, message: jaus.MessageDef) -> tuple[Member, ...]:
     """Returns the members of a JAUS message."""
-    return tuple(_of_jaus(context, message_place(message), "", 0))
+    return tuple(_members(context, message_place(message), "", 0))
 
 
 def ros_members(context: Context, kind: ros.MessageType) -> tuple[Member, ...]:
     """Returns the members of a ROS message."""
-    return tuple(_of_ros(context, RosPlace(type=kind), "", 0))
+    return tuple(_members(context, RosPlace(type=kind), "", 0))
 
 
 def rows(members: tuple[Member, ...], marks: Mapping[str, str]) -> Iterator[Port]:
@@ -83,56 +83,39 @@ def paths_of(members: tuple[Member, ...]) -> Iterator[str]:
         yield from paths_of(member.inner)
 
 
-def _of_jaus(context: Context, place: JausPlace, before: str, depth: int) -> Iterator[Member]:
-    if isinstance(place.field, jaus.List | jaus.Array):
-        element = place.element()
-        if element is not None:
-            yield from _of_jaus(context, element, before, depth)
+def _members(
+    context: Context, place: JausPlace | RosPlace, before: str, depth: int
+) -> Iterator[Member]:
+    element: JausPlace | RosPlace | None
+    named: Sequence[Part]
+    if isinstance(place, JausPlace):
+        element, named = place.element(), place.members() or ()
+    else:
+        element = place.element() if place.is_array else None
+        named = place.type.fields if place.type is not None else ()
+    if element is not None:
+        yield from _members(context, element, before, depth)
         return
-    for part in (place.members() or ()) if depth < DEEPEST else ():
+    for part in named if depth < DEEPEST else ():
         member_place = place.step(part.name) if part.name else None
-        if not isinstance(member_place, JausPlace):
+        if not isinstance(member_place, JausPlace | RosPlace):
             continue
         path = f"{before}.{part.name}" if before else str(part.name)
         attribute = member_place.attribute()
         # What nothing holds around it must be there, unless a presence vector tells.
-        needed = depth == 0 and not attribute.optional
+        is_needed = isinstance(place, JausPlace) and depth == 0
+        mark = "optional" if attribute.optional else "required" if is_needed else ""
         port = Port(
             path,
             str(part.name),
-            _note(_jaus_type(member_place.field), attribute),
-            "required" if needed else "optional" if attribute.optional else "",
+            _note(_type(member_place.field), attribute),
+            mark,
             depth,
             details=_details(part, attribute),
             findings=context.findings(part),
             element=context.reference(part),
         )
-        yield Member(path, port, tuple(_of_jaus(context, member_place, path, depth + 1)))
-
-
-def _of_ros(context: Context, place: RosPlace, before: str, depth: int) -> Iterator[Member]:
-    if place.is_array:
-        element = place.element()
-        if element is not None:
-            yield from _of_ros(context, element, before, depth)
-        return
-    kind = place.type
-    for field in kind.fields if kind is not None and depth < DEEPEST else ():
-        member_place = place.step(field.name) if field.name else None
-        if not isinstance(member_place, RosPlace):
-            continue
-        path = f"{before}.{field.name}" if before else str(field.name)
-        attribute = member_place.attribute()
-        port = Port(
-            path,
-            str(field.name),
-            _note(_ros_type(field), attribute),
-            depth=depth,
-            details=_details(field, attribute),
-            findings=context.findings(field),
-            element=context.reference(field),
-        )
-        yield Member(path, port, tuple(_of_ros(context, member_place, path, depth + 1)))
+        yield Member(path, port, tuple(_members(context, member_place, path, depth + 1)))
 
 
 def _note(kind: str, attribute: Attribute) -> str:
@@ -166,8 +149,10 @@ def _range(attribute: Attribute) -> str:
     return f"{number(float(f'{lower:.7g}'))}..{number(float(f'{upper:.7g}'))}"
 
 
-def _jaus_type(field: Part | None) -> str:
+def _type(field: Part | None) -> str:
     match field:
+        case ros.Field():
+            return _ros_type(field)
         case jaus.FixedField():
             scaled = "scaled " if field.scale is not None else ""
             return f"{scaled}{field.type.name}"

@@ -18,19 +18,18 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.views.diagrams.graph import End, Finding, Graph, Node, Port
-    from jausml.views.diagrams.layout.sheet import Engine
     from jausml.views.diagrams.writers.svg import Keys
 
 _PAGE = Path(__file__).parent / "page"
 
 
-def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
+def render(graph: Graph, theme: str = "auto") -> str:
     """Returns a graph as a page."""
     shown = ordered(bundled(graph))
     script = (_PAGE / "diagram.js").read_text(encoding="utf-8")
     style = shapes.variables() + (_PAGE / "diagram.css").read_text(encoding="utf-8")
     keys = svg.Keys()
-    picture = svg.picture(shown, engine, theme, is_bundled=is_crowded(graph), keys=keys)
+    picture = svg.picture(shown, theme, is_bundled=is_crowded(graph), keys=keys)
     # Of a text within a script the sign that could end it is written as JSON writes any sign.
     known = json.dumps(dict(_known(shown, keys)), ensure_ascii=True).replace("<", "\\u003c")
     policy = "; ".join(

@@ -11,6 +11,7 @@ from xml.sax.saxutils import escape, quoteattr
 from jausml import installing
 from jausml.views.diagrams.bundling import bundled, is_crowded
 from jausml.views.diagrams.graph import IDLE, severity
+from jausml.views.diagrams.layout.graphviz import place
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
 
     from jausml.views.diagrams.graph import Edge, Graph, Group, Node, Port
-    from jausml.views.diagrams.layout.sheet import Engine, Places, Point, Route
+    from jausml.views.diagrams.layout.sheet import Places, Point, Route
 
 MARGIN, TOP = 16, 54
 _ROUND = {"node": 9, "type": 9, "state": 12, "others": 9}
@@ -42,13 +43,13 @@ _STATES = (
 )
 
 
-def render(graph: Graph, engine: Engine, theme: str = "auto") -> str:
+def render(graph: Graph, theme: str = "auto") -> str:
     """Returns a graph as a picture.
 
     `theme`: `light`, `dark`, or `auto` for that of whoever looks.
     """
     shown = ordered(bundled(graph))
-    return picture(shown, engine, theme, is_bundled=is_crowded(graph), keys=Keys())
+    return picture(shown, theme, is_bundled=is_crowded(graph), keys=Keys())
 
 
 def size_of(picture: str) -> tuple[float, float]:
@@ -79,15 +80,13 @@ class Keys:
         return self._known.setdefault(names, f"k{len(self._known)}")
 
 
-def picture(graph: Graph, engine: Engine, theme: str, *, is_bundled: bool, keys: Keys) -> str:
+def picture(graph: Graph, theme: str, *, is_bundled: bool, keys: Keys) -> str:
     """Returns a graph as it is as a picture."""
-    return "\n".join(_lines(graph, engine, theme, keys, is_bundled=is_bundled)) + "\n"
+    return "\n".join(_lines(graph, theme, keys, is_bundled=is_bundled)) + "\n"
 
 
-def _lines(
-    graph: Graph, engine: Engine, theme: str, keys: Keys, *, is_bundled: bool
-) -> Iterator[str]:
-    places = engine.place(shapes.sheet_of(graph, packed=is_bundled))
+def _lines(graph: Graph, theme: str, keys: Keys, *, is_bundled: bool) -> Iterator[str]:
+    places = place(shapes.sheet_of(graph, packed=is_bundled))
     title = cut(graph.title, _LONGEST_TITLE)
     notes = _notes(graph)
     least = max(width(title, 16, bold=True), *(width(note, shapes.SMALL) for note, _ in notes))
@@ -98,8 +97,8 @@ def _lines(
     )
     yield from opening(size, title, style(theme, compares=graph.compares), {"arrow": "head"})
     for index, (text, kind) in enumerate(notes):
-        place = 41 + shapes.LINE_HEIGHT * index
-        yield text_element(MARGIN, place, text, shapes.SMALL, kind or "muted")
+        down = 41 + shapes.LINE_HEIGHT * index
+        yield text_element(MARGIN, down, text, shapes.SMALL, kind or "muted")
     yield f'<g transform="translate({MARGIN} {top})">'
     for group in graph.groups:
         yield from _frame(group, places)
@@ -301,14 +300,14 @@ FONTS = (
 _NO_NAME = "a name that no font has"
 
 
-def render_png(graph: Graph, engine: Engine, theme: str = "auto") -> bytes:
+def render_png(graph: Graph, theme: str = "auto") -> bytes:
     """Returns a graph as a picture: the same bytes on a machine of the same fonts.
 
     `theme`: `light` or `dark`; `auto` is light. `LayoutError`: there is no layout, nobody who
     draws, or no font.
     """
     font = installed_font()
-    picture = render(graph, engine, "light" if theme == "auto" else theme)
+    picture = render(graph, "light" if theme == "auto" else theme)
     width, height = size_of(picture)
     zoom = min(ZOOM, (MOST_DOTS / (width * height)) ** 0.5)
     return _drawn(picture, zoom, font)

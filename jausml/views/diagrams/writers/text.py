@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from typing import TYPE_CHECKING
 
-from jausml.views.diagrams.graph import nested, severity
+from jausml.views.diagrams.graph import severity
 from jausml.views.diagrams.writers.shapes import SIDES, outline
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def render_mermaid(graph: Graph) -> str:
 def _mermaid_lines(graph: Graph) -> Iterator[str]:
     names = {graph_node.id: f"n{index}" for index, graph_node in enumerate(graph.nodes)}
     yield f"flowchart {'TB' if graph.downwards else 'LR'}"
-    for what, number, depth in nested(graph.nodes, graph.groups):
+    for what, number, depth in graph.nesting:
         indent = "  " * (depth + 1)
         match what:
             case "box":
@@ -112,7 +112,7 @@ def _dot_lines(graph: Graph) -> Iterator[str]:
     yield f'  graph [rankdir={"TB" if graph.downwards else "LR"}, fontname="sans-serif"]'
     yield '  node [shape=plain, fontname="sans-serif", fontsize=11]'
     yield '  edge [fontname="sans-serif", fontsize=10]'
-    for what, number, depth in nested(graph.nodes, graph.groups):
+    for what, number, depth in graph.nesting:
         indent = "  " * (depth + 1)
         match what:
             case "box":

@@ -14,17 +14,18 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.views.diagrams.folding import CLOSED, folded
+from jausml.views.diagrams.layout import graphviz
 from jausml.views.diagrams.layout.settling import area_of, settle, surrounding
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Callable, Collection, Mapping
 
     from jausml.views.diagrams.graph import Edge, Finding, Graph, Group, Node, Port
     from jausml.views.diagrams.layout.settling import Area
-    from jausml.views.diagrams.layout.sheet import Box, Engine, Line, Point, Route, Sheet
+    from jausml.views.diagrams.layout.sheet import Box, Line, Places, Point, Route, Sheet
 
 SIGN_ROOM = 18
 """Room for the sign of a finding at the right end of each line of a box."""
@@ -116,27 +117,17 @@ class Settled:
         }
 
 
-def render(
-    graph: Graph,
-    engine: Engine,
-    moved: Mapping[str, tuple[int, int]] | None = None,
-    standing: Standing | None = None,
-) -> dict[str, Any]:
-    """Returns a graph with sizes and places, as JSON has values; see `settled`."""
-    return settled(graph, engine, moved, standing).values()
-
-
 def settled(
     graph: Graph,
-    engine: Engine,
     moved: Mapping[str, tuple[int, int]] | None = None,
     standing: Standing | None = None,
+    place: Callable[[Sheet], Places] = graphviz.place,
 ) -> Settled:
     """Returns a graph with sizes and places.
 
-    The engine places what is drawn for the first time. Later what stands stays, and what is new
+    The layout places what is drawn for the first time. Later what stands stays, and what is new
     comes beside what it is joined with. `standing`: where its parts stood; it is told where they
-    stand now.
+    stand now. `place`: the layout.
     """
     moved = moved or {}
     standing = standing if standing is not None else Standing()
@@ -150,7 +141,7 @@ def settled(
         arranged = ordered(graph)
         graph = _with_rows(graph, arranged, standing)
         sheet = _sheet(arranged)
-        drawn = engine.place(sheet)
+        drawn = place(sheet)
         boxes = {box.id: box for box in sheet.boxes}
         sheet = replace(sheet, boxes=tuple(boxes[node.id] for node in graph.nodes))
         for name, (x, y) in drawn.boxes.items():
