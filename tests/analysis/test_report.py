@@ -224,6 +224,36 @@ def test_large_messages_are_cut_and_acknowledged(system):
     assert costs.load.sent.packets == 2 * event.packets
 
 
+EFFORTS = [
+    f"{kind}_{motion}_effort_{axis}"
+    for kind in ("propulsive", "resistive")
+    for motion in ("linear", "rotational")
+    for axis in "xyz"
+]
+WHOLE = f"""
+effort {{
+  JAUS SetWrenchEffort
+  ROS Effort ( {"  ".join(f"float64 {name}" for name in EFFORTS)} )
+  ROS->JAUS ( . -> . )
+}}
+component vehicle {{ address: 1.1.1 provides: PrimitiveDriver }}
+bridge front {{
+    address: 1.1.2  uses: PrimitiveDriver
+    connection drive {{
+      map: effort  direction: rosToJaus  peers: vehicle
+      onSilence: hold  holdReason: "the rig stands on blocks"  topic stick
+    }}
+}}
+"""
+
+
+def test_a_message_has_the_fields_of_a_whole_that_goes_onto_it(system):
+    (drive,) = report_of(system(WHOLE), Assumptions()).bridges[0].connections
+    (command,) = drive.flows
+    # Its code and presence vector, and fields of which the resistive ones have 8 bits.
+    assert command.size.most == 2 + 2 + 6 * 2 + 6 * 1
+
+
 def test_who_is_not_modelled_asks_once(system):
     report = report_of(system(MAP.replace("EXCHANGE", "query")), Assumptions())
     (costs,) = report.bridges[0].connections

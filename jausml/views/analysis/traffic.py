@@ -16,7 +16,7 @@ from jausml.language.semantics.connections.reports import passed_rate, requested
 from jausml.language.semantics.hosts import host_of
 from jausml.language.semantics.jaus.core_services import standard_services
 from jausml.language.semantics.jaus.services import code, with_inherited
-from jausml.language.semantics.paths.scopes import parse_path, target_paths
+from jausml.language.semantics.paths.scopes import parse_path, spelled_out, target_paths
 from jausml.views.analysis.sizes import Assumptions, Size, jaus_size, runtime_constants
 from jausml.views.analysis.streams import (
     ASSUMED,
@@ -336,7 +336,7 @@ def _assigned_fields(connection: bridge.Connection) -> frozenset[str]:
     """Returns the fields of a JAUS message that a map may fill."""
     paths = [
         parse_path(path)
-        for assignment in connection.map.toJaus
+        for assignment in spelled_out(connection.map, to_ros=False)
         if not isinstance(assignment, bridge.Ignore)
         for path in target_paths(assignment)
     ]
