@@ -168,6 +168,36 @@ def test_asyncio(port):
     assert asyncio.run(asyncio.wait_for(drive(), 30)) == pytest.approx([1.5] * 4, abs=1e-3)
 
 
+@pytest.mark.usefixtures("vehicle")
+def test_who_is_cancelled_has_nothing(port):
+    """A thread that asks cannot be cancelled: what it is given later is given back."""
+
+    async def inside(block):
+        async with block:
+            await asyncio.sleep(60)
+
+    async def cancelled(block, seconds):
+        task = asyncio.ensure_future(inside(block))
+        await asyncio.sleep(seconds)
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+
+    async def drive():
+        async with jausml.AsyncComponent(OPERATOR, port=port) as operator:
+            # Before its thread begins, while it asks, and when it has got all.
+            for number in range(12):
+                await cancelled(operator.control(VEHICLE), number / 2000)
+                controller = await operator.query(VEHICLE, "Control")
+                assert controller["SubsystemID"] == 0
+                block = operator.subscribe(VEHICLE, "VelocityState", rate=50)
+                await cancelled(block, number / 2000)
+                events = await operator.query(VEHICLE, "Events")
+                assert events["EventList"] == []
+
+    asyncio.run(asyncio.wait_for(drive(), 60))
+
+
 # ---- mistakes -----------------------------------------------------------------------------------
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from contextlib import asynccontextmanager
-from functools import wraps
+from functools import partial, wraps
 from inspect import iscoroutinefunction
 from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 
@@ -108,6 +108,12 @@ def _in_thread(
     return call
 
 
+async def _given_back(getting: Awaitable[R], undo: Callable[[R], object]) -> None:
+    # Who was refused has nothing to give back, and nobody is left who would be told.
+    with contextlib.suppress(Exception):
+        await asyncio.to_thread(undo, await getting)
+
+
 class AsyncComponent:
     """A `Component` whose calls can be awaited.
 
@@ -123,7 +129,7 @@ class AsyncComponent:
         return repr(self._inner).replace("<", "<Async", 1)
 
     async def __aenter__(self) -> AsyncComponent:
-        await self.start()
+        await self._had(self._inner.start, lambda _: self._inner.stop())
         return self
 
     async def __aexit__(self, *_: object) -> None:
@@ -148,10 +154,9 @@ class AsyncComponent:
         """Subscribes to a report, as `Component.subscribe`, when it is awaited or entered."""
 
         async def begin() -> AsyncSubscription:
-            subscription, watch = AsyncSubscription(), self._inner.watch
-            subscription.begin(
-                await asyncio.to_thread(watch, target, name, rate, subscription.take)
-            )
+            subscription = AsyncSubscription()
+            watch = partial(self._inner.watch, target, name, rate, subscription.take)
+            subscription.begin(await self._had(watch, lambda cancel: cancel()))
             return subscription
 
         return Subscribing(begin)
@@ -162,11 +167,29 @@ class AsyncComponent:
     ) -> AsyncIterator[AsyncComponent]:
         """Controls a component as long as the block, as `Component.control`."""
         held = self._inner.control(target, authority=authority, resume=resume)
-        await asyncio.to_thread(held.__enter__)
+        release = partial(held.__exit__, None, None, None)
+        await self._had(held.__enter__, lambda _: release())
         try:
             yield self
         finally:
-            await asyncio.to_thread(held.__exit__, None, None, None)
+            await asyncio.to_thread(release)
+
+    async def _had(self, work: Callable[[], R], undo: Callable[[R], object]) -> R:
+        """Returns what a thread has got; who is cancelled meanwhile has none of it.
+
+        Args:
+            undo: Gives it back, on a thread.
+        """
+        getting = asyncio.ensure_future(asyncio.to_thread(work))
+        try:
+            return await asyncio.shield(getting)
+        except asyncio.CancelledError:
+            # The thread goes on, and is waited for, unless one is cancelled once more.
+            giving_back = asyncio.ensure_future(_given_back(getting, undo))
+            self._tasks.add(giving_back)
+            giving_back.add_done_callback(self._tasks.discard)
+            await asyncio.shield(giving_back)
+            raise
 
     def answer(self, name: str | int, give: Callable[[], Fields | None]) -> Callable[[], None]:
         """Answers a query, as `Component.answer`; `give` is called on a thread of the component."""
