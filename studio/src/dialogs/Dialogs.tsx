@@ -1,4 +1,4 @@
-import { type FormEvent, useEffect, useRef, useState } from "react";
+import { type FormEvent, Fragment, useEffect, useRef, useState } from "react";
 import { bridgesOf, carry, choose, connect, edit, placeOn, rename, take } from "../actions";
 import { hostsOf } from "../canvas/frames";
 import { HELP } from "../keyboard/keys";
@@ -60,12 +60,12 @@ function Help() {
             <h3>{title}</h3>
             <dl>
               {keys.map(([key, does]) => (
-                <div key={key}>
+                <Fragment key={does}>
                   <dt>
                     <kbd>{key}</kbd>
                   </dt>
                   <dd>{does}</dd>
-                </div>
+                </Fragment>
               ))}
             </dl>
           </section>

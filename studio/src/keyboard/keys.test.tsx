@@ -1,6 +1,7 @@
 import { fireEvent, render } from "@testing-library/preact";
 import { expect, test } from "vitest";
-import { isTyping, nameOfKey } from "./keys";
+import { HELP, isTyping, nameOfKey } from "./keys";
+import { onShortcut } from "./shortcuts";
 
 const PLAIN = { ctrlKey: false, metaKey: false, shiftKey: false, altKey: false };
 
@@ -36,4 +37,14 @@ test("whoever types is left alone, also in a shadow tree", () => {
   fireEvent.keyDown(inner, { key: "z", composed: true });
   document.removeEventListener("keydown", note);
   expect(found).toEqual([true, false, true, false, true]);
+});
+
+test("the help tells of no key of the whole page that the page does not take", () => {
+  for (const name of HELP[0]![1].flatMap(([names]) => names.split(", "))) {
+    const [key = "", ...held] = name.split("+").reverse();
+    const keys = { key, ctrlKey: held.includes("Ctrl"), shiftKey: held.includes("Shift") };
+    const event = new KeyboardEvent("keydown", { ...keys, cancelable: true });
+    onShortcut(event);
+    expect(event.defaultPrevented, name).toBe(true);
+  }
 });

@@ -47,7 +47,6 @@ export const HELP: readonly HelpGroup[] = [
       ["G", "go to any element: the outline, and its search"],
       ["M", "fill the map that is shown from what corresponds"],
       ["F6, Shift+F6", "to the next part of the page, or the one before"],
-      ["F8, Pause", "STOP, for who may command, wherever the focus is"],
       ["?", "this help"],
     ],
   ],

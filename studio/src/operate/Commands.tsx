@@ -136,7 +136,7 @@ function CommandForm({ command, component }: { command: Command; component: stri
         isTried={isTried}
         onDraft={setDraft}
       />
-      <button type="submit" className="primary" disabled={!isOurs}>
+      <button type="submit" className="best" disabled={!isOurs}>
         Send {command.name}
       </button>
       <output className="answer">{isOurs ? answer : "Take control of a component first."}</output>

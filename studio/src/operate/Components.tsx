@@ -1,11 +1,11 @@
 import { useState } from "react";
+import { Level } from "../panels/base/parts";
 import { Age } from "./Age";
 import type { Component } from "./protocol";
 import { ask, choose, commands, nameOf, taking, tried, useUnit } from "./unit";
 
 /** Seconds after which who says nothing counts as gone. */
 const SILENCE_S = 5;
-const SIGNS: Record<string, string> = { ok: "✔", warning: "▲", error: "✖" };
 
 /** Who is there, who controls whom, and who asks for control. */
 export function Components() {
@@ -39,7 +39,7 @@ export function Components() {
                 </button>
               </th>
               <td title={each.reason}>
-                <span aria-hidden="true">{SIGNS[each.level] ?? "◌"}</span> {each.level}
+                <Level level={each.level} />
               </td>
               <td>{each.state ?? "–"}</td>
               <td>{controllerOf(each, state?.own ?? "")}</td>

@@ -363,7 +363,7 @@ function Sending(props: SendingProps) {
           )}{" "}
           <button
             type="button"
-            className="primary"
+            className="best"
             disabled={!mayCommand || !isSent || speed === "" || fault !== undefined}
             onClick={() => void doing(execute)}
           >

@@ -222,7 +222,7 @@ function Typed({ label, help, hint, choices, fault, text, onText }: TypedProps) 
       <small id={`${id}-hint`} className="quiet">
         {hint}
       </small>
-      <span id={`${id}-fault`} className="field-fault">
+      <span id={`${id}-fault`} className="fault">
         {fault && `✖ ${fault}`}
       </span>
     </div>
@@ -269,7 +269,7 @@ function ListInput({
       >
         Add {field.element.name}
       </button>
-      <span className="field-fault">{fault && `✖ ${fault}`}</span>
+      <span className="fault">{fault && `✖ ${fault}`}</span>
     </fieldset>
   );
 }

@@ -106,7 +106,7 @@ function Said() {
   return (
     <div className="said">
       <output aria-live="polite">{said.isError ? "" : said.text}</output>
-      <span role="alert" className="field-fault">
+      <span role="alert" className="fault">
         {said.isError ? `✖ ${said.text}` : ""}
       </span>
     </div>

@@ -268,7 +268,7 @@ function WayInput({ label, way, axes, fault, onWay }: WayProps) {
           {axis.kind.units}
         </label>
       )}
-      {axis && way.full !== "" && fault && <span className="field-fault">✖ {fault}</span>}
+      {axis && way.full !== "" && fault && <span className="fault">✖ {fault}</span>}
     </div>
   );
 }

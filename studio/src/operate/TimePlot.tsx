@@ -99,7 +99,7 @@ export function TimePlot({ title, caption, lines, range, look, period = 0, isClo
       <figcaption>
         {caption}: <output>{last}</output>
       </figcaption>
-      <div ref={place} className="plot-place" />
+      <div ref={place} />
     </figure>
   );
 }

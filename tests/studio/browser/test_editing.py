@@ -31,6 +31,13 @@ def shown(page):
     return desk
 
 
+def test_what_stands_beside_a_value_leaves_it_the_room(desk):
+    desk.row("bridge", "odometry").click()
+    jump = desk.page.get_by_role("button", name="Go to velocity_state")
+    assert jump.bounding_box()["width"] < 40
+    assert desk.page.get_by_role("combobox", name="map").bounding_box()["width"] > 100
+
+
 @pytest.mark.slow
 def test_what_was_moved_stays_where_it_is(own_desk, example):
     before = example.read_bytes()

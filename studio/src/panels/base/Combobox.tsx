@@ -114,7 +114,9 @@ export function Combobox(props: Props) {
                 onClick={() => choose(each)}
               >
                 <span>{each.label}</span>
-                {each.documentation && <small>{each.documentation}</small>}
+                {each.documentation && (
+                  <small className="documentation">{each.documentation}</small>
+                )}
               </div>
             ))}
         </div>

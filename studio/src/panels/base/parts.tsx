@@ -1,13 +1,12 @@
 import { type ReactNode, useEffect, useId, useState } from "react";
-import type { Severity } from "../../protocol";
 
-const SIGNS: Record<Severity, string> = { error: "✖", warning: "▲", info: "●" };
+const SIGNS: Record<string, string> = { ok: "✔", error: "✖", warning: "▲", info: "●" };
 
-/** Severity as a sign and a word, never as a colour alone. */
-export function SeverityMark({ severity }: { severity: Severity }) {
+/** How grave a finding is, or how well a part runs: a sign and a word, never a colour alone. */
+export function Level({ level }: { level: string }) {
   return (
-    <span className={`severity severity-${severity}`}>
-      <span aria-hidden="true">{SIGNS[severity]}</span> {severity}
+    <span className={`level level-${level.replace(" ", "-")}`}>
+      <span aria-hidden="true">{SIGNS[level] ?? "◌"}</span> {level}
     </span>
   );
 }
@@ -15,7 +14,7 @@ export function SeverityMark({ severity }: { severity: Severity }) {
 /** What is wrong, beside the thing that is wrong. */
 export function Messages({ id, messages }: { id?: string; messages: readonly string[] }) {
   return (
-    <ul className="messages" id={id} hidden={messages.length === 0}>
+    <ul className="fault" id={id} hidden={messages.length === 0}>
       {messages.map((each) => (
         <li key={each}>
           <span aria-hidden="true">✖</span> {each}
@@ -93,7 +92,7 @@ export function Fault({ children }: { children: string }) {
   if (!children) return null;
   return (
     <p className="fault" role="alert">
-      <SeverityMark severity="error" /> {children}
+      <Level level="error" /> {children}
     </p>
   );
 }

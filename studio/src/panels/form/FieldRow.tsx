@@ -38,11 +38,11 @@ export function FieldRow({ element, of, field, onSet, onJump }: Props) {
           <label htmlFor={id}>{field.label}</label>
         )}
         {field.required && (
-          <span className="required" title="must have a value">
+          <small className="quiet" title="must have a value">
             required
-          </span>
+          </small>
         )}
-        {field.unit && <span className="unit">{field.unit}</span>}
+        {field.unit && <small className="quiet">{field.unit}</small>}
         <Help subject={field.label}>{field.documentation}</Help>
       </div>
       {field.many ? (

@@ -89,7 +89,7 @@ export function PropertyForm() {
     >
       <header>
         <h2>{form.title}</h2>
-        <span className="class">{form.class}</span>
+        <small className="quiet">{form.class}</small>
         <Help subject={form.class}>{form.documentation}</Help>
         {form.owner !== "" && (
           <button

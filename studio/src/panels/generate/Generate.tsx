@@ -3,7 +3,7 @@ import { ask, messageOf } from "../../actions";
 import type { Plan, PlanAction } from "../../protocol";
 import { say, useStudio } from "../../store";
 import { Diff } from "../base/Diff";
-import { Copyable, Fault, Quiet, SeverityMark } from "../base/parts";
+import { Copyable, Fault, Level, Quiet } from "../base/parts";
 import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 
@@ -123,7 +123,7 @@ function Drift({ plan }: { plan: Plan }) {
       <ul>
         {plan.drift.map((each) => (
           <li key={`${each.path} ${each.line} ${each.message}`}>
-            <SeverityMark severity={each.severity} /> {each.path}
+            <Level level={each.severity} /> {each.path}
             {each.line > 0 && `:${each.line}`}: {each.message}
             {each.stub && <pre>{each.stub}</pre>}
           </li>
@@ -144,7 +144,7 @@ interface FilesProps {
 
 function Files({ plan, file, force, shown, onShow }: FilesProps) {
   return (
-    <div className="plan">
+    <div>
       {ACTIONS.map(([action, name, note]) => {
         const files = plan.files.filter((each) => each.action === action);
         if (files.length === 0) return null;

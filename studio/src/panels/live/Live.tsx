@@ -3,21 +3,13 @@ import { ask, messageOf } from "../../actions";
 import type { LiveComponent, LiveConnection } from "../../protocol";
 import { partOf } from "../../selection";
 import { active, type Studio, state, update, useStudio } from "../../store";
-import { Fault, figure, Quiet } from "../base/parts";
+import { Fault, figure, Level, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 import { Machines } from "./Machines";
 
 const LOOK_MS = 1000;
 /** Seconds without a word of the server, which speaks once a second, after which all is old. */
 const OLD_S = 4;
-const SIGNS: Record<string, string> = {
-  ok: "✔",
-  warning: "▲",
-  error: "✖",
-  stale: "◌",
-  "not heard": "◌",
-  unknown: "?",
-};
 
 /** What the running system says of itself: its connections, its components, and the last messages. */
 export function Live() {
@@ -61,7 +53,7 @@ export function Live() {
       <header>
         <button
           type="button"
-          className="primary"
+          className="best"
           disabled={!file || isStarting}
           onClick={() => turn(live === null)}
         >
@@ -126,14 +118,6 @@ function Old() {
   return (
     <span className="badge" role="alert">
       ✝ stale: nothing was told for {Math.max(seconds, 0)} s
-    </span>
-  );
-}
-
-function Level({ level }: { level: string }) {
-  return (
-    <span className={`level level-${level.replace(" ", "-")}`}>
-      <span aria-hidden="true">{SIGNS[level] ?? "●"}</span> {level}
     </span>
   );
 }
@@ -230,7 +214,7 @@ function LastMessage({ row }: { row: string }) {
   if (value === null) return <Quiet>Waiting for a message…</Quiet>;
   return (
     <div className="last-message">
-      <span className="quiet last-age">
+      <span className="quiet">
         {value.age === null ? "no message yet" : `${figure(value.age, "s")} ago`}
       </span>
       <div>

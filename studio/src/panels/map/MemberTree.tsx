@@ -159,7 +159,8 @@ function Member(props: MemberProps) {
       aria-selected={row.uses.some((each) => each.element === props.chosen)}
       tabIndex={isActive ? 0 : -1}
       data-path={row.path}
-      className={`member depth-${Math.min(row.depth, 8)} ${isOver ? "is-over" : ""} ${isBegun ? "is-begun" : ""} ${isFilled ? "" : "is-unmapped"}`}
+      className={`member ${isOver ? "is-over" : ""} ${isBegun ? "is-begun" : ""} ${isFilled ? "" : "is-unmapped"}`}
+      style={{ paddingLeft: 4 + 16 * row.depth }}
       draggable
       onFocus={props.onFocus}
       onKeyDown={props.onKeyDown}

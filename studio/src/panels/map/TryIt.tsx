@@ -77,7 +77,7 @@ function Trial({ file, map, direction, revision }: Props & { direction: Directio
                   }}
                 />
               </td>
-              <td className="unit">{each.unit || each.type}</td>
+              <td className="quiet">{each.unit || each.type}</td>
             </tr>
           ))}
           {asked.inputs.length === 0 && (
@@ -98,7 +98,7 @@ function Trial({ file, map, direction, revision }: Props & { direction: Directio
                   <tr key={each.path}>
                     <th scope="row">{each.path}</th>
                     <td>{each.value}</td>
-                    <td className="unit">{each.unit}</td>
+                    <td className="quiet">{each.unit}</td>
                   </tr>
                 ))}
               </tbody>

@@ -153,11 +153,7 @@ function Row({ id, offer: { item, group }, isFirst, isActive, onPoint, onAdd }: 
 
   return (
     <>
-      {isFirst && (
-        <h4 role="presentation" className="group">
-          {group}
-        </h4>
-      )}
+      {isFirst && <h4 role="presentation">{group}</h4>}
       {/* biome-ignore lint/a11y/useFocusableInteractive: the focus stays in the input, which names the active one */}
       {/* biome-ignore lint/a11y/useKeyWithClickEvents: keys are those of the input */}
       <div
@@ -175,8 +171,10 @@ function Row({ id, offer: { item, group }, isFirst, isActive, onPoint, onAdd }: 
         onDoubleClick={onAdd}
       >
         <span className="offer-label">{item.label}</span>
-        {item.note && <span className="offer-note">{item.note}</span>}
-        {isActive && item.documentation && <small>{item.documentation}</small>}
+        {item.note && <small className="quiet">{item.note}</small>}
+        {isActive && item.documentation && (
+          <small className="documentation">{item.documentation}</small>
+        )}
         {isActive && (
           // No button: an option has nothing in it that takes keys of its own.
           <span className="add" aria-hidden="true" onClick={onAdd}>

@@ -2,7 +2,7 @@ import { useMemo, useState } from "react";
 import { change, messageOf, reveal } from "../../actions";
 import type { Cure, Problem, Severity } from "../../protocol";
 import { useStudio } from "../../store";
-import { Fault, Quiet, SeverityMark } from "../base/parts";
+import { Fault, Level, Quiet } from "../base/parts";
 import { useRevision } from "../base/studio";
 
 const SEVERITIES: Severity[] = ["error", "warning", "info"];
@@ -65,9 +65,9 @@ export function Problems() {
   return (
     <section className="problems" aria-label="Problems">
       <header>
-        <span className="verdict" role="status">
+        <strong className="verdict" role="status">
           {verdict(all, told.fault)}
-        </span>
+        </strong>
         {told.revision < revision ? (
           <span className="badge">of revision {told.revision}; checking again…</span>
         ) : (
@@ -128,7 +128,7 @@ function Row({ problem, onCure }: { problem: Problem; onCure: (cure: Cure) => vo
   const place = problem.line > 0 ? `${problem.file}:${problem.line}` : problem.file;
   return (
     <li className="problem">
-      <SeverityMark severity={problem.severity} />
+      <Level level={problem.severity} />
       <div className="problem-text">
         <button
           type="button"
@@ -138,10 +138,10 @@ function Row({ problem, onCure }: { problem: Problem; onCure: (cure: Cure) => vo
         >
           {problem.message}
         </button>
-        {problem.hint && <span className="hint">{problem.hint}</span>}
-        <span className="quiet">
+        {problem.hint && <span>{problem.hint}</span>}
+        <small className="quiet">
           {[problem.path, place, problem.rule].filter(Boolean).join(" · ")}
-        </span>
+        </small>
       </div>
       <span className="buttons">
         {problem.cures.map((each) => (

@@ -90,9 +90,9 @@ export function TextEditor(props: Props) {
         </div>
       )}
       <div className="editor-host" ref={host} data-keys="own" />
-      <p className="quiet editor-state">
+      <small className="quiet">
         {state.isUnsaved ? "not written yet" : "in step with the file"}
-      </p>
+      </small>
     </div>
   );
 }
