@@ -6,7 +6,6 @@ import type {
   ChosenStep,
   Command,
   ConnectOption,
-  Entry,
   Freshness,
   Graph,
   GraphEnd,
@@ -76,13 +75,6 @@ export interface Draft {
 /** How far the corner of the diagram is moved, and how large all is. */
 export type Sight = [x: number, y: number, zoom: number];
 
-export interface Said {
-  text: string;
-  isError: boolean;
-  /** Tells two equal sentences apart. */
-  number: number;
-}
-
 /** A path through the machine of a view, and where it has come to. */
 export interface Walk {
   file: string;
@@ -100,118 +92,75 @@ export type MiddleTab = "diagram" | "table" | "members";
 export type LeftTab = "palette" | "outline";
 export type RightTab = "form" | "source";
 
-export interface Studio {
-  link: Link;
-  refusal: string;
-  project: Project | null;
-  file: string;
-  views: ViewInfo[];
-  view: string;
-  /** How often a view was opened: it may be renamed while one looks at it. */
-  visits: number;
-  graph: Graph | null;
-  /** Revision that the graph shows. */
-  revision: number;
-  /** Number of the picture that the graph is, 0 where the server has none of it. */
-  picture: number;
-  /** Whether its findings are those of its revision. */
-  isChecked: boolean;
-  /** Keys of the frames that are shown with what is in them. */
-  opened: LayoutKey[];
-  /** Where one looks, null for the whole. */
-  sight: Sight | null;
-  /** Counts how often the whole was to be shown. */
-  fits: number;
-  /** The middle of what shall be seen next. */
-  centre: Point | null;
-  /** What the graph is worth, null where nothing was said of it. */
-  freshness: Freshness | null;
-  /** Why there is no graph, empty if there is one. */
-  graphFault: string;
-  /** Selected parts of the graph, the last one is where the keyboard stands. */
-  selection: PartKey[];
-  /** The element that forms and sources show; it need not be part of the graph. */
-  chosen: Ref | "";
-  /** Counts what was chosen: it stays when only the ref of what is chosen becomes another. */
-  choice: number;
-  problems: Problems | null;
-  live: LiveState | null;
-  /** The recording whose moment stands in the place of what runs; empty for none. */
-  recorded: string;
-  dialog: Dialog | null;
-  /** The part whose name is being edited in place; the name is null while it is asked for. */
-  renaming: { key: PartKey; element: Ref; name: string | null; base: number } | null;
-  /** How many edits that change names are under way. */
-  renames: number;
-  outside: Outside[];
-  /** Edits that were not done since others have changed the same. */
-  kept: KeptEdit[];
-  drafts: Draft[];
-  /** When the live state came, in milliseconds since 1970. */
-  liveAt: number;
-  said: Said;
-  /** What was copied, where the clipboard of the system does not take it. */
-  clip: string;
-  undoable: Entry | null;
-  /** Parts that stay bright while all others fade; null without a focus. */
-  bright: Set<PartKey> | null;
-  /** Ends to which the line that is being drawn may go. */
-  legal: Set<PartKey> | null;
-  /** The part that would take what is being dragged. */
-  under: PartKey | null;
-  filter: string;
-  /** The machine that is stepped, null while none is. */
-  walk: Walk | null;
-  bottom: BottomTab;
-  left: LeftTab;
-  middle: MiddleTab;
-  right: RightTab;
-}
-
-export const BEGINNING: Studio = {
-  link: "opening",
+/** What it knows at first. */
+export const BEGINNING = {
+  link: "opening" as Link,
   refusal: "",
-  project: null,
+  project: null as Project | null,
   file: "",
-  views: [],
+  views: [] as ViewInfo[],
   view: "",
+  /** How often a view was opened: it may be renamed while one looks at it. */
   visits: 0,
-  graph: null,
+  graph: null as Graph | null,
+  /** Revision that the graph shows. */
   revision: 0,
+  /** Number of the picture that the graph is, 0 where the server has none of it. */
   picture: 0,
+  /** Whether its findings are those of its revision. */
   isChecked: true,
-  opened: [],
-  sight: null,
+  /** Keys of the frames that are shown with what is in them. */
+  opened: [] as LayoutKey[],
+  /** Where one looks, null for the whole. */
+  sight: null as Sight | null,
+  /** Counts how often the whole was to be shown. */
   fits: 0,
-  centre: null,
-  freshness: null,
+  /** The middle of what shall be seen next. */
+  centre: null as Point | null,
+  /** What the graph is worth, null where nothing was said of it. */
+  freshness: null as Freshness | null,
+  /** Why there is no graph, empty if there is one. */
   graphFault: "",
-  selection: [],
-  chosen: "",
+  /** Selected parts of the graph, the last one is where the keyboard stands. */
+  selection: [] as PartKey[],
+  /** The element that forms and sources show; it need not be part of the graph. */
+  chosen: "" as Ref | "",
+  /** Counts what was chosen: it stays when only the ref of what is chosen becomes another. */
   choice: 0,
-  problems: null,
-  live: null,
+  problems: null as Problems | null,
+  live: null as LiveState | null,
+  /** The recording whose moment stands in the place of what runs; empty for none. */
   recorded: "",
-  dialog: null,
-  renaming: null,
+  dialog: null as Dialog | null,
+  /** The part whose name is being edited in place; the name is null while it is asked for. */
+  renaming: null as { key: PartKey; element: Ref; name: string | null; base: number } | null,
+  /** How many edits that change names are under way. */
   renames: 0,
-  outside: [],
-  kept: [],
-  drafts: [],
+  outside: [] as Outside[],
+  /** Edits that were not done since others have changed the same. */
+  kept: [] as KeptEdit[],
+  drafts: [] as Draft[],
+  /** When the live state came, in milliseconds since 1970. */
   liveAt: 0,
-  said: { text: "", isError: false, number: 0 },
+  said: { text: "", isError: false },
+  /** What was copied, where the clipboard of the system does not take it. */
   clip: "",
-  undoable: null,
-  bright: null,
-  legal: null,
-  under: null,
+  /** Parts that stay bright while all others fade; null without a focus. */
+  bright: null as Set<PartKey> | null,
+  /** Ends to which the line that is being drawn may go. */
+  legal: null as Set<PartKey> | null,
+  /** The part that would take what is being dragged. */
+  under: null as PartKey | null,
   filter: "",
-  walk: null,
-  bottom: "problems",
-  left: "palette",
-  middle: "diagram",
-  right: "form",
+  /** The machine that is stepped, null while none is. */
+  walk: null as Walk | null,
+  bottom: "problems" as BottomTab,
+  left: "palette" as LeftTab,
+  middle: "diagram" as MiddleTab,
+  right: "form" as RightTab,
 };
+
+export type Studio = typeof BEGINNING;
 
 /** `useStudio(state => state.graph)` in components, `useStudio.getState()` elsewhere. */
 export const useStudio = create<Studio>(() => BEGINNING);
@@ -221,7 +170,7 @@ export const update = (change: Partial<Studio>): void => useStudio.setState(chan
 
 /** Tells the user something, which screen readers speak. */
 export function say(text: string, isError = false): void {
-  update({ said: { text, isError, number: state().said.number + 1 } });
+  update({ said: { text, isError } });
 }
 
 /** Revision of what `chosen` names: that of the graph, which brings the names of the new one along. */

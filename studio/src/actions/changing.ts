@@ -70,7 +70,6 @@ export async function settled(
   label: string,
   isChosen = () => true,
 ): Promise<EditResult> {
-  update({ undoable: result.entry ?? state().undoable });
   say(label);
   if (state().revision < result.revision) await refresh();
   const created = result.created[0];

@@ -1,6 +1,6 @@
 import { useState } from "react";
 import { edit } from "../actions";
-import { Fault, Quiet } from "../panels/base/parts";
+import { Fault, Head, Quiet, Select } from "../panels/base/parts";
 import { useAnswer } from "../panels/base/useAnswer";
 import { useSettled } from "../panels/base/useSettled";
 import type { Partition as Plan, PlannedBridge } from "../protocol";
@@ -90,24 +90,20 @@ function Limit({ label, value, onChange }: LimitProps) {
   );
 }
 
+const COLUMNS = [
+  "bridge",
+  "host",
+  "connections",
+  "CPU %",
+  "datagrams/s",
+  "kB/s to hosts",
+  "wait ms",
+] as const;
+
 function Figures({ plan }: { plan: Plan }) {
   return (
     <table className="figures">
-      <thead>
-        <tr>
-          {[
-            "bridge",
-            "host",
-            "connections",
-            "CPU %",
-            "datagrams/s",
-            "kB/s to hosts",
-            "wait ms",
-          ].map((each) => (
-            <th key={each}>{each}</th>
-          ))}
-        </tr>
-      </thead>
+      <Head columns={COLUMNS} />
       {(["before", "after"] as const).map((when) => (
         <tbody key={when}>
           <tr>
@@ -158,13 +154,15 @@ function Carried({ plan, onMove }: CarriedProps) {
             <label>
               {each}
               {plan.moved[each] && <em> moves</em>}{" "}
-              <select value={name} onChange={(event) => onMove(each, event.currentTarget.value)}>
-                {[...homes, free(1)].map((home) => (
-                  <option key={home} value={home}>
-                    {homes.includes(home) ? home : `new: ${home}`}
-                  </option>
-                ))}
-              </select>
+              <Select
+                label={each}
+                value={name}
+                options={[
+                  ...homes.map((home) => [home, home] as const),
+                  [free(1), `new: ${free(1)}`],
+                ]}
+                onChoose={(home) => onMove(each, home)}
+              />
             </label>
           </li>
         ))}

@@ -1,53 +1,38 @@
-import { lazy, Suspense, useEffect, useState } from "react";
-import { messageOf } from "../connection";
+import { lazy, Suspense, useState } from "react";
 import { Fault, Quiet } from "../panels/base/parts";
 import { driversOf } from "./drawing";
 import { FieldsForm } from "./FieldsForm";
 import { type Draft, type Faults, readGroup } from "./fields";
-import type { Command, Field } from "./protocol";
+import type { Command } from "./protocol";
 import { StickPad } from "./StickPad";
-import { ask, commands, nameOf, tell, tried, unit, useUnit } from "./unit";
+import { commands, nameOf, tell, tried, unit, useAnswer, useUnit } from "./unit";
 
 const Drawing = lazy(() => import("./Drawing"));
 
 /** The commands of the chosen component, each as a form of its definition. */
 export function Commands() {
   const component = useUnit((unit) => unit.chosen);
-  const [offered, setOffered] = useState<Command[] | null>(null);
-  const [services, setServices] = useState<string[]>([]);
-  const [fault, setFault] = useState("");
   const [chosen, setChosen] = useState("");
-  const [turn, setTurn] = useState(0);
   const learnt = useUnit((unit) => unit.learnt);
-  // biome-ignore lint/correctness/useExhaustiveDependencies: another turn asks again
-  useEffect(() => {
-    let isWanted = true;
-    setFault("");
-    ask("messages", { component }).then(
-      (found) => {
-        if (!isWanted) return;
-        setOffered(found.commands);
-        setServices(found.services);
-      },
-      (error: unknown) => isWanted && setFault(messageOf(error)),
-    );
-    return () => {
-      isWanted = false;
-    };
-  }, [component, turn, learnt]);
-  const command = offered?.find((each) => each.name === chosen);
-  const drivers = driversOf(services, offered?.map((each) => each.name) ?? []);
+  const { value, error, again } = useAnswer("messages", { component }, learnt);
+  const offered = value?.commands ?? [];
+  const isSilent = value !== null && offered.length === 0;
+  const command = offered.find((each) => each.name === chosen);
+  const drivers = driversOf(
+    value?.services ?? [],
+    offered.map((each) => each.name),
+  );
   return (
     <>
       <h2>Commands of {nameOf(component)}</h2>
-      <Fault>{fault}</Fault>
-      {offered?.length === 0 && <Quiet>It says of no service that it provides it.</Quiet>}
-      {(fault || offered?.length === 0) && (
-        <button type="button" onClick={() => setTurn(turn + 1)}>
+      <Fault>{error}</Fault>
+      {isSilent && <Quiet>It says of no service that it provides it.</Quiet>}
+      {(error || isSilent) && (
+        <button type="button" onClick={again}>
           Ask again
         </button>
       )}
-      {offered && offered.length > 0 && (
+      {offered.length > 0 && (
         <label>
           Command
           <select
@@ -88,22 +73,14 @@ function groupsOf(offered: Command[]): [string, Command[]][] {
 }
 
 function CommandForm({ command, component }: { command: Command; component: string }) {
-  const [fields, setFields] = useState<Field[] | null>(null);
   const [draft, setDraft] = useState<Draft>({});
   const [isTried, setTried] = useState(false);
   const [answer, setAnswer] = useState("");
   const isOurs = useUnit(commands);
   const isHeld = useUnit((unit) => unit.state?.holds.some((each) => each.component === component));
-  useEffect(() => {
-    let isWanted = true;
-    tried("form", { component, message: command.name }).then(
-      (found) => isWanted && found && setFields(found.fields),
-    );
-    return () => {
-      isWanted = false;
-    };
-  }, [component, command.name]);
-  if (fields === null) return null;
+  const { value: form, error } = useAnswer("form", { component, message: command.name });
+  if (form === null) return <Fault>{error}</Fault>;
+  const { fields } = form;
   const faults: Faults = new Map();
   const value = readGroup(fields, draft, "", faults);
 

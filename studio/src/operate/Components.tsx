@@ -1,5 +1,5 @@
 import { useState } from "react";
-import { Level } from "../panels/base/parts";
+import { Head, Level } from "../panels/base/parts";
 import { Age } from "./Age";
 import type { Component } from "./protocol";
 import { ask, choose, commands, nameOf, taking, tried, useUnit } from "./unit";
@@ -16,15 +16,7 @@ export function Components() {
     <section className="components" aria-label="Components">
       <table>
         <caption>Components</caption>
-        <thead>
-          <tr>
-            <th scope="col">component</th>
-            <th scope="col">level</th>
-            <th scope="col">state</th>
-            <th scope="col">controlled by</th>
-            <th scope="col">heard</th>
-          </tr>
-        </thead>
+        <Head columns={["component", "level", "state", "controlled by", "heard"]} />
         <tbody>
           {components.map((each) => (
             <tr key={each.id} aria-selected={each.id === chosen}>

@@ -1,5 +1,6 @@
-import { useEffect, useState } from "react";
-import { Fault, Quiet } from "../panels/base/parts";
+import { useCallback, useEffect, useState } from "react";
+import { usePolled } from "../answers";
+import { Fault, Order, Quiet, Select } from "../panels/base/parts";
 import { DrawingPlan } from "./DrawingPlan";
 import {
   type Drawing,
@@ -16,8 +17,7 @@ import { FieldsForm } from "./FieldsForm";
 import { type Draft, type Faults, rangesOf, readNumber } from "./fields";
 import { trackOf } from "./Plan";
 import { lengthOf, type Place, refusalAround } from "./plan";
-import type { Field, NumberKind } from "./protocol";
-import { ask, commands, tell, tried, useUnit } from "./unit";
+import { ask, commands, tell, tried, useAnswer, useUnit } from "./unit";
 
 const LOOK_MS = 1000;
 /** Reports each second of where it is and of what it drives to. */
@@ -39,11 +39,12 @@ export default function DrawingPanel({ component, drivers }: Props) {
       {drivers.length > 1 && (
         <label>
           Driver
-          <select value={service} onChange={(event) => setService(event.currentTarget.value)}>
-            {drivers.map((each) => (
-              <option key={each.service}>{each.service}</option>
-            ))}
-          </select>
+          <Select
+            label="Driver"
+            value={service ?? ""}
+            options={drivers.map((each) => [each.service, each.service])}
+            onChoose={setService}
+          />
         </label>
       )}
       {driver && <Waypoints key={driver.service} component={component} driver={driver} />}
@@ -58,16 +59,12 @@ interface Of {
 
 function Waypoints({ component, driver }: Of) {
   const { frame, isList } = driver;
-  const [fields, setFields] = useState<Field[]>([]);
+  const { value: form, error } = useAnswer("form", { component, message: frame.waypoint });
+  const fields = form?.fields ?? [];
   const [drawing, setDrawing] = useState(() => load(localStorage, component, driver));
   const [chosen, setChosen] = useState(-1);
   const [isTried, setTried] = useState(false);
   const { track, reports } = useReports(component, driver);
-  useEffect(() => {
-    void tried("form", { component, message: frame.waypoint }).then(
-      (found) => found && setFields(found.fields),
-    );
-  }, [component, frame]);
   const { waypoints } = drawing;
   const { values, faults } = readWaypoints(fields, waypoints);
   const places = waypoints.map((each) => placeIn(each, fields, frame));
@@ -114,6 +111,7 @@ function Waypoints({ component, driver }: Of) {
 
   return (
     <>
+      <Fault>{error}</Fault>
       {refusal && <Quiet>{refusal}</Quiet>}
       {!origin && (
         <Quiet>
@@ -144,29 +142,13 @@ function Waypoints({ component, driver }: Of) {
             </button>
             {progress?.active === at + 1 && <strong>▶ active</strong>}
             {progress?.isReached(at + 1) && <strong>✔ reached</strong>}
-            <button
-              type="button"
-              aria-label={`Waypoint ${at + 1} earlier`}
-              disabled={at === 0}
-              onClick={() => swap(at, at - 1)}
-            >
-              ↑
-            </button>
-            <button
-              type="button"
-              aria-label={`Waypoint ${at + 1} later`}
-              disabled={at === waypoints.length - 1}
-              onClick={() => swap(at, at + 1)}
-            >
-              ↓
-            </button>
-            <button
-              type="button"
-              aria-label={`Remove waypoint ${at + 1}`}
-              onClick={() => remove(at)}
-            >
-              ×
-            </button>
+            <Order
+              name={`waypoint ${at + 1}`}
+              at={at}
+              count={waypoints.length}
+              onMove={(to) => swap(at, to)}
+              onRemove={() => remove(at)}
+            />
           </li>
         ))}
       </ol>
@@ -216,33 +198,20 @@ function textOf(place: Place | undefined, { frame }: Driver): string {
 
 /** Where the component is and was, and the elements that it told to be active. */
 function useReports(component: string, { frame, isList }: Driver) {
-  const [track, setTrack] = useState<Place[]>([]);
-  const [reports, setReports] = useState<{ times: number[]; values: number[] }>(NO_REPORTS);
   useEffect(() => {
-    let isWanted = true;
     for (const report of [frame.report, ...(isList ? [ACTIVE] : [])])
       ask("watch", { component, report, rate: RATE }).catch(() => undefined); // it tells none
-    const asked = { component, report: ACTIVE, path: "ElementUID", seconds: 3600, points: 2000 };
-    async function look() {
-      const been = await trackOf(frame, component);
-      const active = isList ? await ask("history", asked) : NO_REPORTS;
-      if (!isWanted) return;
-      setTrack(been.values);
-      setReports(active);
-    }
-    const again = () => void look().catch(() => undefined);
-    again();
-    const timer = setInterval(again, LOOK_MS);
-    return () => {
-      isWanted = false;
-      clearInterval(timer);
-    };
   }, [component, frame, isList]);
-  return { track, reports };
+  const look = useCallback(async () => {
+    const asked = { component, report: ACTIVE, path: "ElementUID", seconds: 3600, points: 2000 };
+    const track = (await trackOf(frame, component)).values;
+    return { track, reports: isList ? await ask("history", asked) : NO_REPORTS };
+  }, [component, frame, isList]);
+  return usePolled(look, LOOK_MS) ?? { track: [], reports: NO_REPORTS };
 }
 
 const ACTIVE = "ReportActiveElement";
-const NO_REPORTS = { times: [], values: [] };
+const NO_REPORTS: { times: number[]; values: number[] } = { times: [], values: [] };
 
 interface SendingProps extends Of {
   drawing: Drawing;
@@ -257,21 +226,16 @@ interface SendingProps extends Of {
 function Sending(props: SendingProps) {
   const { component, driver, drawing, values, faults, progress, onDrawing } = props;
   const { frame, isList, execution } = driver;
-  const [speedKind, setSpeedKind] = useState<NumberKind | null>(null);
   const [speed, setSpeed] = useState("");
   const [first, setFirst] = useState(1);
   const [isBusy, setBusy] = useState(false);
   const isOurs = useUnit(commands);
   const isHeld = useUnit((unit) => unit.state?.holds.some((each) => each.component === component));
-  useEffect(() => {
-    if (!execution) return;
-    void tried("form", { component, message: execution }).then((found) => {
-      const record = found?.fields[0];
-      const members = record?.kind === "group" ? record.members : [];
-      const kind = members.find((each) => each.name === "Speed");
-      if (kind?.kind === "number") setSpeedKind(kind);
-    });
-  }, [component, execution]);
+  const asked = execution ? { component, message: execution } : null;
+  const record = useAnswer("form", asked).value?.fields[0];
+  const members = record?.kind === "group" ? record.members : [];
+  const found = members.find((each) => each.name === "Speed");
+  const speedKind = found?.kind === "number" ? found : null;
   const speedFaults: Faults = new Map();
   const wanted = speedKind && readNumber(speedKind, speed, false, "Speed", speedFaults);
   const fault = speed === "" ? undefined : speedFaults.get("Speed");
@@ -350,15 +314,12 @@ function Sending(props: SendingProps) {
           {isList && (
             <label>
               from waypoint{" "}
-              <select
+              <Select
+                label="from waypoint"
                 value={first}
-                onChange={(event) => setFirst(Number(event.currentTarget.value))}
-              >
-                {values.map((_, at) => (
-                  // biome-ignore lint/suspicious/noArrayIndexKey: waypoints have no other name
-                  <option key={at}>{at + 1}</option>
-                ))}
-              </select>
+                options={values.map((_, at) => [at + 1, `${at + 1}`])}
+                onChoose={(at) => setFirst(Number(at))}
+              />
             </label>
           )}{" "}
           <button

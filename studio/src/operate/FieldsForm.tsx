@@ -1,5 +1,5 @@
 import { useId } from "react";
-import { Help } from "../panels/base/parts";
+import { CHOOSE, Help, Select } from "../panels/base/parts";
 import {
   asThere,
   type Draft,
@@ -95,18 +95,17 @@ function FieldInput(props: Props) {
       return (
         <fieldset>
           <legend>{field.name}</legend>
-          <select
-            aria-label={`Type of ${field.name}`}
+          <Select
+            label={`Type of ${field.name}`}
             value={textOf(members.index)}
-            onChange={(event) => onDraft({ ...members, index: event.currentTarget.value })}
-          >
-            <option value="">choose…</option>
-            {field.alternatives.map((each) => (
-              <option key={each.index} value={each.index}>
-                {each.name} {each.units}
-              </option>
-            ))}
-          </select>
+            options={[
+              CHOOSE,
+              ...field.alternatives.map(
+                ({ index, name, units }) => [index, `${name} ${units}`] as const,
+              ),
+            ]}
+            onChoose={(index) => onDraft({ ...members, index })}
+          />
           {chosen && (
             <Typed
               label={field.name}
@@ -124,18 +123,12 @@ function FieldInput(props: Props) {
       return (
         <fieldset>
           <legend>{field.name}</legend>
-          <select
-            aria-label={`Format of ${field.name}`}
+          <Select
+            label={`Format of ${field.name}`}
             value={textOf(members.format)}
-            onChange={(event) => onDraft({ ...members, format: event.currentTarget.value })}
-          >
-            <option value="">choose…</option>
-            {field.formats.map((each) => (
-              <option key={each.index} value={each.index}>
-                {each.name}
-              </option>
-            ))}
-          </select>
+            options={[CHOOSE, ...field.formats.map(({ index, name }) => [index, name] as const)]}
+            onChoose={(format) => onDraft({ ...members, format })}
+          />
           <Typed
             label={`${field.name}, hexadecimal`}
             hint={`${field.least} to ${field.most} bytes`}
@@ -200,14 +193,16 @@ function Typed({ label, help, hint, choices, fault, text, onText }: TypedProps) 
     <div className="typed">
       <label htmlFor={id}>{label}</label> <Help subject={label}>{help ?? ""}</Help>
       {isClosed ? (
-        <select id={id} value={text} onChange={(event) => onText(event.currentTarget.value)}>
-          <option value="">choose…</option>
-          {known.map((each) => (
-            <option key={each.value} value={each.value}>
-              {each.label} ({each.value})
-            </option>
-          ))}
-        </select>
+        <Select
+          id={id}
+          label={label}
+          value={text}
+          options={[
+            CHOOSE,
+            ...known.map((each) => [each.value, `${each.label} (${each.value})`] as const),
+          ]}
+          onChoose={onText}
+        />
       ) : (
         <input
           id={id}
@@ -287,18 +282,12 @@ function VariantInput({
   return (
     <fieldset>
       <legend>{field.name}</legend>
-      <select
-        aria-label={`Option of ${field.name}`}
+      <Select
+        label={`Option of ${field.name}`}
         value={tag}
-        onChange={(event) => onDraft({ _tag: event.currentTarget.value })}
-      >
-        <option value="">choose…</option>
-        {field.options.map((each, index) => (
-          <option key={each.name} value={index}>
-            {each.name}
-          </option>
-        ))}
-      </select>
+        options={[CHOOSE, ...field.options.map(({ name }, index) => [index, name] as const)]}
+        onChoose={(_tag) => onDraft({ _tag })}
+      />
       {option && (
         <FieldInput
           field={option}

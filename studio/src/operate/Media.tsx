@@ -1,9 +1,8 @@
-import { useEffect, useState } from "react";
-import { messageOf } from "../connection";
+import { useState } from "react";
 import { Copyable, Quiet } from "../panels/base/parts";
 import { endpointOf } from "./endpoints";
 import type { Values } from "./protocol";
-import { ask } from "./unit";
+import { useAnswer } from "./unit";
 
 /** What a report has beside values: pictures, and where streams are. */
 export default function Media({ values }: { values: Values }) {
@@ -27,33 +26,14 @@ export default function Media({ values }: { values: Values }) {
 /** The last picture of a report, again with each report. */
 function Picture({ values, path }: { values: Values; path: string }) {
   const { component, report, count, age } = values;
-  const [url, setUrl] = useState("");
-  const [reason, setReason] = useState("");
-  // biome-ignore lint/correctness/useExhaustiveDependencies: each report has another picture
-  useEffect(() => {
-    let isWanted = true;
-    ask("picture", { component, report, path }).then(
-      (found) => {
-        if (!isWanted) return;
-        setUrl(found.url);
-        setReason("");
-      },
-      (error: unknown) => isWanted && setReason(messageOf(error)),
-    );
-    return () => {
-      isWanted = false;
-    };
-  }, [component, report, path, count]);
+  const { value, error } = useAnswer("picture", { component, report, path }, count);
+  const [unread, setUnread] = useState("");
+  const url = value?.url ?? "";
+  const reason = error || (url && url === unread ? "the browser cannot read it" : "");
   if (reason) return <Quiet>{`${path} is no picture that is shown here: ${reason}.`}</Quiet>;
   return (
     <figure className="picture">
-      {url && (
-        <img
-          src={url}
-          alt={`${path} of ${component}`}
-          onError={() => setReason("the browser cannot read it")}
-        />
-      )}
+      {url && <img src={url} alt={`${path} of ${component}`} onError={() => setUnread(url)} />}
       <figcaption>
         {path} of {component}, picture {count}, {age} s old
       </figcaption>

@@ -4,7 +4,7 @@ import { Alarms, Requests } from "./Alarms";
 import { Commands } from "./Commands";
 import { Components } from "./Components";
 import { Journal } from "./Journal";
-import { DOCK } from "./places";
+import { DOCK } from "./StickPad";
 import { StopButton } from "./StopButton";
 import { ownName, rename, useUnit } from "./unit";
 import { ValuesPanel } from "./Values";

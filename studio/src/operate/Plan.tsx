@@ -1,4 +1,5 @@
-import { useEffect, useState } from "react";
+import { useCallback } from "react";
+import { usePolled } from "../answers";
 import { around, barOf, FRAMES, type Frame, type Place, paired } from "./plan";
 import type { Values } from "./protocol";
 import { ask } from "./unit";
@@ -8,7 +9,7 @@ const SECONDS = 120;
 const POINTS = 2000;
 const LEAST_M = 10;
 
-export interface Track {
+interface Track {
   component: string;
   values: Place[];
 }
@@ -25,22 +26,12 @@ export function Plan({ values }: { values: Values[] }) {
 }
 
 function FramePlan({ frame, components }: { frame: Frame; components: string[] }) {
-  const [tracks, setTracks] = useState<Track[]>([]);
   const names = components.join(" ");
-  useEffect(() => {
-    let isWanted = true;
-    async function look() {
-      const found = await Promise.all(names.split(" ").map((each) => trackOf(frame, each)));
-      if (isWanted) setTracks(found.filter((each) => each.values.length > 0));
-    }
-    const again = () => void look().catch(() => undefined);
-    again();
-    const timer = setInterval(again, LOOK_MS);
-    return () => {
-      isWanted = false;
-      clearInterval(timer);
-    };
-  }, [frame, names]);
+  const look = useCallback(
+    () => Promise.all(names.split(" ").map((each) => trackOf(frame, each))),
+    [frame, names],
+  );
+  const tracks = (usePolled(look, LOOK_MS) ?? []).filter((each) => each.values.length > 0);
   const origin = tracks[0]?.values[0];
   if (!origin) return null;
   const placed = tracks.map(({ component, values }) => ({

@@ -1,6 +1,7 @@
-import { useCallback, useMemo } from "react";
-import type uPlot from "uplot";
-import { TimePlot } from "./TimePlot";
+import { useEffect, useRef, useState } from "react";
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { messageOf } from "../connection";
 import { ask, nameOf } from "./unit";
 
 export interface Series {
@@ -16,32 +17,75 @@ interface Props {
 }
 
 const LOOK_MS = 1000;
+const HEIGHT = 140;
+/** Points for each pixel: the least and the greatest of a piece. */
+const POINTS = 2;
 
 /** A number over time; the server leaves out what a screen cannot show, and keeps peaks. */
-export function Plot({ series, seconds }: Props) {
-  const { component, report, path } = series;
-  const title = path || "rate in Hz";
-  const lines = useMemo(() => [{ label: title, colour: "--chosen" }], [title]);
-  const range = useCallback((): [number, number] => {
-    const now = Date.now() / 1000;
-    return [now - seconds, now];
-  }, [seconds]);
-  const look = useCallback(
-    async (points: number): Promise<uPlot.AlignedData> => {
-      const found = await ask("history", { component, report, path, seconds, points });
-      return [found.times, found.values];
-    },
-    [component, report, path, seconds],
-  );
+export function Plot({ series: { component, report, path }, seconds }: Props) {
+  const title = `${path || "rate in Hz"} of ${report}`;
+  const place = useRef<HTMLDivElement>(null);
+  const [last, setLast] = useState("");
+  useEffect(() => {
+    const element = place.current;
+    if (!element) return;
+    const size = () => ({ width: Math.max(200, element.clientWidth), height: HEIGHT });
+    const style = getComputedStyle(document.documentElement);
+    // Asked at each drawing: the page may have turned dark since.
+    const colour = (name: string) => () => style.getPropertyValue(name) || "#888";
+    const axis = { stroke: colour("--ink"), grid: { stroke: colour("--faint") } };
+    const clock: uPlot.Axis = {
+      values: (_, times) => times.map((at) => new Date(1000 * at).toTimeString().slice(0, 8)),
+    };
+    const range = (): [number, number] => [Date.now() / 1000 - seconds, Date.now() / 1000];
+    const plot = new uPlot(
+      {
+        ...size(),
+        legend: { show: false },
+        series: [{}, { stroke: colour("--chosen"), width: 1.5 }],
+        axes: [
+          { ...axis, ...clock },
+          { ...axis, size: 60 },
+        ],
+        scales: { x: { time: true, range } },
+      },
+      [[], []],
+      element,
+    );
+    let isWanted = true;
+    async function look() {
+      try {
+        const points = size().width * POINTS;
+        const found = await ask("history", { component, report, path, seconds, points });
+        if (!isWanted) return;
+        plot.setData([found.times, found.values]);
+        const value = found.values.at(-1);
+        setLast(value === undefined ? "no values" : `last ${value.toPrecision(4)}`);
+      } catch (error) {
+        if (isWanted) setLast(messageOf(error));
+      }
+    }
+    void look();
+    const timer = setInterval(() => void look(), LOOK_MS);
+    const resized = new ResizeObserver(() => plot.setSize(size()));
+    resized.observe(element);
+    const dark = window.matchMedia("(prefers-color-scheme: dark)");
+    const redraw = () => plot.redraw(false);
+    dark.addEventListener("change", redraw);
+    return () => {
+      isWanted = false;
+      clearInterval(timer);
+      resized.disconnect();
+      dark.removeEventListener("change", redraw);
+      plot.destroy();
+    };
+  }, [component, report, path, seconds]);
   return (
-    <TimePlot
-      title={`${title} of ${report}`}
-      caption={`${title} of ${report}, ${nameOf(component)}`}
-      lines={lines}
-      range={range}
-      look={look}
-      period={LOOK_MS}
-      isClock
-    />
+    <figure aria-label={title}>
+      <figcaption>
+        {title}, {nameOf(component)}: <output>{last}</output>
+      </figcaption>
+      <div ref={place} />
+    </figure>
   );
 }

@@ -1,6 +1,6 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useRef, useState } from "react";
 import { createPortal } from "react-dom";
-import { Quiet } from "../panels/base/parts";
+import { Quiet, Select } from "../panels/base/parts";
 import {
   type Axis,
   axesOf,
@@ -12,9 +12,11 @@ import {
   withNumber,
 } from "./fields";
 import { HeldStick } from "./holding";
-import { DOCK } from "./places";
 import type { Command, Field } from "./protocol";
 import { tell } from "./unit";
+
+/** The place of the stick, which is the same at any time: see `operate.css`. */
+export const DOCK = "dock-pad";
 
 interface Props {
   command: Command;
@@ -241,18 +243,15 @@ function WayInput({ label, way, axes, fault, onWay }: WayProps) {
     <div className="way">
       <label>
         {label}
-        <select
-          aria-label={label}
+        <Select
+          label={label}
           value={way.axis}
-          onChange={(event) => onWay({ ...way, axis: event.currentTarget.value })}
-        >
-          <option value="">nothing</option>
-          {axes.map((each) => (
-            <option key={each.steps.join(".")} value={each.steps.join(".")}>
-              {each.steps.at(-1)}
-            </option>
-          ))}
-        </select>
+          options={[
+            ["", "nothing"],
+            ...axes.map(({ steps }) => [steps.join("."), steps.at(-1) ?? ""] as const),
+          ]}
+          onChoose={(axis) => onWay({ ...way, axis })}
+        />
       </label>
       {axis && (
         <label>

@@ -1,11 +1,11 @@
-import { lazy, Suspense, useEffect, useState } from "react";
-import { messageOf } from "../connection";
-import { Quiet } from "../panels/base/parts";
+import { lazy, Suspense, useState } from "react";
+import { usePolled } from "../answers";
+import { CHOOSE, Quiet, Select } from "../panels/base/parts";
 import { Age } from "./Age";
 import { Plan } from "./Plan";
 import { Plot, type Series } from "./Plot";
 import type { Values } from "./protocol";
-import { ask, nameOf as named, tell, tried, useUnit } from "./unit";
+import { ask, nameOf as named, tried, useAnswer, useUnit } from "./unit";
 
 const Media = lazy(() => import("./Media"));
 
@@ -13,34 +13,22 @@ const LOOK_MS = 500;
 /** A report that is asked for by sensors, and one that tells where streams are. */
 const PICTURE = "StillImageData";
 const ENDPOINTS = "ReportDigitalResourceEndpoint";
-const RATES = ["every change", "1", "2", "5", "10", "25"];
+const RATES = ["1", "2", "5", "10", "25"];
 /** Seconds without a report after which its values are told to be old. */
 const OLD_S = 3;
-const SPANS: [string, number][] = [
-  ["1 minute", 60],
-  ["5 minutes", 300],
-  ["15 minutes", 900],
+const SPANS: [number, string][] = [
+  [60, "1 minute"],
+  [300, "5 minutes"],
+  [900, "15 minutes"],
 ];
+const look = () => ask("values", {});
 
 /** Reports that are watched: their last values, plots of numbers, and a plan of positions. */
 export function ValuesPanel() {
   const component = useUnit((unit) => unit.chosen);
-  const [values, setValues] = useState<Values[]>([]);
+  const values = usePolled(look, LOOK_MS)?.values ?? [];
   const [plotted, setPlotted] = useState<Series[]>([]);
   const [span, setSpan] = useState(60);
-  useEffect(() => {
-    let isWanted = true;
-    const timer = setInterval(() => {
-      ask("values", {}).then(
-        (found) => isWanted && setValues(found.values),
-        () => undefined,
-      );
-    }, LOOK_MS);
-    return () => {
-      isWanted = false;
-      clearInterval(timer);
-    };
-  }, []);
   const toggle = (series: Series) =>
     setPlotted((before) =>
       before.some((each) => isSame(each, series))
@@ -64,17 +52,12 @@ export function ValuesPanel() {
       <section className="plots" aria-label="Plots">
         <h2>
           Plots of{" "}
-          <select
-            aria-label="Plots of"
+          <Select
+            label="Plots of"
             value={span}
-            onChange={(event) => setSpan(Number(event.currentTarget.value))}
-          >
-            {SPANS.map(([name, seconds]) => (
-              <option key={seconds} value={seconds}>
-                {name}
-              </option>
-            ))}
-          </select>
+            options={SPANS}
+            onChoose={(seconds) => setSpan(Number(seconds))}
+          />
         </h2>
         {plotted.map((each) => (
           <Plot key={nameOf(each)} series={each} seconds={span} />
@@ -89,48 +72,30 @@ const isSame = (one: Series, other: Series) => nameOf(one) === nameOf(other);
 const nameOf = ({ component, report, path }: Series) => `${component} ${report} ${path}`;
 
 function Watch({ component }: { component: string }) {
-  const [reports, setReports] = useState<string[]>([]);
+  const learnt = useUnit((unit) => unit.learnt);
+  const reports = useAnswer("messages", { component }, learnt).value?.reports ?? [];
   const [report, setReport] = useState("");
   const [rate, setRate] = useState("");
   const [sensor, setSensor] = useState("1");
-  useEffect(() => {
-    let isWanted = true;
-    ask("messages", { component }).then(
-      (found) => isWanted && setReports(found.reports.map((each) => each.name)),
-      (error: unknown) => isWanted && tell(messageOf(error), true),
-    );
-    return () => {
-      isWanted = false;
-    };
-  }, [component]);
   return (
     <div className="watch">
       <label>
         Report of {component}
-        <select
-          aria-label={`Report of ${component}`}
+        <Select
+          label={`Report of ${component}`}
           value={report}
-          onChange={(event) => setReport(event.currentTarget.value)}
-        >
-          <option value="">choose…</option>
-          {reports.map((each) => (
-            <option key={each}>{each}</option>
-          ))}
-        </select>
+          options={[CHOOSE, ...reports.map(({ name }) => [name, name] as const)]}
+          onChoose={setReport}
+        />
       </label>
       <label>
         Hz
-        <select
-          aria-label="Hz"
+        <Select
+          label="Hz"
           value={rate}
-          onChange={(event) => setRate(event.currentTarget.value)}
-        >
-          {RATES.map((each) => (
-            <option key={each} value={each === RATES[0] ? "" : each}>
-              {each}
-            </option>
-          ))}
-        </select>
+          options={[["", "every change"], ...RATES.map((each) => [each, each] as const)]}
+          onChoose={setRate}
+        />
       </label>
       {report === PICTURE && (
         <label>
@@ -209,15 +174,9 @@ function Report({ values, plotted, onPlot }: ReportProps) {
               <td>{values.numbers.includes(path) && button(path, path)}</td>
             </tr>
           ))}
-          {values.fields.length === 0 && (
-            <tr>
-              <td>
-                <Quiet>No values.</Quiet>
-              </td>
-            </tr>
-          )}
         </tbody>
       </table>
+      {values.fields.length === 0 && <Quiet>No values.</Quiet>}
       {(values.pictures.length > 0 || report === ENDPOINTS) && (
         <Suspense fallback={null}>
           <Media values={values} />

@@ -114,7 +114,7 @@ type Drawn = Of & { message: string; elements: object[] };
 
 /** Requests: parameters and result by method. */
 export interface OperateMethods {
-  claim: [{ right: string; name: string }, { name: string }];
+  claim: [{ right: string; name: string }, unknown];
   messages: [
     Of,
     { services: string[]; commands: Command[]; reports: { name: string; service: string }[] },
@@ -152,7 +152,6 @@ export type OperateMethod = keyof OperateMethods;
 
 export interface OperateHello {
   page: number;
-  name: string;
   can_command: boolean;
   /** Seconds from one word to the next. */
   word: number;

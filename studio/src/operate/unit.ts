@@ -1,6 +1,7 @@
 // The page's end of the operator unit: its socket, what it knows, and the lease that it renews.
 
 import { create } from "zustand";
+import { type Answer, useAnswerOf } from "../answers";
 import {
   Connection,
   type Link,
@@ -18,7 +19,6 @@ import type {
   OperateMethods,
   OperateNotifications,
   UnitState,
-  Values,
 } from "./protocol";
 
 /** Whether this tab was opened with the right to command. */
@@ -32,60 +32,38 @@ const SHORTEST_MS = 50;
 /** From one look at the clock to the next. */
 const LOOK_MS = 200;
 
-export interface Unit {
-  link: Link;
-  refusal: string;
-  page: number;
-  /** Seconds from one word of the unit to the next. */
-  word: number;
-  /** How others see this page. */
-  name: string;
-  canCommand: boolean;
-  mayCommand: boolean;
-  /** Why the right was refused. */
-  noRight: string;
-  state: UnitState | null;
-  components: Component[];
-  journal: JournalEntry[];
-  values: Values[];
-  /** The component that is chosen. */
-  chosen: string;
-  /** When the unit said its last word, and now: milliseconds of a clock that never goes back. */
-  heard: number;
-  now: number;
-  /** Seconds since then, and whether a word was missed: nothing that is shown is current then. */
-  silence: number;
-  isStale: boolean;
-  /** Counts how often the unit has learnt what models say. */
-  learnt: number;
-  /** The stop that was pressed last, and what became of it; empty while nobody has said it. */
-  stopping: { since: number; outcome: string } | null;
-  /** What went wrong last, and what went well. */
-  said: { text: string; isError: boolean };
-}
-
-export const useUnit = create<Unit>(() => ({
-  link: "opening",
+const BEGINNING = {
+  link: "opening" as Link,
   refusal: "",
   page: 0,
+  /** Seconds from one word of the unit to the next. */
   word: 1,
-  name: "",
   canCommand: false,
   mayCommand: false,
+  /** Why the right was refused. */
   noRight: "",
-  state: null,
-  components: [],
-  journal: [],
-  values: [],
+  state: null as UnitState | null,
+  components: [] as Component[],
+  journal: [] as JournalEntry[],
+  /** The component that is chosen. */
   chosen: "",
+  /** When the unit said its last word, and now: milliseconds of a clock that never goes back. */
   heard: 0,
   now: 0,
+  /** Seconds since then, and whether a word was missed: nothing that is shown is current then. */
   silence: 0,
   isStale: false,
+  /** Counts how often the unit has learnt what models say. */
   learnt: 0,
-  stopping: null,
+  /** The stop that was pressed last, and what became of it; empty while nobody has said it. */
+  stopping: null as { since: number; outcome: string } | null,
+  /** What went wrong last, and what went well. */
   said: { text: "", isError: false },
-}));
+};
+
+type Unit = typeof BEGINNING;
+
+export const useUnit = create(() => BEGINNING);
 
 export const unit = (): Unit => useUnit.getState();
 const put = useUnit.setState;
@@ -124,6 +102,14 @@ export async function tried<M extends OperateMethod>(
     return undefined;
   }
 }
+
+/** What the unit answers: see `useAnswerOf`. */
+export const useAnswer = <M extends OperateMethod>(
+  method: M,
+  params: OperateMethods[M][0] | null,
+  revision?: unknown,
+  subject?: string,
+): Answer<OperateMethods[M][1]> => useAnswerOf(ask<M>, method, params, revision, subject);
 
 /** Opens the socket, once for the page. */
 export function open(): void {
@@ -176,7 +162,7 @@ export function take(state: UnitState): void {
 }
 
 async function begin(hello: OperateHello): Promise<void> {
-  put({ page: hello.page, word: hello.word, name: hello.name, canCommand: hello.can_command });
+  put({ page: hello.page, word: hello.word, canCommand: hello.can_command });
   put({ components: hello.state.components });
   take(hello.state);
   const right = sessionStorage.getItem(RIGHT_KEY);
@@ -196,8 +182,8 @@ export async function rename(name: string): Promise<void> {
 
 async function claim(right: string, name: string): Promise<void> {
   try {
-    const found = await ask("claim", { right, name });
-    put({ mayCommand: true, name: found.name, noRight: "" });
+    await ask("claim", { right, name });
+    put({ mayCommand: true, noRight: "" });
   } catch (error) {
     put({ mayCommand: false, noRight: messageOf(error) });
   }

@@ -404,7 +404,7 @@ def test_waypoints_are_drawn_sent_and_driven(operator, vehicle, tmp_path):
     operator.mouse.move(*point_on(plan, -6, -2), steps=4)
     operator.mouse.up()
     for at in (3, 2):
-        operator.get_by_role("button", name=f"Waypoint {at} earlier").click()
+        operator.get_by_role("button", name=f"Move waypoint {at} up").click()
     expect(operator.get_by_text("Length on the plan: 16.3 m")).to_be_visible()
     assert vehicle.list == []
     send = operator.get_by_role("button", name="Send 3 waypoints")

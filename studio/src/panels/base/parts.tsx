@@ -82,6 +82,83 @@ export function Copyable({ label, text, copied = text }: CopyableProps) {
   );
 }
 
+/** The head of a table. */
+export function Head({ columns }: { columns: readonly string[] }) {
+  return (
+    <thead>
+      <tr>
+        {columns.map((each) => (
+          <th key={each} scope="col">
+            {each}
+          </th>
+        ))}
+      </tr>
+    </thead>
+  );
+}
+
+interface SelectProps {
+  id?: string;
+  label: string;
+  title?: string;
+  value: string | number;
+  /** Values with what they are called. */
+  options: readonly (readonly [string | number, string])[];
+  onChoose(value: string): void;
+}
+
+/** One of several to be chosen. */
+export function Select({ id, label, title, value, options, onChoose }: SelectProps) {
+  return (
+    <select
+      id={id}
+      aria-label={label}
+      title={title}
+      value={value}
+      onChange={(event) => onChoose(event.currentTarget.value)}
+    >
+      {options.map(([each, name]) => (
+        <option key={each} value={each}>
+          {name}
+        </option>
+      ))}
+    </select>
+  );
+}
+
+/** What stands first where nothing is chosen yet. */
+export const CHOOSE = ["", "choose…"] as const;
+
+interface OrderProps {
+  /** How people call what is moved. */
+  name: string;
+  at: number;
+  count: number;
+  /** Moves it, where it may be moved. */
+  onMove?: ((to: number) => void) | undefined;
+  onRemove(): void;
+}
+
+/** Buttons that move one of a list, and take it away. */
+export function Order({ name, at, count, onMove, onRemove }: OrderProps) {
+  const button = (sign: string, label: string, isOff: boolean, work: () => void) => (
+    <button type="button" className="small" aria-label={label} disabled={isOff} onClick={work}>
+      {sign}
+    </button>
+  );
+  return (
+    <span className="buttons">
+      {onMove && (
+        <>
+          {button("↑", `Move ${name} up`, at === 0, () => onMove(at - 1))}
+          {button("↓", `Move ${name} down`, at === count - 1, () => onMove(at + 1))}
+        </>
+      )}
+      {button("×", `Remove ${name}`, false, onRemove)}
+    </span>
+  );
+}
+
 /** What a panel says when it has nothing to show. */
 export function Quiet({ children }: { children: ReactNode }) {
   return <p className="quiet">{children}</p>;

@@ -1,6 +1,6 @@
 import { useId, useState } from "react";
 import type { ChildKind, FormChild, FormChildren, FormField, Ref } from "../../protocol";
-import { Help, Messages } from "../base/parts";
+import { Help, Messages, Order, Select } from "../base/parts";
 import { ValueInput } from "./ValueInput";
 
 interface Props {
@@ -23,7 +23,6 @@ export function ChildrenRow({ held, readonly, onAdd, onSet, onRemove, onMove, on
   const id = useId();
   const chosen = held.kinds.find((each) => each.kind === kind) ?? held.kinds[0];
   const mayAdd = !readonly && chosen !== undefined && (held.many || held.elements.length === 0);
-  const mayMove = !readonly && held.many && held.elements.length > 1;
   if (held.elements.length === 0 && !mayAdd) return null;
   return (
     <div className="field children" data-feature={held.feature}>
@@ -38,38 +37,13 @@ export function ChildrenRow({ held, readonly, onAdd, onSet, onRemove, onMove, on
               {each.label} <small>{each.kind}</small>
             </button>
             {!readonly && (
-              <span className="buttons">
-                {mayMove && (
-                  <>
-                    <button
-                      type="button"
-                      className="small"
-                      aria-label={`Move ${each.label} up`}
-                      disabled={index === 0}
-                      onClick={() => onMove(each.element, index - 1)}
-                    >
-                      ↑
-                    </button>
-                    <button
-                      type="button"
-                      className="small"
-                      aria-label={`Move ${each.label} down`}
-                      disabled={index === held.elements.length - 1}
-                      onClick={() => onMove(each.element, index + 1)}
-                    >
-                      ↓
-                    </button>
-                  </>
-                )}
-                <button
-                  type="button"
-                  className="small"
-                  aria-label={`Delete ${each.label}`}
-                  onClick={() => onRemove(each.element, each.label)}
-                >
-                  ×
-                </button>
-              </span>
+              <Order
+                name={each.label}
+                at={index}
+                count={held.elements.length}
+                onMove={held.many ? (to) => onMove(each.element, to) : undefined}
+                onRemove={() => onRemove(each.element, each.label)}
+              />
             )}
             {each.cells && each.cells.length > 0 && (
               <span className="cells">
@@ -100,18 +74,13 @@ export function ChildrenRow({ held, readonly, onAdd, onSet, onRemove, onMove, on
       {mayAdd && (
         <div className="field-value">
           {held.kinds.length > 1 && (
-            <select
-              aria-label={`Kind to add to ${held.label}`}
+            <Select
+              label={`Kind to add to ${held.label}`}
               title={chosen.documentation}
               value={chosen.kind}
-              onChange={(event) => setKind(event.currentTarget.value)}
-            >
-              {held.kinds.map((each) => (
-                <option key={each.kind} value={each.kind}>
-                  {each.label}
-                </option>
-              ))}
-            </select>
+              options={held.kinds.map((each) => [each.kind, each.label])}
+              onChoose={setKind}
+            />
           )}
           {held.many && chosen.values?.name && (
             <input

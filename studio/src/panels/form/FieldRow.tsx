@@ -1,6 +1,6 @@
 import { useId, useState } from "react";
 import type { FormField, Ref } from "../../protocol";
-import { Help, Messages } from "../base/parts";
+import { Help, Messages, Order } from "../base/parts";
 import { ValueInput } from "./ValueInput";
 import { moved, shownAs } from "./values";
 
@@ -93,7 +93,6 @@ interface ListProps {
 function Values({ labelledBy, onSet, onJump, ...rest }: ListProps) {
   const { field } = rest;
   const { values } = field;
-  const last = values.length - 1;
   const replaced = (index: number, value: string) =>
     values.map((each, at) => (at === index ? value : each));
   return (
@@ -114,34 +113,13 @@ function Values({ labelledBy, onSet, onJump, ...rest }: ListProps) {
             />
           )}
           {field.changeable && (
-            <span className="buttons">
-              <button
-                type="button"
-                className="small"
-                aria-label={`Move ${shownAs(field, index)} up`}
-                disabled={index === 0}
-                onClick={() => onSet(moved(values, index, index - 1))}
-              >
-                ↑
-              </button>
-              <button
-                type="button"
-                className="small"
-                aria-label={`Move ${shownAs(field, index)} down`}
-                disabled={index === last}
-                onClick={() => onSet(moved(values, index, index + 1))}
-              >
-                ↓
-              </button>
-              <button
-                type="button"
-                className="small"
-                aria-label={`Remove ${shownAs(field, index)}`}
-                onClick={() => onSet(values.filter((_, at) => at !== index))}
-              >
-                ×
-              </button>
-            </span>
+            <Order
+              name={shownAs(field, index)}
+              at={index}
+              count={values.length}
+              onMove={(to) => onSet(moved(values, index, to))}
+              onRemove={() => onSet(values.filter((_, at) => at !== index))}
+            />
           )}
         </li>
       ))}

@@ -401,7 +401,7 @@ describe("the property form", () => {
   });
 
   it("deletes children as the diagram does, which asks where others refer to them", async () => {
-    await userEvent.click(await screen.findByRole("button", { name: "Delete speed" }));
+    await userEvent.click(await screen.findByRole("button", { name: "Remove speed" }));
     expect(server.params("edit")[0]).toMatchObject({ dry: true });
   });
 });

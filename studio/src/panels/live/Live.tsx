@@ -3,7 +3,7 @@ import { ask, messageOf } from "../../actions";
 import type { LiveComponent, LiveConnection } from "../../protocol";
 import { partOf } from "../../selection";
 import { active, type Studio, state, update, useStudio } from "../../store";
-import { Fault, figure, Level, Quiet } from "../base/parts";
+import { Fault, figure, Head, Level, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 import { Machines } from "./Machines";
 
@@ -148,16 +148,7 @@ export function Connections({ connections, open, onOpen, details }: ConnectionsP
   return (
     <table>
       <caption>Connections</caption>
-      <thead>
-        <tr>
-          <th scope="col">connection</th>
-          <th scope="col">state</th>
-          <th scope="col">rate</th>
-          <th scope="col">age</th>
-          <th scope="col">latency</th>
-          <th scope="col">drops</th>
-        </tr>
-      </thead>
+      <Head columns={["connection", "state", "rate", "age", "latency", "drops"]} />
       {connections.map((each) => {
         const name = nameOf(each);
         const isOpen = open === name;
@@ -235,16 +226,9 @@ export function Components({ components }: { components: LiveComponent[] }) {
   return (
     <table>
       <caption>Components</caption>
-      <thead>
-        <tr>
-          <th scope="col">component</th>
-          <th scope="col">level</th>
-          <th scope="col">state</th>
-          <th scope="col">controlled by</th>
-          <th scope="col">round trip</th>
-          <th scope="col">last answer</th>
-        </tr>
-      </thead>
+      <Head
+        columns={["component", "level", "state", "controlled by", "round trip", "last answer"]}
+      />
       <tbody>
         {components.map((each) => (
           <tr key={each.id}>

@@ -1,5 +1,5 @@
 import type { LiveComponent, LiveMachine } from "../../protocol";
-import { figure } from "../base/parts";
+import { figure, Head } from "../base/parts";
 
 /** The state machines of components that tell them: where each is, and its times. */
 export function Machines({ components }: { components: LiveComponent[] }) {
@@ -10,15 +10,7 @@ export function Machines({ components }: { components: LiveComponent[] }) {
   return (
     <table>
       <caption>State machines</caption>
-      <thead>
-        <tr>
-          <th scope="col">component</th>
-          <th scope="col">machine</th>
-          <th scope="col">state</th>
-          <th scope="col">in it for</th>
-          <th scope="col">share of time</th>
-        </tr>
-      </thead>
+      <Head columns={["component", "machine", "state", "in it for", "share of time"]} />
       <tbody>
         {told.map(({ owner, machine }) => (
           <tr key={`${owner.id} ${machine.service} ${machine.machine}`}>

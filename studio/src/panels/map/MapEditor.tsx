@@ -2,13 +2,19 @@ import { type KeyboardEvent, useMemo, useState } from "react";
 import { choose, connect, remove } from "../../actions";
 import type { GraphEnd } from "../../protocol";
 import { useStudio } from "../../store";
-import { Quiet } from "../base/parts";
+import { Quiet, Select } from "../base/parts";
 import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 import { Fill } from "./Fill";
 import { MemberTree } from "./MemberTree";
 import { type Filter, sides } from "./rows";
 import { TryIt } from "./TryIt";
+
+const FILTERS: [Filter, string][] = [
+  ["all", "all members"],
+  ["mapped", "mapped members"],
+  ["unmapped", "unmapped members"],
+];
 
 /** An attribute map: all members of both ends, what fills them, and what they give when tried. */
 export function MapEditor() {
@@ -62,15 +68,12 @@ export function MapEditor() {
           value={query}
           onChange={(event) => setQuery(event.currentTarget.value)}
         />
-        <select
-          aria-label="Members shown"
+        <Select
+          label="Members shown"
           value={filter}
-          onChange={(event) => setFilter(event.currentTarget.value as Filter)}
-        >
-          <option value="all">all members</option>
-          <option value="mapped">mapped members</option>
-          <option value="unmapped">unmapped members</option>
-        </select>
+          options={FILTERS}
+          onChoose={(chosen) => setFilter(chosen as Filter)}
+        />
         <span className="quiet" role="status">
           {begun
             ? `From ${begun.port}: choose where it goes, or press Esc.`

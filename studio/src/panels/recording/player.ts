@@ -5,32 +5,22 @@ import { ask, messageOf } from "../../actions";
 import type { Mark, ReadRecording } from "../../protocol";
 import { say, state, update } from "../../store";
 
-export interface Player {
+const CLOSED = {
   /** Name of the recording; empty for none. */
-  name: string;
-  read: ReadRecording | null;
-  /** How much is read, up to 1. */
-  share: number;
-  fault: string;
-  /** Seconds since the beginning. */
-  at: number;
-  isPlaying: boolean;
-  /** The connection that is explained. */
-  chosen: { bridge: string; connection: string } | null;
-}
-
-const CLOSED: Player = {
   name: "",
-  read: null,
+  read: null as ReadRecording | null,
+  /** How much is read, up to 1. */
   share: 0,
   fault: "",
+  /** Seconds since the beginning. */
   at: 0,
   isPlaying: false,
-  chosen: null,
+  /** The connection that is explained. */
+  chosen: null as { bridge: string; connection: string } | null,
 };
 
-export const usePlayer = create<Player>(() => CLOSED);
-export const player = (): Player => usePlayer.getState();
+export const usePlayer = create(() => CLOSED);
+export const player = () => usePlayer.getState();
 export const put = usePlayer.setState;
 
 const LOOK_MS = 300;
