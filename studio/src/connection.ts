@@ -1,7 +1,5 @@
 // JSON-RPC 2.0 over one websocket, which is opened again when it is lost.
 
-import type { Method, Notification, Notifications, Params, Project, Result } from "./protocol";
-
 /** An error that the server told, or a connection that is not there; the message is for people. */
 export class CallError extends Error {
   readonly code: number;
@@ -26,14 +24,14 @@ export const INTERNAL_ERROR = -32603;
 export type Link = "opening" | "open" | "lost" | "refused";
 
 export interface Listener {
-  /** The link changed; `project` comes with `open`, `reason` with `refused`. */
-  onLink(link: Link, project: Project | null, reason: string): void;
-  onNotification<N extends Notification>(name: N, params: Notifications[N]): void;
+  /** The link changed; what the server greets with comes with `open`, `reason` with `refused`. */
+  onLink(link: Link, hello: unknown, reason: string): void;
+  onNotification(name: string, params: unknown): void;
 }
 
-/** What the store needs of a connection. */
+/** Whom a page asks; a test gives another one. */
 export interface Caller {
-  call<M extends Method>(method: M, params: Params<M>): Promise<Result<M>>;
+  call(method: string, params: unknown): Promise<unknown>;
 }
 
 interface Pending {
@@ -89,25 +87,34 @@ export class Connection implements Caller {
     socket?.close();
   }
 
-  call<M extends Method>(method: M, params: Params<M>): Promise<Result<M>> {
+  call(method: string, params: unknown): Promise<unknown> {
     if (this.link !== "open") {
       return Promise.reject(new CallError(LOST, "There is no connection to the server."));
     }
-    return this.send(this.next++, method, params) as Promise<Result<M>>;
+    return this.send(this.next++, method, params);
+  }
+
+  /** Tells what needs no answer. */
+  notify(method: string, params: object): void {
+    this.post({ method, params });
+  }
+
+  private post(message: object): void {
+    this.socket?.send(JSON.stringify({ jsonrpc: "2.0", ...message }));
   }
 
   private send(id: number, method: string, params: unknown): Promise<unknown> {
     return new Promise((resolve, reject) => {
       this.pending.set(id, { resolve, reject });
-      this.socket?.send(JSON.stringify({ jsonrpc: "2.0", id, method, params }));
+      this.post({ id, method, params });
     });
   }
 
   private greet(socket: WebSocket): void {
     this.send(0, "hello", { token: this.token }).then(
-      (project) => {
+      (hello) => {
         this.wait = SHORTEST_WAIT_MS;
-        this.tell("open", project as Project);
+        this.tell("open", hello);
       },
       (error: CallError) => {
         if (error.code === LOST) return;
@@ -120,7 +127,9 @@ export class Connection implements Caller {
   private take(text: string): void {
     const answer = JSON.parse(text) as Answer;
     if (answer.method !== undefined) {
-      this.listener.onNotification(answer.method as Notification, answer.params as never);
+      // A language server may ask for what no page has, such as settings.
+      if (answer.id !== undefined) this.post({ id: answer.id, result: null });
+      else this.listener.onNotification(answer.method, answer.params);
       return;
     }
     const pending = this.pending.get(answer.id ?? -1);
@@ -153,9 +162,9 @@ export class Connection implements Caller {
     this.tell("refused", null, reason);
   }
 
-  private tell(link: Link, project: Project | null = null, reason = ""): void {
+  private tell(link: Link, hello: unknown = null, reason = ""): void {
     this.link = link;
-    this.listener.onLink(link, project, reason);
+    this.listener.onLink(link, hello, reason);
   }
 }
 

@@ -178,6 +178,9 @@ export function revisionOf(studio: Studio): number {
   return studio.graph ? studio.revision : (studio.project?.revision ?? 0);
 }
 
+/** Revision of the files, which is ahead of that of the graph while this is made. */
+export const useRevision = (): number => useStudio((studio) => studio.project?.revision ?? 0);
+
 /** Where the keyboard stands. */
 export function active(studio: Studio): PartKey | null {
   return studio.selection.at(-1) ?? null;

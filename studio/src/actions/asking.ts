@@ -14,7 +14,7 @@ export function use(connection: Caller): void {
 /** Asks the server; use it for what changes nothing. */
 export function ask<M extends Method>(method: M, params: Params<M>): Promise<Result<M>> {
   if (!caller) return Promise.reject(new CallError(LOST, "There is no connection to the server."));
-  return caller.call(method, params);
+  return caller.call(method, params) as Promise<Result<M>>;
 }
 
 export { messageOf };

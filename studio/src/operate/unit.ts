@@ -3,6 +3,7 @@
 import { create } from "zustand";
 import { type Answer, useAnswerOf } from "../answers";
 import {
+  type Caller,
   Connection,
   type Link,
   type Listener,
@@ -70,14 +71,9 @@ const put = useUnit.setState;
 export const choose = (chosen: string): void => put({ chosen });
 export const tell = (text: string, isError = false): void => put({ said: { text, isError } });
 
-/** Who asks the server; a test gives another one. */
-export interface UnitCaller {
-  call(method: string, params: unknown): Promise<unknown>;
-}
+let caller: Caller | null = null;
 
-let caller: UnitCaller | null = null;
-
-export function setCaller(other: UnitCaller): void {
+export function setCaller(other: Caller): void {
   caller = other;
 }
 
@@ -115,13 +111,8 @@ export const useAnswer = <M extends OperateMethod>(
 export function open(): void {
   if (caller) return;
   const token = sessionStorage.getItem(TOKEN_KEY) ?? "";
-  const connection = new Connection(
-    socketAddress(window.location, "/socket"),
-    token,
-    LISTENER as Listener,
-  );
-  // The methods of this socket are others than those of the models.
-  setCaller(connection as unknown as UnitCaller);
+  const connection = new Connection(socketAddress(window.location, "/socket"), token, LISTENER);
+  setCaller(connection);
   connection.open();
   setInterval(look, LOOK_MS);
   document.addEventListener("visibilitychange", look);
@@ -138,7 +129,7 @@ export function look(): void {
   if (isStale && !was) tell("");
 }
 
-const LISTENER = {
+const LISTENER: Listener = {
   onLink(link: Link, hello: unknown, refusal: string) {
     put({ link, refusal });
     if (link !== "open") put({ mayCommand: false });

@@ -1,11 +1,10 @@
 import { useState } from "react";
 import { change, messageOf } from "../actions";
 import { Fault } from "../panels/base/parts";
-import { useRevision } from "../panels/base/studio";
 import { useAnswer } from "../panels/base/useAnswer";
 import type { FormChildren } from "../protocol";
 import { indexOf, partOf } from "../selection";
-import { active, type Studio, useStudio } from "../store";
+import { active, type Studio, useRevision, useStudio } from "../store";
 
 /** What a service, a machine or a state of it may own, each to be added by one click. */
 export function AddHere({ isMachine }: { isMachine: boolean }) {

@@ -1,10 +1,9 @@
 import { useState } from "react";
 import { ask, messageOf } from "../../actions";
 import type { Plan, PlanAction } from "../../protocol";
-import { say, useStudio } from "../../store";
+import { say, useRevision, useStudio } from "../../store";
 import { Diff } from "../base/Diff";
 import { Copyable, Fault, Level, Quiet } from "../base/parts";
-import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 
 const ACTIONS: [PlanAction, string, string][] = [

@@ -1,7 +1,7 @@
 import { useState } from "react";
 import { redo, undo } from "../../actions";
+import { useRevision } from "../../store";
 import { Fault, Quiet } from "../base/parts";
-import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 
 /** What was done, and how far it is undone: go back to any point of it. */

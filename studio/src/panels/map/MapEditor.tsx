@@ -1,9 +1,8 @@
 import { type KeyboardEvent, useMemo, useState } from "react";
 import { choose, connect, remove } from "../../actions";
 import type { GraphEnd } from "../../protocol";
-import { useStudio } from "../../store";
+import { useRevision, useStudio } from "../../store";
 import { Quiet, Select } from "../base/parts";
-import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 import { Fill } from "./Fill";
 import { MemberTree } from "./MemberTree";

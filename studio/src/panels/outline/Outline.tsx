@@ -1,9 +1,8 @@
 import { type KeyboardEvent, useEffect, useRef, useState } from "react";
 import { choose } from "../../actions";
 import type { OutlineRow, Ref } from "../../protocol";
-import { update, useStudio } from "../../store";
+import { update, useRevision, useStudio } from "../../store";
 import { Fault } from "../base/parts";
-import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 import { useSettled } from "../base/useSettled";
 

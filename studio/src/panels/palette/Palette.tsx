@@ -2,9 +2,8 @@ import { type DragEvent, type KeyboardEvent, useEffect, useId, useRef, useState 
 import { ask, change, DRAGGED, idle, messageOf } from "../../actions";
 import { useListKeys } from "../../keyboard/useListKeys";
 import type { PaletteGroup, PaletteItem, Ref } from "../../protocol";
-import { useStudio } from "../../store";
+import { useRevision, useStudio } from "../../store";
 import { Fault, Quiet } from "../base/parts";
-import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 import { useOnceReady } from "../base/useOnceReady";
 import { useSettled } from "../base/useSettled";

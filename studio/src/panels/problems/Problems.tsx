@@ -1,9 +1,8 @@
 import { useMemo, useState } from "react";
 import { change, messageOf, reveal } from "../../actions";
 import type { Cure, Problem, Severity } from "../../protocol";
-import { useStudio } from "../../store";
+import { useRevision, useStudio } from "../../store";
 import { Fault, Level, Quiet } from "../base/parts";
-import { useRevision } from "../base/studio";
 
 const SEVERITIES: Severity[] = ["error", "warning", "info"];
 const NAMES: Record<Severity, [string, string]> = {

@@ -1,8 +1,7 @@
 import { lazy, Suspense, useMemo } from "react";
 import { ask, choose } from "../../actions";
-import { revisionOf, useStudio } from "../../store";
+import { revisionOf, useRevision, useStudio } from "../../store";
 import { Fault, Quiet } from "../base/parts";
-import { useRevision } from "../base/studio";
 import { useAnswer } from "../base/useAnswer";
 
 // CodeMirror is the larger half of the page: it comes when it is looked at.

@@ -2,9 +2,9 @@ import { Prec } from "@codemirror/state";
 import { EditorView, keymap } from "@codemirror/view";
 import { useEffect, useRef, useState } from "react";
 import { ask, messageOf, redo, undo } from "../../actions";
+import { socketAddress, TOKEN_KEY } from "../../connection";
 import type { FileText } from "../../protocol";
 import { Fault } from "../base/parts";
-import { languageSocket } from "../base/studio";
 import { fileOf, fileUri, LanguageClient, type WorkspaceEdit } from "./languageClient";
 import { edited, languageSupport, showDiagnostics } from "./languageSupport";
 import { lines } from "./lines";
@@ -119,7 +119,7 @@ function open(host: HTMLElement, opening: Opening, onCursor: (offset: number) =>
   if (start.editable && end === null)
     opening.onFault("The lines of this file end in different ways: read-only.");
 
-  const client = notation === "text" && isEditable ? languageClient(root) : null;
+  const client = notation === "text" && isEditable ? openClient(root) : null;
   let cursor: ReturnType<typeof setTimeout> | undefined;
 
   const listener = EditorView.updateListener.of((update) => {
@@ -213,7 +213,7 @@ function open(host: HTMLElement, opening: Opening, onCursor: (offset: number) =>
   };
 }
 
-function languageClient(root: string): LanguageClient | null {
-  const language = languageSocket();
-  return language && new LanguageClient(language.connect, language.token, fileUri(root, ""));
+function openClient(root: string): LanguageClient {
+  const address = socketAddress(window.location, "/language");
+  return new LanguageClient(address, sessionStorage.getItem(TOKEN_KEY) ?? "", fileUri(root, ""));
 }

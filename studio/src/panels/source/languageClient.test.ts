@@ -1,5 +1,5 @@
-import { beforeEach, describe, expect, it, vi } from "vitest";
-import { type Diagnostic, fileOf, fileUri, LanguageClient, type Socket } from "./languageClient";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { type Diagnostic, fileOf, fileUri, LanguageClient } from "./languageClient";
 
 interface Message {
   id?: number;
@@ -12,15 +12,19 @@ interface Message {
 class FakeSocket {
   onopen: (() => void) | null = null;
   onmessage: ((event: { data: string }) => void) | null = null;
-  onclose: (() => void) | null = null;
+  onclose: ((event: { code: number }) => void) | null = null;
   readonly sent: Message[] = [];
+
+  constructor() {
+    sockets.push(this);
+  }
 
   send(text: string) {
     this.sent.push(JSON.parse(text) as Message);
   }
 
   close() {
-    this.onclose?.();
+    this.onclose?.({ code: 1006 });
   }
 
   tell(message: Message) {
@@ -44,12 +48,6 @@ const URI = "file:///robot/maps.ros2jaus";
 let sockets: FakeSocket[];
 let client: LanguageClient;
 
-function connect(): Socket {
-  const socket = new FakeSocket();
-  sockets.push(socket);
-  return socket as unknown as Socket;
-}
-
 async function greeted(socket = sockets.at(-1)): Promise<FakeSocket> {
   if (!socket) throw new Error("no socket");
   socket.onopen?.();
@@ -60,8 +58,10 @@ async function greeted(socket = sockets.at(-1)): Promise<FakeSocket> {
 
 beforeEach(() => {
   sockets = [];
-  client = new LanguageClient(connect, "secret", "file:///robot/");
+  vi.stubGlobal("WebSocket", FakeSocket);
+  client = new LanguageClient("ws://localhost/language", "secret", "file:///robot/");
 });
+afterEach(() => vi.unstubAllGlobals());
 
 describe("the client of the language server", () => {
   it("shows its token first, then what it can, then its text", async () => {
@@ -116,7 +116,7 @@ describe("the client of the language server", () => {
       client.changeText("ab");
       const waiting = client.hover({ line: 0, character: 0 });
       first.close();
-      await expect(waiting).rejects.toThrow("gone");
+      await expect(waiting).rejects.toThrow("lost");
       await vi.advanceTimersByTimeAsync(600);
       const second = await greeted();
       expect(second).not.toBe(first);

@@ -1,5 +1,7 @@
 // A client of the language server, as small as the editor of one text needs it (LSP 3.17).
 
+import { Connection } from "../../connection";
+
 export interface Position {
   line: number;
   character: number;
@@ -41,67 +43,34 @@ export interface WorkspaceEdit {
   changes?: Record<string, TextEdit[]>;
 }
 
-interface Answer {
-  id?: number | string | null;
-  method?: string;
-  params?: unknown;
-  result?: unknown;
-  error?: { message: string };
-}
-
-/** What the client needs of a socket; a `WebSocket` has it. */
-export type Socket = Pick<WebSocket, "send" | "close" | "onopen" | "onmessage" | "onclose">;
-
-interface Pending {
-  resolve(value: unknown): void;
-  reject(error: Error): void;
-}
-
 interface OpenText {
   uri: string;
   version: number;
   text: string;
-  onDiagnostics: (diagnostics: Diagnostic[], version: number | undefined) => void;
+  onDiagnostics: (diagnostics: Diagnostic[]) => void;
 }
 
-const LONGEST_WAIT_MS = 10_000;
-
-/** One conversation with the language server; opened again when it is lost, with the text that is open. */
+/** One conversation with the language server; begun again with the text that is open when it is lost. */
 export class LanguageClient {
-  private socket: Socket | null = null;
-  private readonly pending = new Map<number, Pending>();
-  private next = 1;
+  private readonly connection: Connection;
   private isReady = false;
-  private wait = 500;
-  private timer: ReturnType<typeof setTimeout> | undefined;
   private open: OpenText | null = null;
-  private readonly connect: () => Socket;
-  private readonly token: string;
-  private readonly rootUri: string;
 
-  constructor(connect: () => Socket, token: string, rootUri: string) {
-    this.connect = connect;
-    this.token = token;
-    this.rootUri = rootUri;
-    this.begin();
+  constructor(address: string, token: string, rootUri: string) {
+    this.connection = new Connection(address, token, {
+      onLink: (link) => {
+        this.isReady = false;
+        if (link === "open") this.begin(rootUri).catch(() => undefined); // lost: it is begun again
+      },
+      onNotification: (name, params) => this.told(name, params),
+    });
+    this.connection.open();
   }
 
-  private begin(): void {
-    const socket = this.connect();
-    this.socket = socket;
-    socket.onopen = () => {
-      this.greet().catch(() => socket.close());
-    };
-    socket.onmessage = (event) => this.take(String(event.data));
-    socket.onclose = () => this.lose(socket);
-  }
-
-  private async greet(): Promise<void> {
-    // The server takes the token first; what comes after it goes to the language server.
-    await this.ask("hello", { token: this.token }, 0);
-    await this.ask("initialize", {
+  private async begin(rootUri: string): Promise<void> {
+    await this.connection.call("initialize", {
       processId: null,
-      rootUri: this.rootUri,
+      rootUri,
       capabilities: {
         general: { positionEncodings: ["utf-16"] },
         textDocument: {
@@ -114,30 +83,13 @@ export class LanguageClient {
     });
     this.notify("initialized", {});
     this.isReady = true;
-    this.wait = 500;
     if (this.open) this.sendOpen(this.open);
-  }
-
-  private lose(socket: Socket): void {
-    if (socket !== this.socket) return;
-    this.socket = null;
-    this.isReady = false;
-    for (const each of this.pending.values())
-      each.reject(new Error("The language server is gone."));
-    this.pending.clear();
-    this.timer = setTimeout(() => this.begin(), this.wait);
-    this.wait = Math.min(this.wait * 2, LONGEST_WAIT_MS);
   }
 
   /** Ends it for good. */
   close(): void {
-    clearTimeout(this.timer);
-    const socket = this.socket;
-    this.socket = null;
     this.isReady = false;
-    for (const each of this.pending.values()) each.reject(new Error("The editor was closed."));
-    this.pending.clear();
-    socket?.close();
+    this.connection.close();
   }
 
   // The text that is open
@@ -198,56 +150,21 @@ export class LanguageClient {
 
   private async about<T>(method: string, params: object): Promise<T | null> {
     if (!this.open || !this.isReady) return null;
-    const answer = await this.ask(`textDocument/${method}`, {
+    const answer = await this.connection.call(`textDocument/${method}`, {
       textDocument: { uri: this.open.uri },
       ...params,
     });
     return answer as T | null;
   }
 
-  // The protocol
-
-  private ask(method: string, params: object, id = this.next++): Promise<unknown> {
-    return new Promise((resolve, reject) => {
-      this.pending.set(id, { resolve, reject });
-      this.send({ id, method, params });
-    });
-  }
-
   private notify(method: string, params: object): void {
-    this.send({ method, params });
+    this.connection.notify(method, params);
   }
 
-  private send(message: object): void {
-    this.socket?.send(JSON.stringify({ jsonrpc: "2.0", ...message }));
-  }
-
-  private take(text: string): void {
-    const message = JSON.parse(text) as Answer;
-    if (message.method !== undefined) this.told(message);
-    else this.answered(message);
-  }
-
-  private answered({ id, error, result }: Answer): void {
-    const pending = this.pending.get(Number(id));
-    if (!pending) return;
-    this.pending.delete(Number(id));
-    if (error) pending.reject(new Error(error.message));
-    else pending.resolve(result ?? null);
-  }
-
-  private told({ id, method, params }: Answer): void {
-    if (method === "textDocument/publishDiagnostics") {
-      const { uri, diagnostics, version } = params as {
-        uri: string;
-        diagnostics: Diagnostic[];
-        version?: number;
-      };
-      if (this.open?.uri === uri) this.open.onDiagnostics(diagnostics, version);
-    } else if (id !== undefined && id !== null) {
-      // The server may ask for what this client does not have, such as settings.
-      this.send({ id, result: null });
-    }
+  private told(name: string, params: unknown): void {
+    if (name !== "textDocument/publishDiagnostics") return;
+    const { uri, diagnostics } = params as { uri: string; diagnostics: Diagnostic[] };
+    if (this.open?.uri === uri) this.open.onDiagnostics(diagnostics);
   }
 }
 
