@@ -11,7 +11,9 @@ export interface Sizes {
   isFolded: boolean;
 }
 
-export type Side = "left" | RightTab | "bottom";
+const SIDES = ["left", "form", "source", "bottom"] as const;
+type Side = (typeof SIDES)[number];
+
 
 const USUAL: Sizes = { left: 240, form: 330, source: 480, bottom: 240, isFolded: false };
 const LEAST = 120;
@@ -28,15 +30,10 @@ export function keptSizes(storage: Storage): Sizes {
   }
   const size = (side: Side) => {
     const value = kept[side];
-    return typeof value === "number" && value >= LEAST ? value : USUAL[side];
+    return [side, typeof value === "number" && value >= LEAST ? value : USUAL[side]];
   };
-  return {
-    left: size("left"),
-    form: size("form"),
-    source: size("source"),
-    bottom: size("bottom"),
-    isFolded: kept.isFolded === true,
-  };
+  const sides = Object.fromEntries(SIDES.map(size)) as Record<Side, number>;
+  return { ...sides, isFolded: kept.isFolded === true };
 }
 
 /** Sizes that are remembered, and what changes them. */
@@ -56,6 +53,13 @@ export function asProperties(sizes: Sizes, right: RightTab): Record<string, stri
   };
 }
 
+/** Keys that make it smaller and larger. */
+const KEYS = {
+  left: ["ArrowLeft", "ArrowRight"],
+  right: ["ArrowRight", "ArrowLeft"],
+  bottom: ["ArrowDown", "ArrowUp"],
+};
+
 interface Props {
   side: Side;
   label: string;
@@ -67,6 +71,7 @@ interface Props {
 
 /** A border that is moved by mouse or arrow keys. */
 export function Splitter({ side, label, size, onSize, onFold }: Props) {
+  const place = side === "left" || side === "bottom" ? side : "right";
   const isFlat = side === "bottom";
   const most = Math.max(LEAST, Math.round((isFlat ? window.innerHeight : window.innerWidth) * 0.7));
   const set = (value: number) => onSize(Math.min(most, Math.max(LEAST, Math.round(value))));
@@ -86,15 +91,9 @@ export function Splitter({ side, label, size, onSize, onFold }: Props) {
   }
 
   function onKeyDown(event: KeyboardEvent) {
-    const grows = { left: "ArrowRight", form: "ArrowLeft", source: "ArrowLeft", bottom: "ArrowUp" };
-    const shrinks = {
-      left: "ArrowLeft",
-      form: "ArrowRight",
-      source: "ArrowRight",
-      bottom: "ArrowDown",
-    };
-    if (event.key === grows[side]) set(size + STEP);
-    else if (event.key === shrinks[side]) set(size - STEP);
+    const [less, more] = KEYS[place];
+    if (event.key === more) set(size + STEP);
+    else if (event.key === less) set(size - STEP);
     else if (event.key === "Enter" && onFold) onFold();
     else return;
     event.preventDefault();
@@ -103,7 +102,7 @@ export function Splitter({ side, label, size, onSize, onFold }: Props) {
 
   return (
     <hr
-      className={`splitter splitter-${isFlat ? "bottom" : side === "left" ? "left" : "right"}`}
+      className={`splitter splitter-${place}`}
       aria-label={label}
       aria-orientation={isFlat ? "horizontal" : "vertical"}
       aria-valuenow={size}

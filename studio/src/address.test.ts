@@ -20,7 +20,7 @@ test("a reload shows the same file, view, part and choice", async () => {
     title: "",
     library: false,
   }));
-  const problems = { revision: 1, elapsed_ms: 1, files: [], problems: [] };
+  const problems = { revision: 1, elapsed_ms: 1, problems: [] };
   serve(
     {
       views: () => ({ views }),

@@ -65,6 +65,16 @@ export function useAnswerOf<M extends string, P, R>(
   return { value: isOwn ? answer.value : null, error: isOwn ? answer.error : "", isPending, again };
 }
 
+/** Why work was refused the last time, for people, and what does such work. */
+export function useTrying(): [string, (work: () => Promise<unknown>) => Promise<void>] {
+  const [fault, setFault] = useState("");
+  const attempt = useCallback(async (work: () => Promise<unknown>) => {
+    setFault("");
+    await work().catch((error: unknown) => setFault(messageOf(error)));
+  }, []);
+  return [fault, attempt];
+}
+
 /** What is asked for again and again while it is shown: the last answer, null before the first. */
 export function usePolled<T>(look: () => Promise<T>, milliseconds: number): T | null {
   const [found, setFound] = useState<T | null>(null);

@@ -34,7 +34,7 @@ test("a greeted page opens the file that was asked for, at its first view", asyn
   serve({
     views: () => ({ views: VIEWS }),
     view: () => ({ revision: 3, graph }),
-    problems: () => ({ revision: 3, elapsed_ms: 1, files: [], problems: [] }),
+    problems: () => ({ revision: 3, elapsed_ms: 1, problems: [] }),
   });
   update({ file: "", view: "" });
   actions.listener.onLink("open", PROJECT, "");
@@ -358,7 +358,6 @@ test("verdicts are spoken when they change, and only then", () => {
     actions.listener.onNotification("problems", {
       revision: 1,
       elapsed_ms: 1,
-      files: [],
       problems,
     });
   told([problem]);

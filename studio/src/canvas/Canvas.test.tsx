@@ -32,7 +32,7 @@ async function press(keys: string) {
 
 test("boxes have names, rows and what is wrong with them, as words too", () => {
   const graph = smallGraph();
-  graph.nodes[0]!.findings = [{ severity: "error", rule: "JML1", message: "has no address" }];
+  graph.nodes[0]!.findings = [{ severity: "error", message: "has no address" }];
   update({ graph });
   render(<Canvas />);
   const ocu = box("component ocu, 2 rows, error: has no address");

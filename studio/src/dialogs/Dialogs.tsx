@@ -248,34 +248,47 @@ function Written({
 
 function Hosts({ dialog }: Of<"hosts">) {
   const graph = useStudio((studio) => studio.graph);
-  const hosts = graph ? hostsOf(graph) : [];
   return (
-    <Modal title="Run on host…" onClose={close}>
-      <Picker
-        label="hosts of the system"
-        picks={hosts.map(({ id, title }) => ({ id, text: title, shown: <strong>{title}</strong> }))}
-        onPick={(at) => {
-          const host = hosts[at];
-          close();
-          if (host) void placeOn(host.id, dialog.boxes, {});
-        }}
-      />
-    </Modal>
+    <Choose
+      title="Run on host…"
+      label="hosts of the system"
+      parts={graph ? hostsOf(graph) : []}
+      onChoose={(host) => void placeOn(host, dialog.boxes, {})}
+    />
   );
 }
 
 function Bridges({ dialog }: Of<"bridges">) {
   const graph = useStudio((studio) => studio.graph);
   const bridges = graph ? bridgesOf(graph) : [];
-  const picks = [...bridges, { id: "", title: "a new bridge" }];
   return (
-    <Modal title="Carry by bridge…" onClose={close}>
+    <Choose
+      title="Carry by bridge…"
+      label="bridges of the system"
+      parts={[...bridges, { id: "", title: "a new bridge" }]}
+      onChoose={(bridge) => void carry(dialog.elements, bridge)}
+    />
+  );
+}
+
+interface ChooseProps {
+  title: string;
+  label: string;
+  parts: readonly { id: string; title: string }[];
+  onChoose(id: string): void;
+}
+
+/** A part of the diagram that is chosen by its title. */
+function Choose({ title, label, parts, onChoose }: ChooseProps) {
+  return (
+    <Modal title={title} onClose={close}>
       <Picker
-        label="bridges of the system"
-        picks={picks.map(({ id, title }) => ({ id, text: title, shown: <strong>{title}</strong> }))}
+        label={label}
+        picks={parts.map(({ id, title }) => ({ id, text: title, shown: <strong>{title}</strong> }))}
         onPick={(at) => {
+          const part = parts[at];
           close();
-          void carry(dialog.elements, picks[at]?.id ?? "");
+          if (part) onChoose(part.id);
         }}
       />
     </Modal>

@@ -13,7 +13,7 @@ let server: FakeServer;
 
 function bridge(name: string, connections: string[]): PlannedBridge {
   const figures = { processor_share: 0.01, datagrams_per_s: 50, bytes_between_hosts_per_s: 0 };
-  return { name, new: false, host: "", connections, ...figures, wait_s: 1e-4, reasons: [] };
+  return { name, host: "", connections, ...figures, wait_s: 1e-4, reasons: [] };
 }
 
 const PLAN: Plan = {

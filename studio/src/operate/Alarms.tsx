@@ -100,24 +100,29 @@ export function Requests() {
   );
 }
 
+const DECISIONS = [
+  ["grant", "Grant"],
+  ["deny", "Deny"],
+  ["defer", "Defer"],
+] as const;
+
 function Request({ request }: { request: HandoffRequest }) {
   const isOurs = useUnit(commands);
   const { component, number } = request;
-  const decide = (decision: "grant" | "deny" | "defer") =>
-    void tried("decide", { component, number, decision });
   return (
     <li>
       {request.client} asks for control of {component} with authority {request.authority}:{" "}
       {request.explanation || "without a reason"}
-      <button type="button" disabled={!isOurs} onClick={() => decide("grant")}>
-        Grant
-      </button>
-      <button type="button" disabled={!isOurs} onClick={() => decide("deny")}>
-        Deny
-      </button>
-      <button type="button" disabled={!isOurs} onClick={() => decide("defer")}>
-        Defer
-      </button>
+      {DECISIONS.map(([decision, name]) => (
+        <button
+          key={decision}
+          type="button"
+          disabled={!isOurs}
+          onClick={() => void tried("decide", { component, number, decision })}
+        >
+          {name}
+        </button>
+      ))}
     </li>
   );
 }

@@ -83,8 +83,7 @@ export interface UnitState {
   /** Seconds that the page which commands may be silent. */
   lease: number | null;
   commander: { page: number; name: string } | null;
-  stick: { component: string; message: string } | null;
-  holds: { component: string; state: string; held: boolean }[];
+  holds: { component: string }[];
   requests: HandoffRequest[];
   /** The newest first. */
   alarms: Alarm[];
@@ -115,13 +114,10 @@ type Drawn = Of & { message: string; elements: object[] };
 /** Requests: parameters and result by method. */
 export interface OperateMethods {
   claim: [{ right: string; name: string }, unknown];
-  messages: [
-    Of,
-    { services: string[]; commands: Command[]; reports: { name: string; service: string }[] },
-  ];
-  form: [Of & { message: string }, { message: string; fields: Field[] }];
+  messages: [Of, { services: string[]; commands: Command[]; reports: { name: string }[] }];
+  form: [Of & { message: string }, { fields: Field[] }];
   journal: [Record<string, never>, { entries: JournalEntry[] }];
-  watch: [Of & { report: string; rate: number | null; fields?: object | null }, { report: string }];
+  watch: [Of & { report: string; rate: number | null; fields?: object | null }, unknown];
   unwatch: [Of & { report: string }, unknown];
   values: [Record<string, never>, { values: Values[] }];
   history: [
@@ -131,17 +127,17 @@ export interface OperateMethods {
   picture: [Of & { report: string; path: string }, { url: string }];
   renew: [Record<string, never>, unknown];
   take: [Of & { authority: number }, unknown];
-  release: [Of, { confirmed: boolean }];
-  resume: [Of, { state: string }];
-  standby: [Of, { state: string }];
+  release: [Of, unknown];
+  resume: [Of, unknown];
+  standby: [Of, unknown];
   send: [Of & { message: string; fields: object }, { answer: string }];
   stop: [{ components: string[] }, { stopped: { component: string; outcome: string }[] }];
-  clear: [Of, { state: string }];
+  clear: [Of, unknown];
   silence: [{ numbers: number[]; reason: string }, unknown];
   handoff: [Of & { authority: number; reason: string }, unknown];
-  decide: [Of & { number: number; decision: "grant" | "deny" | "defer" }, { client: string }];
+  decide: [Of & { number: number; decision: "grant" | "deny" | "defer" }, unknown];
   "list.set": [Drawn, unknown];
-  "list.execute": [Drawn & { speed: number; first: number }, { answer: string; time: number }];
+  "list.execute": [Drawn & { speed: number; first: number }, { time: number }];
   "list.end": [Of, unknown];
   "stick.begin": [Of & { message: string }, { stick: number; timeout: number }];
   "stick.move": [{ stick: number; fields: object }, unknown];

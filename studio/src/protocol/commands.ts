@@ -83,7 +83,6 @@ export interface KeptEdit {
   label: string;
   commands: Command[];
   why: string;
-  files: string[];
 }
 
 export interface Referrer {

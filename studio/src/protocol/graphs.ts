@@ -6,7 +6,6 @@ export type Severity = "error" | "warning" | "info";
 
 export interface Finding {
   severity: Severity;
-  rule: string;
   message: string;
 }
 
@@ -44,8 +43,6 @@ export interface GraphNode {
   height: number;
   /** Height of what stands above the rows. */
   head: number;
-  /** Its place is the user's, not the layout's. */
-  moved: boolean;
   /** Whether it is the state that its frame is entered in. */
   initial: boolean;
   ports: GraphPort[];
@@ -79,7 +76,6 @@ export interface GraphEdge {
   title: string;
   labels: string[];
   count: number;
-  details: Details;
   findings: Finding[];
   /** A start, then three points for each cubic Bezier curve; empty for none. */
   route: Point[];
@@ -99,7 +95,6 @@ export interface Graph {
   folded?: boolean;
   width: number;
   height: number;
-  findings: Finding[];
   nodes: GraphNode[];
   groups: GraphGroup[];
   edges: GraphEdge[];

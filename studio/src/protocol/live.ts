@@ -2,13 +2,8 @@
 
 export interface LiveEdge {
   level: string;
-  rate: number | null;
-  declared: number | null;
-  age: number | null;
   /** It was heard, and is no more. */
   gone?: boolean;
-  latency: Record<string, number> | null;
-  drops: Record<string, number>;
   text: string;
 }
 
@@ -16,8 +11,6 @@ export interface LiveBox {
   level: string;
   /** It answered, and does no more. */
   gone?: boolean;
-  state: string;
-  controller: string;
   text: string;
 }
 
@@ -28,7 +21,6 @@ export interface LiveConnection {
   /** Id of its row in the system view, empty where the model has none. */
   row: string;
   level: string;
-  state: string | null;
   reason: string;
   rate: number | null;
   declared_rate: number | null;
@@ -61,7 +53,6 @@ export interface LiveComponent {
   reason: string;
   state: string | null;
   controller: string | null;
-  authority: number | null;
   machines?: LiveMachine[];
   round_trip_ms: number | null;
   /** Seconds since its last answer. */
@@ -70,11 +61,9 @@ export interface LiveComponent {
 
 export interface LiveState {
   health?: string;
-  heard?: boolean;
   sources?: Record<string, string>;
   connections?: LiveConnection[];
   components?: LiveComponent[];
-  ignored?: number;
   /** By id of an edge or a port of the system view. */
   edges: Record<string, LiveEdge>;
   /** By id of a node of the system view, or of a box or frame of the view of a machine. */

@@ -24,8 +24,6 @@ export type Direction = "to_ros" | "to_jaus";
 export interface Filling {
   label: string;
   commands: Command[];
-  /** The assignments as texts write them. */
-  statements: string[];
   /** Members that nothing fills then. */
   left: Partial<Record<Direction, string[]>>;
   refusal: string;

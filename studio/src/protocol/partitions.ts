@@ -4,7 +4,6 @@ import type { Command } from "./commands";
 
 export interface PlannedBridge {
   name: string;
-  new: boolean;
   /** Empty where the system has no hosts. */
   host: string;
   /** Names of connections, each behind that of its bridge now. */

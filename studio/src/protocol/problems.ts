@@ -2,7 +2,7 @@
 
 import type { Command } from "./commands";
 import type { Severity } from "./graphs";
-import type { Freshness, Ref } from "./project";
+import type { Ref } from "./project";
 
 export interface Cure {
   label: string;
@@ -34,10 +34,8 @@ export interface LoggedFault {
 
 export interface Problems {
   revision: number;
-  freshness?: Freshness;
   /** Why no rules were run, empty when they were. */
   fault?: string;
   elapsed_ms: number;
-  files: string[];
   problems: Problem[];
 }

@@ -11,7 +11,6 @@ export type Point = [number, number];
 export interface FileInfo {
   path: string;
   notation: "xmi" | "text";
-  revision: number;
   /** The model is the last one that could be read. */
   stale: boolean;
   /** The text cannot be parsed at the moment. */
@@ -31,7 +30,6 @@ export interface Freshness {
 export interface Project {
   name: string;
   root: string;
-  version: string;
   revision: number;
   files: FileInfo[];
   /** The file to show first, empty for none. */
@@ -39,7 +37,7 @@ export interface Project {
   /** Whether there is something to undo, or to do again. */
   undoable: boolean;
   redoable: boolean;
-  extras: { live: boolean; graphviz: boolean; recordings?: string[] };
+  extras: { live: boolean; recordings?: string[] };
 }
 
 export type ViewKind = "system" | "map" | "service" | "machine";

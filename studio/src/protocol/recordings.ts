@@ -3,15 +3,10 @@
 /** Something that changed between two moments; times are seconds since the beginning. */
 export interface Mark {
   kind: "drop" | "state" | "control";
-  since: number;
   time: number;
   /** Bridge and connection; an address and nothing for a component. */
   bridge: string;
   connection: string;
-  /** Counter that rose, empty where none did. */
-  counter: string;
-  before: string;
-  after: string;
 }
 
 /** A recording that is read. */

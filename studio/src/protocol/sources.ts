@@ -8,8 +8,6 @@ export interface Source {
   notation: "xmi" | "text";
   start: number;
   end: number;
-  line: number;
-  revision: number;
 }
 
 export interface FileText {

@@ -52,7 +52,7 @@ test("it is one tab stop; arrows choose, and keys do what they do in the diagram
 
 test("boxes stand with their rows, and with what is wrong in words", () => {
   const graph = smallGraph();
-  graph.nodes[1]!.findings = [{ severity: "warning", rule: "JML2", message: "no host" }];
+  graph.nodes[1]!.findings = [{ severity: "warning", message: "no host" }];
   update({ graph, selection: [nodeKey("bridge")] });
   render(<TableView />);
   const boxes = screen.getByRole("table", { name: "Boxes and their rows" });

@@ -41,13 +41,12 @@ export class FakeServer implements Caller {
 export const PROJECT: Project = {
   name: "robot",
   root: "/robot",
-  version: "0.0",
   revision: 1,
-  files: [{ path: "robot.xmi", notation: "xmi", revision: 1, stale: false, dirty: false }],
+  files: [{ path: "robot.xmi", notation: "xmi", stale: false, dirty: false }],
   opened: "robot.xmi",
   undoable: true,
   redoable: true,
-  extras: { live: true, graphviz: true },
+  extras: { live: true },
 };
 
 /** Gives the page a server, as if it had just been greeted. */

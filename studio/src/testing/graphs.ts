@@ -25,7 +25,6 @@ export function node(id: string, ports: string[], more: Partial<GraphNode> = {})
     width: 120,
     height: 30 + 18 * ports.length,
     head: 30,
-    moved: false,
     initial: false,
     ports: ports.map((each, at) => port(each, 30 + 18 * at)),
     ...more,
@@ -48,7 +47,6 @@ export function edge(
     title: id,
     labels: [],
     count: 1,
-    details: [],
     findings: [],
     route: [],
     label: null,
@@ -66,7 +64,6 @@ export function smallGraph(): Graph {
     crowded: false,
     width: 600,
     height: 200,
-    findings: [],
     groups: [],
     nodes: [
       node("ocu", ["drive", "pose"]),

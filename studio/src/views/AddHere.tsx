@@ -1,5 +1,5 @@
-import { useState } from "react";
-import { change, messageOf } from "../actions";
+import { change } from "../actions";
+import { useTrying } from "../answers";
 import { Fault } from "../panels/base/parts";
 import { useAnswer } from "../panels/base/useAnswer";
 import type { FormChildren } from "../protocol";
@@ -11,17 +11,12 @@ export function AddHere({ isMachine }: { isMachine: boolean }) {
   const owner = useStudio(ownerOf);
   const revision = useRevision();
   const { value: form } = useAnswer("form", owner ? { element: owner } : null, revision);
-  const [fault, setFault] = useState("");
+  const [fault, attempt] = useTrying();
 
   async function add({ feature, label, kinds: [kind] }: FormChildren) {
     if (!kind) return;
-    const values = kind.values ?? {};
-    try {
-      await change([{ kind: "add", owner, feature, type: kind.kind, values }], `Add to ${label}`);
-      setFault("");
-    } catch (error) {
-      setFault(messageOf(error));
-    }
+    const command = { kind: "add" as const, owner, feature, type: kind.kind };
+    await attempt(() => change([{ ...command, values: kind.values ?? {} }], `Add to ${label}`));
   }
 
   const lists = form?.children.filter((each) => each.many && each.kinds.length > 0) ?? [];

@@ -12,7 +12,6 @@ import { ViewBar } from "./ViewBar";
 const FILLING: Filling = {
   label: "Fill map velocity",
   commands: [{ kind: "remove", element: "robot.xmi#1" }],
-  statements: ["Velocity_X -> twist.linear.x"],
   left: { to_ros: ["header.frame_id"], to_jaus: [] },
   refusal: "",
 };

@@ -1,5 +1,6 @@
 import { useState } from "react";
-import { ask, messageOf } from "../../actions";
+import { ask } from "../../actions";
+import { useTrying } from "../../answers";
 import type { Plan, PlanAction } from "../../protocol";
 import { say, useRevision, useStudio } from "../../store";
 import { Diff } from "../base/Diff";
@@ -35,26 +36,22 @@ export function Generate() {
   const { value: plan, error, isPending, again } = useAnswer("plan", question, asked);
   const [shown, setShown] = useState("");
   const [message, setMessage] = useState("");
-  const [fault, setFault] = useState("");
+  const [fault, attempt] = useTrying();
   const [isWriting, setWriting] = useState(false);
 
   if (!file) return <Quiet>No file is open.</Quiet>;
 
   async function write(taken: Plan) {
     setWriting(true);
-    setFault("");
-    try {
+    await attempt(async () => {
       const { out, digest } = taken;
       const done = await ask("generate", { file, out, digest, force });
       setMessage(done.message);
       setForce(false);
       say(done.message);
-    } catch (error) {
-      setFault(messageOf(error));
-    } finally {
-      setWriting(false);
-      again();
-    }
+    });
+    setWriting(false);
+    again();
   }
 
   const refused = plan?.files.filter((each) => each.action === "refuse").length ?? 0;

@@ -1,5 +1,6 @@
 import { type ReactNode, useEffect, useState } from "react";
-import { ask, messageOf } from "../../actions";
+import { ask } from "../../actions";
+import { useTrying } from "../../answers";
 import type { LiveComponent, LiveConnection } from "../../protocol";
 import { partOf } from "../../selection";
 import { active, type Studio, state, update, useStudio } from "../../store";
@@ -17,7 +18,7 @@ export function Live() {
   const file = useStudio((state) => state.file);
   const live = useStudio((state) => state.live);
   const recorded = useStudio((state) => state.recorded);
-  const [fault, setFault] = useState("");
+  const [fault, attempt] = useTrying();
   const [isStarting, setStarting] = useState(false);
   const [open, setOpen] = useState("");
   const chosen = useStudio(chosenRow);
@@ -27,19 +28,13 @@ export function Live() {
 
   async function turn(isOn: boolean) {
     setStarting(true);
-    setFault("");
-    try {
+    await attempt(async () => {
       await (isOn ? ask("live.start", { file }) : ask("live.stop", {}));
       // The first state comes a moment later.
-      update({
-        live: isOn ? (state().live ?? { edges: {}, boxes: {} }) : null,
-        liveAt: isOn ? Date.now() : 0,
-      });
-    } catch (error) {
-      setFault(messageOf(error));
-    } finally {
-      setStarting(false);
-    }
+      const begun = { live: state().live ?? { edges: {}, boxes: {} }, liveAt: Date.now() };
+      update(isOn ? begun : { live: null, liveAt: 0 });
+    });
+    setStarting(false);
   }
 
   if (recorded)

@@ -23,7 +23,6 @@ function component(machines?: LiveMachine[]): LiveComponent {
     reason: "",
     state: "READY",
     controller: null,
-    authority: null,
     round_trip_ms: null,
     machines,
   };

@@ -1,5 +1,6 @@
 import { useLayoutEffect, useRef, useState } from "react";
-import { change, messageOf } from "../../actions";
+import { change } from "../../actions";
+import { useTrying } from "../../answers";
 import type { ConnectOption, ConnectResult, GraphEnd } from "../../protocol";
 import { Fault } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
@@ -19,7 +20,7 @@ interface Props {
 /** Fills a member without a source: with a constant or the present time; or leaves it out. */
 export function Fill({ file, view, target, revision, onDone }: Props) {
   const [typed, setTyped] = useState("");
-  const [fault, setFault] = useState("");
+  const [fault, attempt] = useTrying();
   const field = useRef<HTMLInputElement>(null);
   const value = useSettled(typed, PAUSE_MS);
   const answer = useAnswer("fill", { file, view, target, value }, revision);
@@ -30,14 +31,11 @@ export function Fill({ file, view, target, revision, onDone }: Props) {
   // It was asked for by a key or a button just now.
   useLayoutEffect(() => field.current?.focus(), []);
 
-  async function take(option: ConnectOption) {
-    try {
-      await change(option.commands, `Fill ${target.port}: ${option.label}`, ways?.revision);
+  const take = ({ commands, label }: ConnectOption) =>
+    attempt(async () => {
+      await change(commands, `Fill ${target.port}: ${label}`, ways?.revision);
       onDone();
-    } catch (error) {
-      setFault(messageOf(error));
-    }
-  }
+    });
 
   const takeConstant = useOnceReady(isJudged, () => constant && void take(constant));
 

@@ -1,5 +1,6 @@
 import { type DragEvent, type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
-import { ask, change, DRAGGED, idle, messageOf } from "../../actions";
+import { ask, change, DRAGGED, idle } from "../../actions";
+import { useTrying } from "../../answers";
 import { useListKeys } from "../../keyboard/useListKeys";
 import type { PaletteGroup, PaletteItem, Ref } from "../../protocol";
 import { useRevision, useStudio } from "../../store";
@@ -36,7 +37,7 @@ export function Palette() {
   const query = useSettled(typed.trim(), PAUSE_MS);
   const { value, error } = useAnswer("palette", file ? { file, query, onto } : null, revision);
   const [kept, setKept] = useState(() => recent(localStorage));
-  const [fault, setFault] = useState("");
+  const [fault, attempt] = useTrying();
   const list = useId();
 
   const held = useHeld(value?.items);
@@ -55,8 +56,8 @@ export function Palette() {
   const isFound = value !== null && query === typed.trim();
   const addFirst = useOnceReady(isFound, () => offers[0] && void add(offers[0].item));
 
-  async function add(item: Offer["item"]) {
-    try {
+  const add = (item: Offer["item"]) =>
+    attempt(async () => {
       const seen = revision;
       await idle();
       const isNow = item.drop && useStudio.getState().project?.revision === seen;
@@ -64,11 +65,7 @@ export function Palette() {
       const base = isNow ? value?.revision : undefined;
       await change(whole.drop.commands, whole.label_of_edit, base);
       setKept(remember(localStorage, whole));
-      setFault("");
-    } catch (error) {
-      setFault(messageOf(error));
-    }
-  }
+    });
 
   function onKeyDown(event: KeyboardEvent) {
     if (event.key === "Enter" && !isFound) return addFirst(true);

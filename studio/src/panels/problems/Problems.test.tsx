@@ -40,8 +40,7 @@ let server: FakeServer;
 
 beforeEach(() => {
   server = serve({ edit: () => ({ revision: 1, created: [] }) });
-  const files = ["robot.xmi"];
-  update({ problems: { revision: 1, elapsed_ms: 41.6, files, problems: PROBLEMS } });
+  update({ problems: { revision: 1, elapsed_ms: 41.6, problems: PROBLEMS } });
   render(<Problems />);
 });
 
@@ -83,9 +82,8 @@ it("says so when there is nothing to say", () => {
 
 it("gives no verdict on what cannot be read", () => {
   const fault = "robot.xmi cannot be read as it is";
-  const freshness = { state: "unreadable" as const, since: 1, why: fault };
-  const told = { revision: 2, elapsed_ms: 1, files: ["robot.xmi"], problems: [] };
-  act(() => update({ problems: { ...told, fault, freshness } }));
+  const told = { revision: 2, elapsed_ms: 1, problems: [] };
+  act(() => update({ problems: { ...told, fault } }));
   expect(screen.getByRole("status")).toHaveTextContent(`Not checked: ${fault}.`);
   expect(screen.queryByText(/No problems|checked in/)).toBeNull();
 });

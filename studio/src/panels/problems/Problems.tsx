@@ -1,5 +1,6 @@
 import { useMemo, useState } from "react";
-import { change, messageOf, reveal } from "../../actions";
+import { change, reveal } from "../../actions";
+import { useTrying } from "../../answers";
 import type { Cure, Problem, Severity } from "../../protocol";
 import { useRevision, useStudio } from "../../store";
 import { Fault, Level, Quiet } from "../base/parts";
@@ -42,7 +43,7 @@ export function Problems() {
   const revision = useRevision();
   const [hidden, setHidden] = useState<readonly Severity[]>([]);
   const [filter, setFilter] = useState("");
-  const [fault, setFault] = useState("");
+  const [fault, attempt] = useTrying();
 
   const all = useMemo(() => ordered(told?.problems ?? []), [told]);
   const words = filter.toLowerCase().split(/\s+/).filter(Boolean);
@@ -51,14 +52,8 @@ export function Problems() {
     return !hidden.includes(each.severity) && words.every((word) => text.includes(word));
   });
 
-  async function cure(taken: Cure) {
-    try {
-      await change(taken.commands, taken.label, told?.revision);
-      setFault("");
-    } catch (error) {
-      setFault(messageOf(error));
-    }
-  }
+  const cure = ({ commands, label }: Cure) =>
+    void attempt(() => change(commands, label, told?.revision));
 
   if (told === null) return <Quiet>Nothing has been checked yet.</Quiet>;
   return (

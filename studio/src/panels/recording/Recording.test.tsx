@@ -11,13 +11,9 @@ import Recording from "./Recording";
 
 const drop = (time: number, kind: Mark["kind"] = "drop"): Mark => ({
   kind,
-  since: time - 1,
   time,
   bridge: "bridge",
   connection: "drive",
-  counter: "too_old",
-  before: "0",
-  after: "1",
 });
 const READ: ReadRecording = {
   duration: 20,

@@ -6,6 +6,7 @@ import {
 } from "@codemirror/autocomplete";
 import { type Diagnostic as Shown, setDiagnostics } from "@codemirror/lint";
 import {
+  ChangeSet,
   type ChangeSpec,
   type Extension,
   StateEffect,
@@ -58,17 +59,8 @@ function spec(text: Text, edit: TextEdit): ChangeSpec {
 
 /** Returns a text with edits of it made. */
 export function edited(text: Text, edits: readonly TextEdit[]): string {
-  const ordered = edits.map((each) => ({
-    from: offsetOf(text, each.range.start),
-    to: offsetOf(text, each.range.end),
-    insert: each.newText,
-  }));
-  ordered.sort((left, right) => right.from - left.from);
-  const whole = text.toString();
-  return ordered.reduce(
-    (made, each) => made.slice(0, each.from) + each.insert + made.slice(each.to),
-    whole,
-  );
+  const changes = edits.map((each) => spec(text, each));
+  return ChangeSet.of(changes, text.length).apply(text).toString();
 }
 
 /** Shows what the language server says is wrong. */

@@ -1,5 +1,6 @@
 import { useLayoutEffect, useState } from "react";
-import { ask, messageOf } from "../../actions";
+import { ask } from "../../actions";
+import { useTrying } from "../../answers";
 import type { ChosenStep, Stepping as Standing, StepChoice } from "../../protocol";
 import { revisionOf, update, useStudio, type Walk } from "../../store";
 import { Copyable, Fault, figure, Quiet } from "../base/parts";
@@ -170,16 +171,9 @@ function Taken({ standing, path, onBack }: TakenProps) {
 /** The path as a test that runs beside the generated workspace. */
 function AsTest({ file, view, path }: { file: string; view: string; path: ChosenStep[] }) {
   const [test, setTest] = useState("");
-  const [fault, setFault] = useState("");
-
-  async function make() {
-    setFault("");
-    try {
-      setTest((await ask("step.test", { file, view, path })).test);
-    } catch (error) {
-      setFault(messageOf(error));
-    }
-  }
+  const [fault, attempt] = useTrying();
+  const make = () =>
+    attempt(async () => setTest((await ask("step.test", { file, view, path })).test));
 
   return (
     <>
