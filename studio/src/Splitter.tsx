@@ -14,7 +14,6 @@ export interface Sizes {
 const SIDES = ["left", "form", "source", "bottom"] as const;
 type Side = (typeof SIDES)[number];
 
-
 const USUAL: Sizes = { left: 240, form: 330, source: 480, bottom: 240, isFolded: false };
 const LEAST = 120;
 const STEP = 24;

@@ -1,4 +1,4 @@
-// The state of a running system.
+// A running system, a recording of one, and a machine that is stepped by hand.
 
 export interface LiveEdge {
   level: string;
@@ -74,4 +74,70 @@ export interface LiveMessage {
   jaus: string;
   ros: string;
   age: number | null;
+}
+
+/** Something that changed between two moments; times are seconds since the beginning. */
+export interface Mark {
+  kind: "drop" | "state" | "control";
+  time: number;
+  /** Bridge and connection; an address and nothing for a component. */
+  bridge: string;
+  connection: string;
+}
+
+/** A recording that is read. */
+export interface ReadRecording {
+  duration: number;
+  /** What of the file cannot be read. */
+  damage: string;
+  /** Why it tells nothing of ROS, or of JAUS. */
+  sources: Record<string, string>;
+  unreadable: number;
+  marks: Mark[];
+  /** Marks that are too many to be listed. */
+  unlisted: number;
+}
+
+export interface Explanation {
+  /** The time that is explained: that of the last drop. */
+  at: number;
+  counter: string[];
+  state: string[];
+}
+
+/** A step that was chosen, with what conditions of the user say of it. */
+export interface ChosenStep {
+  actor: string;
+  what: string;
+  said: Record<string, boolean>;
+}
+
+/** What can happen in a state, or what has happened. */
+export interface StepChoice {
+  kind: "message" | "event" | "core" | "time";
+  actor: string;
+  what: string;
+  /** Path of the state after it. */
+  state: string;
+  /** Id of the line or row that is taken; empty where the core services alone act. */
+  transition: string;
+  /** Why nothing happens, empty when something does. */
+  why_not: string;
+}
+
+export interface Stepping {
+  component: string;
+  /** Seconds of one step of time. */
+  tick: number;
+  /** Machines of the component that may act meanwhile, and are not stepped. */
+  beside: string[];
+  conditions: string[];
+  initial: string;
+  taken: StepChoice[];
+  /** Why the path cannot be gone any more. */
+  fault: string;
+  state: string;
+  status: string;
+  controller: string;
+  choices: StepChoice[];
 }

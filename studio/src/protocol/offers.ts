@@ -1,7 +1,6 @@
-// What may be changed, added and connected: forms, the palette, lines.
+// What may be changed, added and connected: forms, the palette, lines, maps, bridges.
 
-import type { Command } from "./commands";
-import type { Ref } from "./project";
+import type { Command, Ref } from "./project";
 
 export type FieldKind =
   | "text"
@@ -111,4 +110,83 @@ export interface LegalEnd {
   port: string;
   label: string;
   why: string;
+}
+
+export interface MapMember {
+  path: string;
+  label: string;
+  /** Type, unit and range. */
+  note: string;
+  mark: string;
+  depth: number;
+}
+
+/** All members of one end of a map; the graph has only those of interest. */
+export interface MapSide {
+  /** Id of the box in the graph. */
+  node: string;
+  members: MapMember[];
+}
+
+export type Direction = "to_ros" | "to_jaus";
+
+/** What fills a map. */
+export interface Filling {
+  label: string;
+  commands: Command[];
+  /** Members that nothing fills then. */
+  left: Partial<Record<Direction, string[]>>;
+  refusal: string;
+  /** Revision of which the refs of its commands are. */
+  revision?: number;
+}
+
+export interface TriedInput {
+  path: string;
+  type: string;
+  unit: string;
+  default: string;
+}
+
+export interface TryResult {
+  values: { path: string; value: string; unit: string }[];
+  bytes: string;
+  error: string;
+  /** What was done to values that do not fit. */
+  notes: string[];
+}
+
+export interface PlannedBridge {
+  name: string;
+  /** Empty where the system has no hosts. */
+  host: string;
+  /** Names of connections, each behind that of its bridge now. */
+  connections: string[];
+  processor_share: number;
+  datagrams_per_s: number;
+  bytes_between_hosts_per_s: number;
+  /** Seconds that a message waits when one of each connection comes at once. */
+  wait_s: number;
+  reasons: string[];
+}
+
+export interface Partition {
+  before: PlannedBridge[];
+  after: PlannedBridge[];
+  /** The new bridge of each connection that moves. */
+  moved: Record<string, string>;
+  /** What keeps it from being done; without commands then. */
+  faults: string[];
+  /** The limits that it does not hold. */
+  excess: string[];
+  commands: Command[];
+  revision?: number;
+}
+
+export interface StartingPoint {
+  name: string;
+  /** Those that are not plain are text only. */
+  kind: "plain" | "profile" | "example";
+  /** Half a sentence on what it has. */
+  about: string;
 }

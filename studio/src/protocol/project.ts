@@ -1,4 +1,6 @@
-// Files of a project, and how their elements are named.
+// Files of a project, how their elements are named, and what is wrong, written and generated.
+
+import type { Severity } from "./graphs";
 
 /** `<file>#<fragment>` of an element of a model; valid for one revision of the project. */
 export type Ref = string;
@@ -47,4 +49,188 @@ export interface ViewInfo {
   kind: ViewKind;
   title: string;
   library: boolean;
+}
+
+export interface Child {
+  feature: string;
+  kind: string;
+  values: Record<string, string[]>;
+  children?: Child[];
+}
+
+export interface SetCommand {
+  kind: "set";
+  element: Ref;
+  feature: string;
+  values: string[];
+}
+
+export interface AddCommand {
+  kind: "add";
+  owner: Ref;
+  feature: string;
+  /** Qualified class; named `type` since `kind` names the command. */
+  type: string;
+  values: Record<string, string[]>;
+  children?: Child[];
+  position?: number | null;
+}
+
+export interface RemoveCommand {
+  kind: "remove";
+  element: Ref;
+}
+
+export interface MoveCommand {
+  kind: "move";
+  element: Ref;
+  owner: Ref;
+  feature: string;
+  position?: number | null;
+}
+
+export interface RenameCommand {
+  kind: "rename";
+  element: Ref;
+  name: string;
+}
+
+export interface CreateCommand {
+  kind: "create";
+  file: string;
+  type: string;
+  values: Record<string, string[]>;
+}
+
+export interface PlaceCommand {
+  kind: "place";
+  file: string;
+  view: string;
+  /** null forgets: the layout decides again. */
+  positions: Record<LayoutKey, Point | null>;
+}
+
+export type Command =
+  | SetCommand
+  | AddCommand
+  | RemoveCommand
+  | MoveCommand
+  | RenameCommand
+  | CreateCommand
+  | PlaceCommand;
+
+export interface Entry {
+  number: number;
+  label: string;
+  files: string[];
+  created: Ref[];
+}
+
+/** An edit that met a change beneath it: kept until it is done again or discarded. */
+export interface KeptEdit {
+  number: number;
+  label: string;
+  commands: Command[];
+  why: string;
+}
+
+export interface Referrer {
+  element: Ref;
+  label: string;
+}
+
+/** Where a box shall stand: its upper left corner in a view. */
+export interface Corner {
+  file: string;
+  view: string;
+  x: number;
+  y: number;
+}
+
+export interface EditResult {
+  revision: number;
+  entry?: Entry | null;
+  created: Ref[];
+  diff?: string;
+  referrers?: Referrer[];
+}
+
+/** What a text says that was pasted, and nothing here can stand for. */
+export interface LeftOut {
+  /** The element that says it, empty where it has no name. */
+  name: string;
+  message: string;
+}
+
+export interface Cure {
+  label: string;
+  commands: Command[];
+}
+
+export interface Problem {
+  file: string;
+  line: number;
+  column: number;
+  severity: Severity;
+  rule: string;
+  message: string;
+  hint: string;
+  element: Ref | "";
+  /** Element path by names. */
+  path: string;
+  cures: Cure[];
+}
+
+/** A fault of the studio itself. */
+export interface LoggedFault {
+  /** Seconds since 1970. */
+  time: number;
+  level: string;
+  text: string;
+  details: string;
+}
+
+export interface Problems {
+  revision: number;
+  /** Why no rules were run, empty when they were. */
+  fault?: string;
+  elapsed_ms: number;
+  problems: Problem[];
+}
+
+export type PlanAction = "create" | "change" | "keep" | "same" | "remove" | "refuse";
+
+export interface Plan {
+  out: string;
+  files: { path: string; action: PlanAction; reason: string }[];
+  drift: { path: string; line: number; severity: Severity; message: string; stub: string }[];
+  problems: string;
+  digest: string;
+}
+
+/** Where an element stands: units of UTF-16, with one for each end of a line. */
+export interface Source {
+  file: string;
+  notation: "xmi" | "text";
+  start: number;
+  end: number;
+}
+
+export interface FileText {
+  text: string;
+  revision: number;
+  editable: boolean;
+}
+
+/** An element in the outline; one without an element tells how many more there are. */
+export interface OutlineRow {
+  element: Ref | "";
+  label: string;
+  kind: string;
+  depth: number;
+  /** How many elements it owns. */
+  inner: number;
+  is_open: boolean;
+  /** What owns it, where that is not above it. */
+  note: string;
 }
