@@ -94,3 +94,28 @@ export function usePolled<T>(look: () => Promise<T>, milliseconds: number): T | 
   }, [look, milliseconds]);
   return found;
 }
+
+/**
+ * Does what was asked for as soon as it can be done: Enter waits for what was searched or judged.
+ *
+ * @returns What asks for it, or takes that back.
+ */
+export function useOnceReady(isReady: boolean, act: () => void): (isWanted: boolean) => void {
+  const [isWanted, setWanted] = useState(false);
+  useEffect(() => {
+    if (!isWanted || !isReady) return;
+    setWanted(false);
+    act();
+  });
+  return setWanted;
+}
+
+/** The value, once it has not changed for some milliseconds: for what is asked while somebody types. */
+export function useSettled<T>(value: T, milliseconds: number): T {
+  const [settled, setSettled] = useState(value);
+  useEffect(() => {
+    const timer = setTimeout(() => setSettled(value), milliseconds);
+    return () => clearTimeout(timer);
+  }, [value, milliseconds]);
+  return settled;
+}

@@ -2,7 +2,7 @@
 
 import { CallError, type Caller, LOST, messageOf } from "../connection";
 import type { Method, Params, Result } from "../protocol";
-import { say } from "../store";
+import { type Dialog, say, state, update } from "../store";
 
 let caller: Caller | null = null;
 
@@ -27,4 +27,20 @@ export async function tried<T>(work: Promise<T>): Promise<T | undefined> {
     say(messageOf(error), true);
     return undefined;
   }
+}
+
+/**
+ * Opens a dialog at once, and fills it when the answer comes: what is typed meanwhile is for it, and
+ * not for the diagram. The answer to a dialog that was closed or replaced meanwhile is not wanted.
+ *
+ * @param fill What the answer makes of the dialog, null to close it.
+ */
+export async function openFor<T>(
+  dialog: Dialog,
+  work: Promise<T>,
+  fill: (answer: T) => Dialog | null,
+): Promise<void> {
+  update({ dialog });
+  const answer = await tried(work);
+  if (state().dialog === dialog) update({ dialog: answer === undefined ? null : fill(answer) });
 }

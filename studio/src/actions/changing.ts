@@ -2,9 +2,8 @@
 
 import type { Command, Corner, EditResult, KeptEdit } from "../protocol";
 import { revisionOf, say, state, update } from "../store";
-import { ask, tried } from "./asking";
+import { ask, openFor, tried } from "./asking";
 import { choose } from "./choosing";
-import { openFor } from "./opening";
 import { openFile, refresh } from "./showing";
 
 let running: Promise<unknown> = Promise.resolve();

@@ -1,8 +1,9 @@
-// What is selected, and which element forms and sources show.
+// What is selected, which element forms and sources show, and which parts stand out.
 
+import { following, matching, type Stream } from "../canvas/following";
 import type { Ref } from "../protocol";
 import { elementOf, indexOf, nameOf, type PartKey } from "../selection";
-import { state, update } from "../store";
+import { say, state, update } from "../store";
 import { ask, tried } from "./asking";
 import { openFile } from "./showing";
 
@@ -50,4 +51,21 @@ export function selected(): { elements: Ref[]; what: string } {
   const elements = [...new Set(known.map((key) => elementOf(graph, key)))];
   const name = known[0] ? nameOf(graph, known[0]) : "";
   return { elements, what: elements.length === 1 ? name : `${elements.length} elements` };
+}
+
+/** Lets only what has this text in its name stand out; an empty text lets all. */
+export function filterBy(filter: string): void {
+  const { graph } = state();
+  update({ filter, bright: graph ? matching(graph, filter) : null });
+}
+
+/** Lets only what is up- or downstream of the choice stand out; null ends it. */
+export function focusOn(stream: Stream | null): void {
+  const { graph, selection } = state();
+  if (!stream || !graph || !selection.length) return update({ bright: null, filter: "" });
+  const bright = new Set(selection.flatMap((key) => [...following(graph, key, stream)]));
+  update({ bright, filter: "" });
+  say(
+    `${bright.size} parts are ${{ up: "upstream", down: "downstream", both: "joined" }[stream]}.`,
+  );
 }

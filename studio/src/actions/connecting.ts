@@ -4,9 +4,8 @@ import { keyOfEnd } from "../canvas/navigation";
 import type { ConnectOption, GraphEnd, LegalEnd } from "../protocol";
 import { type PartKey, partOf } from "../selection";
 import { active, say, state, update } from "../store";
-import { ask } from "./asking";
+import { ask, openFor } from "./asking";
 import { edit, idle } from "./changing";
-import { openFor } from "./opening";
 
 /** Offers how two ends may be connected. */
 export async function connect(source: GraphEnd, target: GraphEnd): Promise<void> {

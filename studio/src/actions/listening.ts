@@ -1,8 +1,9 @@
 // What the server tells without being asked.
 
 import type { Link, Listener } from "../connection";
-import type { KeptEdit, Notification, Notifications, Problems, Project } from "../protocol";
+import type { KeptEdit, Notification, Notifications, Project } from "../protocol";
 import { type Outside, say, state, update } from "../store";
+import { verdict } from "../verdicts";
 import { ask } from "./asking";
 import { keepDraft } from "./drafting";
 import { openFile, refresh, takeProblems } from "./showing";
@@ -33,8 +34,8 @@ const TAKING: { [N in Notification]: (params: Notifications[N]) => void } = {
   problems(params) {
     const before = state().problems;
     takeProblems(params);
-    const words = spoken(params);
-    if (!before || spoken(before) !== words) say(words);
+    const words = verdict(params.problems, params.fault);
+    if (!before || verdict(before.problems, before.fault) !== words) say(words);
   },
   conflict(params) {
     noteOutside({ ...params, isConflict: true });
@@ -74,15 +75,6 @@ function noteLost(edits: KeptEdit[]): void {
       why: "The server that kept it has ended",
     });
   }
-}
-
-function spoken({ fault, problems }: Problems): string {
-  if (fault) return `Not checked: ${fault}.`;
-  const count = (severity: string) => problems.filter((each) => each.severity === severity).length;
-  const [errors, warnings] = [count("error"), count("warning")];
-  if (!errors && !warnings) return "No problems.";
-  const words = (n: number, word: string) => (n ? [`${n} ${word}${n === 1 ? "" : "s"}`] : []);
-  return `${[...words(errors, "error"), ...words(warnings, "warning")].join(", ")}.`;
 }
 
 async function begin(project: Project): Promise<void> {

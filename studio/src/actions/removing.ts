@@ -3,10 +3,9 @@
 import type { Command, Ref } from "../protocol";
 import { partOf } from "../selection";
 import { active, revisionOf, say, state } from "../store";
-import { ask, tried } from "./asking";
+import { ask, openFor, tried } from "./asking";
 import { edit } from "./changing";
 import { selected } from "./choosing";
-import { openFor } from "./opening";
 
 /** Removes elements; asks first where others refer to them. */
 export async function remove(elements: Ref[], what: string): Promise<void> {

@@ -3,9 +3,8 @@
 import type { Form, Ref } from "../protocol";
 import { elementOf, partOf } from "../selection";
 import { active, revisionOf, say, state, update } from "../store";
-import { ask, tried } from "./asking";
+import { ask, openFor, tried } from "./asking";
 import { edit } from "./changing";
-import { openFor } from "./opening";
 
 /** Begins to rename what the keyboard stands on. */
 export async function beginRename(key = active(state())): Promise<void> {

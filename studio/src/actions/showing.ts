@@ -2,11 +2,18 @@
 
 import { matching } from "../canvas/following";
 import { CallError, INTERNAL_ERROR, LOST } from "../connection";
-import type { Freshness, Graph, LayoutKey, Problems, ViewResult } from "../protocol";
+import type {
+  Freshness,
+  Graph,
+  GraphChanges,
+  LayoutKey,
+  PartChanges,
+  Problems,
+  ViewResult,
+} from "../protocol";
 import { carriedOver, elementOf, indexOf } from "../selection";
 import { state, update } from "../store";
 import { ask, messageOf, tried } from "./asking";
-import { changed } from "./differences";
 
 /** Shows a file, at a view of it or at its first. */
 export async function openFile(file: string, view = ""): Promise<void> {
@@ -146,4 +153,24 @@ export function show(graph: Graph, revision: number, freshness: Freshness | null
     bright: matching(graph, before.filter),
     chosen: last ? elementOf(graph, last) : wasPart ? "" : before.chosen,
   });
+}
+
+// Parts that have not changed stay the same objects, and are not drawn anew.
+
+/** The picture that differs so from one. */
+export function changed(graph: Graph, { nodes, groups, edges, rest }: GraphChanges): Graph {
+  return {
+    ...rest,
+    nodes: changedParts(graph.nodes, nodes),
+    groups: changedParts(graph.groups, groups),
+    edges: changedParts(graph.edges, edges),
+  };
+}
+
+function changedParts<T extends { id: string }>(parts: T[], changes: PartChanges<T>): T[] {
+  if (!changes.put.length && !changes.gone.length && !changes.order) return parts;
+  const known = new Map(parts.map((each) => [each.id, each]));
+  for (const id of changes.gone) known.delete(id);
+  for (const each of changes.put) known.set(each.id, each);
+  return changes.order?.flatMap((id) => known.get(id) ?? []) ?? [...known.values()];
 }

@@ -23,9 +23,9 @@ import {
   useState,
 } from "react";
 import { beginDrawing, bridgesOf, connect, endDrawing, select } from "../actions";
+import { useSettled } from "../answers";
 import { useCanvasKeys } from "../keyboard/canvasKeys";
 import { useAnswer } from "../panels/base/useAnswer";
-import { useSettled } from "../panels/base/useSettled";
 import type { Graph } from "../protocol";
 import { edgeKey, groupKey, type PartKey, partOf } from "../selection";
 import { active, state, update, useStudio } from "../store";

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { changed } from "../actions/differences";
+import { changed } from "../actions";
 import type { Graph, GraphGroup } from "../protocol";
 import { carriedOver, groupKey, nodeKey } from "../selection";
 import { node, smallGraph } from "../testing/graphs";

@@ -1,11 +1,11 @@
 import type { Finding, LiveBox, LiveEdge, Severity } from "../protocol";
+import { SEVERITIES } from "../verdicts";
 
-const GRAVEST: Severity[] = ["error", "warning", "info"];
 export const SIGNS: Record<Severity, string> = { error: "×", warning: "!", info: "i" };
 
 /** The gravest severity, empty without findings. */
 export function severityOf(findings: readonly Finding[]): Severity | "" {
-  return GRAVEST.find((each) => findings.some((found) => found.severity === each)) ?? "";
+  return SEVERITIES.find((each) => findings.some((found) => found.severity === each)) ?? "";
 }
 
 /** Findings as sentences, for titles and labels. */

@@ -1,8 +1,8 @@
 import { useState } from "react";
 import { edit } from "../actions";
+import { useSettled } from "../answers";
 import { Fault, Head, Quiet, Select } from "../panels/base/parts";
 import { useAnswer } from "../panels/base/useAnswer";
-import { useSettled } from "../panels/base/useSettled";
 import type { Partition as Plan, PlannedBridge } from "../protocol";
 import { useStudio } from "../store";
 import { Modal } from "./Modal";

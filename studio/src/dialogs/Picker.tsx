@@ -1,6 +1,6 @@
 import { type ReactNode, useEffect, useId, useRef, useState } from "react";
+import { useOnceReady } from "../answers";
 import { useListKeys } from "../keyboard/useListKeys";
-import { useOnceReady } from "../panels/base/useOnceReady";
 
 export interface Pick {
   id: string;

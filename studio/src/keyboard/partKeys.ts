@@ -16,7 +16,7 @@ import {
   select,
 } from "../actions";
 import { frameAround } from "../canvas/frames";
-import { FIELDS } from "../panels/base/fields";
+import { FIELDS } from "../panels/base/parts";
 import { groupKey, nodeKey } from "../selection";
 import { active, state, update } from "../store";
 

@@ -3,7 +3,7 @@
 import { flushSync } from "react-dom";
 import { paste, redo, undo } from "../actions";
 import { update } from "../store";
-import { FILL_EVENT } from "../views/filling";
+import { FILL_EVENT } from "../views/FillOffer";
 import { isTyping, nameOfKey } from "./keys";
 
 /** Takes a key of the whole page; to be placed on the document. */

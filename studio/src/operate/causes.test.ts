@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import { causesOf } from "./causes";
+import { causesOf } from "./Alarms";
 import type { Alarm } from "./protocol";
 
 const alarm = (number: number, cause: string, back = 0): Alarm => ({

@@ -1,7 +1,7 @@
 import { useCallback, useEffect, useState } from "react";
+import { ask, change, fitAll, messageOf } from "../actions";
 import type { Filling } from "../protocol";
-import { type Studio, state, update, useStudio } from "../store";
-import { FILL_EVENT, fillMap } from "./filling";
+import { type Studio, say, state, update, useStudio } from "../store";
 
 const MOST = 8;
 
@@ -58,3 +58,32 @@ function toldOf(filling: Filling): string {
   const more = left.length > MOST ? ` and ${left.length - MOST} more` : "";
   return `${done} Left to you: ${left.slice(0, MOST).join(", ")}${more}.`;
 }
+
+/** Fills what nothing fills yet in the map that is shown; null if nothing was done, and says why. */
+async function fillMap(): Promise<Filling | null> {
+  const { file, view } = state();
+  if (!mayFill()) return null;
+  try {
+    const filling = await ask("fill_map", { file, view });
+    if (filling.refusal) {
+      say(filling.refusal);
+      return filling;
+    }
+    await change(filling.commands, filling.label, filling.revision);
+    // Boxes have grown by the rows that are shown now.
+    fitAll();
+    return filling;
+  } catch (error) {
+    say(messageOf(error), true);
+    return null;
+  }
+}
+
+/** Whether a map is shown that may be changed. */
+function mayFill(): boolean {
+  const { view, views } = state();
+  return view.startsWith("map:") && !views.find((each) => each.name === view)?.library;
+}
+
+/** Name of the event by which a key asks to fill the map. */
+export const FILL_EVENT = "studio-fill";

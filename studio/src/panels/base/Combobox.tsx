@@ -1,9 +1,9 @@
 import { type KeyboardEvent, useId, useRef, useState } from "react";
+import { useOnceReady } from "../../answers";
 import { useListKeys } from "../../keyboard/useListKeys";
 import type { Choice, Ref } from "../../protocol";
 import { revisionOf, useStudio } from "../../store";
 import { useAnswer } from "./useAnswer";
-import { useOnceReady } from "./useOnceReady";
 
 const NONE: Choice[] = [];
 

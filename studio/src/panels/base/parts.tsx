@@ -2,6 +2,9 @@ import { type ReactNode, useEffect, useId, useState } from "react";
 
 const SIGNS: Record<string, string> = { ok: "✔", error: "✖", warning: "▲", info: "●" };
 
+/** What takes the keyboard in a form, for `querySelector`. */
+export const FIELDS = "input, select, textarea, button";
+
 /** How grave a finding is, or how well a part runs: a sign and a word, never a colour alone. */
 export function Level({ level }: { level: string }) {
   return (

@@ -2,16 +2,15 @@ import { useEffect, useRef, useState } from "react";
 import { ask, change, choose, messageOf, remove } from "../../actions";
 import type { ChildKind, Command, FormChildren, FormField, Ref } from "../../protocol";
 import { revisionOf, useStudio } from "../../store";
-import { FIELDS } from "../base/fields";
-import { Fault, Help, Quiet } from "../base/parts";
+import { Fault, FIELDS, Help, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
 import { ChildrenRow } from "./ChildrenRow";
 import { FieldRow } from "./FieldRow";
 
 /** The properties of the chosen element: what the metamodel knows about it, to be read and changed. */
 export function PropertyForm() {
-  const element = useStudio((state) => state.chosen);
-  const choice = useStudio((state) => state.choice);
+  const element = useStudio((studio) => studio.chosen);
+  const choice = useStudio((studio) => studio.choice);
   const revision = useStudio(revisionOf);
   const {
     value: form,

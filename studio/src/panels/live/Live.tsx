@@ -14,10 +14,10 @@ const OLD_S = 4;
 
 /** What the running system says of itself: its connections, its components, and the last messages. */
 export function Live() {
-  const project = useStudio((state) => state.project);
-  const file = useStudio((state) => state.file);
-  const live = useStudio((state) => state.live);
-  const recorded = useStudio((state) => state.recorded);
+  const project = useStudio((studio) => studio.project);
+  const file = useStudio((studio) => studio.file);
+  const live = useStudio((studio) => studio.live);
+  const recorded = useStudio((studio) => studio.recorded);
   const [fault, attempt] = useTrying();
   const [isStarting, setStarting] = useState(false);
   const [open, setOpen] = useState("");

@@ -1,11 +1,9 @@
 import { useLayoutEffect, useRef, useState } from "react";
 import { change } from "../../actions";
-import { useTrying } from "../../answers";
+import { useOnceReady, useSettled, useTrying } from "../../answers";
 import type { ConnectOption, ConnectResult, GraphEnd } from "../../protocol";
 import { Fault } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
-import { useOnceReady } from "../base/useOnceReady";
-import { useSettled } from "../base/useSettled";
 
 const PAUSE_MS = 150;
 

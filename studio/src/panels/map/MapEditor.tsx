@@ -17,9 +17,9 @@ const FILTERS: [Filter, string][] = [
 
 /** An attribute map: all members of both ends, what fills them, and what they give when tried. */
 export function MapEditor() {
-  const file = useStudio((state) => state.file);
-  const view = useStudio((state) => state.view);
-  const element = useStudio((state) => state.chosen);
+  const file = useStudio((studio) => studio.file);
+  const view = useStudio((studio) => studio.view);
+  const element = useStudio((studio) => studio.chosen);
   const revision = useRevision();
   const isMap = view.startsWith("map:");
   const question = isMap ? { file, view } : null;

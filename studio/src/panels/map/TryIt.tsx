@@ -1,8 +1,8 @@
 import { useState } from "react";
+import { useSettled } from "../../answers";
 import type { Direction } from "../../protocol";
 import { Copyable, Fault, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
-import { useSettled } from "../base/useSettled";
 
 const PAUSE_MS = 300;
 const BYTES_A_LINE = 16;

@@ -1,10 +1,10 @@
 import { type KeyboardEvent, useEffect, useRef, useState } from "react";
 import { choose } from "../../actions";
+import { useSettled } from "../../answers";
 import type { OutlineRow, Ref } from "../../protocol";
 import { update, useRevision, useStudio } from "../../store";
 import { Fault } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
-import { useSettled } from "../base/useSettled";
 
 const PAUSE_MS = 80;
 const NOTHING: Ref[] = [];

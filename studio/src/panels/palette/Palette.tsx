@@ -1,13 +1,11 @@
 import { type DragEvent, type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
 import { ask, change, DRAGGED, idle } from "../../actions";
-import { useTrying } from "../../answers";
+import { useOnceReady, useSettled, useTrying } from "../../answers";
 import { useListKeys } from "../../keyboard/useListKeys";
 import type { PaletteGroup, PaletteItem, Ref } from "../../protocol";
 import { useRevision, useStudio } from "../../store";
 import { Fault, Quiet } from "../base/parts";
 import { useAnswer } from "../base/useAnswer";
-import { useOnceReady } from "../base/useOnceReady";
-import { useSettled } from "../base/useSettled";
 import { type Recent, recent, remember } from "./recent";
 
 const GROUPS: PaletteGroup[] = ["elements", "components", "services", "ros types", "ready maps"];

@@ -4,7 +4,8 @@ import { beforeEach, expect, it } from "vitest";
 import type { Problem } from "../../protocol";
 import { state, update } from "../../store";
 import { type FakeServer, PROJECT, serve } from "../../testing/fakeServer";
-import { Problems, verdict } from "./Problems";
+import { verdict } from "../../verdicts";
+import { Problems } from "./Problems";
 
 function problem(
   severity: Problem["severity"],

@@ -3,14 +3,9 @@ import { change, reveal } from "../../actions";
 import { useTrying } from "../../answers";
 import type { Cure, Problem, Severity } from "../../protocol";
 import { useRevision, useStudio } from "../../store";
+import { count, SEVERITIES, verdict } from "../../verdicts";
 import { Fault, Level, Quiet } from "../base/parts";
 
-const SEVERITIES: Severity[] = ["error", "warning", "info"];
-const NAMES: Record<Severity, [string, string]> = {
-  error: ["error", "errors"],
-  warning: ["warning", "warnings"],
-  info: ["remark", "remarks"],
-};
 const MOST_SHOWN = 500;
 
 /** What is wrong by severity, gravest first; then by file and line. */
@@ -22,19 +17,6 @@ export function ordered(problems: readonly Problem[]): Problem[] {
       left.line - right.line ||
       left.column - right.column,
   );
-}
-
-function count(problems: readonly Problem[], severity: Severity): string {
-  const number = problems.filter((each) => each.severity === severity).length;
-  return `${number} ${NAMES[severity][number === 1 ? 0 : 1]}`;
-}
-
-/** The verdict in one line. */
-export function verdict(problems: readonly Problem[], fault = ""): string {
-  if (fault) return `Not checked: ${fault}.`;
-  if (problems.length === 0) return "No problems.";
-  const counts = SEVERITIES.filter((each) => problems.some((problem) => problem.severity === each));
-  return `${counts.map((each) => count(problems, each)).join(", ")}.`;
 }
 
 /** What the rules say about the file, as it is told after each change. */

@@ -11,9 +11,9 @@ const TextEditor = lazy(() =>
 
 /** The text of what is chosen, in its file: ros2jaus to be edited, XMI to be read. */
 export function Source() {
-  const project = useStudio((state) => state.project);
-  const opened = useStudio((state) => state.file);
-  const element = useStudio((state) => state.chosen);
+  const project = useStudio((studio) => studio.project);
+  const opened = useStudio((studio) => studio.file);
+  const element = useStudio((studio) => studio.chosen);
   const revision = useRevision();
   const { value: source, error } = useAnswer(
     "source",
