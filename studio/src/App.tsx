@@ -32,6 +32,7 @@ export function App() {
       document.removeEventListener("paste", onPaste);
     };
   }, []);
+  const left = useStudio((studio) => studio.left);
   const right = useStudio((studio) => studio.right);
   const [sizes, resize] = useSizes();
   const fold = () => resize({ isFolded: !sizes.isFolded });
@@ -40,7 +41,14 @@ export function App() {
       <Header />
       <Banners />
       <aside className="left" aria-label="What there is">
-        <Left />
+        <Tabs
+          label="Show of what there is"
+          tabs={LEFT}
+          chosen={left}
+          onChoose={(tab) => update({ left: tab })}
+        >
+          {left === "outline" ? <Outline /> : <Palette />}
+        </Tabs>
         <Splitter
           side="left"
           label="Width of the palette"
@@ -50,7 +58,14 @@ export function App() {
       </aside>
       <Middle />
       <aside className="right" aria-label="What is chosen">
-        <Right />
+        <Tabs
+          label="Show of what is chosen"
+          tabs={RIGHT}
+          chosen={right}
+          onChoose={(tab) => update({ right: tab })}
+        >
+          {right === "form" ? <PropertyForm /> : <Source />}
+        </Tabs>
         <Splitter
           side={right}
           label="Width of the properties"
@@ -93,39 +108,14 @@ function Middle() {
   );
 }
 
-function Left() {
-  const left = useStudio((studio) => studio.left);
-  return (
-    <Tabs
-      label="Show of what there is"
-      tabs={[
-        ["palette", "Palette"],
-        ["outline", "Outline"],
-      ]}
-      chosen={left}
-      onChoose={(tab) => update({ left: tab })}
-    >
-      {left === "outline" ? <Outline /> : <Palette />}
-    </Tabs>
-  );
-}
-
-function Right() {
-  const right = useStudio((studio) => studio.right);
-  return (
-    <Tabs
-      label="Show of what is chosen"
-      tabs={[
-        ["form", "Properties"],
-        ["source", "Source"],
-      ]}
-      chosen={right}
-      onChoose={(tab) => update({ right: tab })}
-    >
-      {right === "form" ? <PropertyForm /> : <Source />}
-    </Tabs>
-  );
-}
+const LEFT = [
+  ["palette", "Palette"],
+  ["outline", "Outline"],
+] as const;
+const RIGHT = [
+  ["form", "Properties"],
+  ["source", "Source"],
+] as const;
 
 interface BottomProps {
   isFolded: boolean;

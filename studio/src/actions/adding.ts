@@ -27,14 +27,8 @@ export async function drop(
   await edit(chosen.drop.commands, chosen.label_of_edit, base, corner ?? undefined);
 }
 
-/** An item, and the revision of which its refs are, where that is known. */
-interface Meant {
-  item: PaletteItem;
-  base?: number;
-}
-
-/** The same item as it goes on what it was dropped on: dragged was what went on the choice. */
-async function fitting(item: PaletteItem, onto: Ref | ""): Promise<Meant | undefined> {
+/** The same item, and the revision of which its refs are, where that is known, as it goes on what it was dropped on: dragged was what went on the choice. */
+async function fitting(item: PaletteItem, onto: Ref | "") {
   if (!onto && !item.onto) return { item };
   const { file } = state();
   const { label: query, group } = item;

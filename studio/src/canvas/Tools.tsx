@@ -1,5 +1,5 @@
 import { useReactFlow } from "@xyflow/react";
-import type { KeyboardEvent } from "react";
+import type { ButtonHTMLAttributes, KeyboardEvent } from "react";
 import {
   arrange,
   endOf,
@@ -69,38 +69,21 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
         onKeyDown={onFilterKey}
       />
       {filter && <output>{found.length} fit</output>}
-      <button type="button" onClick={fitAll} title="Show all (0)">
-        Fit
-      </button>
-      <button type="button" onClick={() => void flow.zoomIn()} aria-label="Larger" title="+">
-        +
-      </button>
-      <button type="button" onClick={() => void flow.zoomOut()} aria-label="Smaller" title="-">
-        −
-      </button>
-      <button type="button" onClick={() => void arrange()} title="Place all boxes anew (a)">
-        Arrange
-      </button>
-      {graph.nodes.length > FEW_BOXES && (
-        <button
-          type="button"
-          aria-pressed={hasMap}
-          onClick={() => onMap(!hasMap)}
-          title="A map of the diagram, where not all of it is in sight"
-        >
-          Map
-        </button>
-      )}
-      {isService && (
-        <button
-          type="button"
-          aria-pressed={hasBodies}
-          onClick={() => void openView(graph.view.replace(/^\w+/, hasBodies ? SERVICE : BODIES))}
-          title="The fields of the messages that the service itself defines"
-        >
-          Bodies
-        </button>
-      )}
+      {tool("Fit", "Show all (0)", fitAll)}
+      {tool("+", "+", () => void flow.zoomIn(), { "aria-label": "Larger" })}
+      {tool("−", "-", () => void flow.zoomOut(), { "aria-label": "Smaller" })}
+      {tool("Arrange", "Place all boxes anew (a)", () => void arrange())}
+      {graph.nodes.length > FEW_BOXES &&
+        tool("Map", "A map of the diagram, where not all of it is in sight", () => onMap(!hasMap), {
+          "aria-pressed": hasMap,
+        })}
+      {isService &&
+        tool(
+          "Bodies",
+          "The fields of the messages that the service itself defines",
+          () => void openView(graph.view.replace(/^\w+/, hasBodies ? SERVICE : BODIES)),
+          { "aria-pressed": hasBodies },
+        )}
       <select
         aria-label="Export the diagram"
         title="Save the whole diagram as jausml diagram draws it"
@@ -113,31 +96,30 @@ export function Tools({ graph, hasMap, onMap }: ToolsProps) {
         <option value="svg">SVG</option>
         <option value="png">PNG</option>
       </select>
-      <button
-        type="button"
-        disabled={!isEnd}
-        onClick={() => void offerEnds()}
-        title="Search an end to connect the chosen box or row with (c)"
-      >
-        Connect…
-      </button>
-      <button
-        type="button"
-        aria-pressed={isFocused}
-        disabled={!isFocused && !isChosen}
-        onClick={() => focusOn(isFocused ? null : "both")}
-        title="Only what is up- and downstream of the choice (o; u: upstream, d: downstream)"
-      >
-        Focus
-      </button>
-      <button
-        type="button"
-        disabled={!isChosen}
-        onClick={() => void removeSelected()}
-        title="Delete"
-      >
-        Delete
-      </button>
+      {tool(
+        "Connect…",
+        "Search an end to connect the chosen box or row with (c)",
+        () => void offerEnds(),
+        { disabled: !isEnd },
+      )}
+      {tool(
+        "Focus",
+        "Only what is up- and downstream of the choice (o; u: upstream, d: downstream)",
+        () => focusOn(isFocused ? null : "both"),
+        { "aria-pressed": isFocused, disabled: !isFocused && !isChosen },
+      )}
+      {tool("Delete", "Delete", () => void removeSelected(), { disabled: !isChosen })}
     </div>
   );
 }
+
+const tool = (
+  name: string,
+  title: string,
+  onClick: () => void,
+  more: ButtonHTMLAttributes<HTMLButtonElement> = {},
+) => (
+  <button type="button" title={title} onClick={onClick} {...more}>
+    {name}
+  </button>
+);

@@ -30,7 +30,7 @@ export function Partition({ onClose }: { onClose(): void }) {
 
   return (
     <Modal title="Which bridge carries what" onClose={onClose} isWide>
-      <div className="limits">
+      <div className="bar">
         <Limit label="Connections at most" value={most} onChange={setMost} />
         <Limit label="CPU % at most" value={load} onChange={setLoad} />
         {names && (

@@ -1,22 +1,14 @@
-import { type RefObject, useEffect, useLayoutEffect, useRef, useState } from "react";
-
-interface Typed {
-  /** Of the field in which the name is typed. */
-  field: RefObject<HTMLInputElement | null>;
-  text: string;
-  setText(text: string): void;
-  /** Takes what was typed. */
-  take(): void;
-}
+import { useEffect, useLayoutEffect, useRef, useState } from "react";
 
 /**
  * A name that is typed, perhaps before the present one is known: taking waits for that.
  *
  * @param name The present name, null until it is known.
  */
-export function useName(name: string | null, onDone: (name: string) => void): Typed {
+export function useName(name: string | null, onDone: (name: string) => void) {
   const [typed, setText] = useState<string | null>(null);
   const [isTaken, setTaken] = useState(false);
+  /** In which the name is typed. */
   const field = useRef<HTMLInputElement>(null);
   const text = typed ?? name ?? "";
 
@@ -30,6 +22,7 @@ export function useName(name: string | null, onDone: (name: string) => void): Ty
     if (name !== null && isUntouched) field.current?.select();
   }, [name, isUntouched]);
 
+  /** Takes what was typed. */
   const take = () => (name === null ? setTaken(true) : onDone(text.trim()));
   return { field, text, setText, take };
 }

@@ -14,17 +14,17 @@ export function Banners() {
   return (
     <div className="banners">
       {link === "lost" && (
-        <p className="banner error" role="alert">
+        <p className="banner bar error" role="alert">
           × The connection to the server is lost. What you see may be old; trying again.
         </p>
       )}
       {link === "refused" && (
-        <p className="banner error" role="alert">
+        <p className="banner bar error" role="alert">
           × {refusal}
         </p>
       )}
       {recorded && (
-        <p className="banner warning" role="status">
+        <p className="banner bar warning" role="status">
           ! The diagram shows a moment of {recorded}, and not what runs now.
         </p>
       )}
@@ -54,13 +54,13 @@ function Worth() {
   const freshness = useStudio((studio) => studio.freshness);
   const isOld = freshness !== null && freshness.state !== "current";
   if (graphFault)
-    return <p className="banner error">× {graphFault}. The diagram is that of before.</p>;
+    return <p className="banner bar error">× {graphFault}. The diagram is that of before.</p>;
   if (!isOld && !file?.stale) return null;
   const why = isOld ? freshness.why : `${file?.path} cannot be read as it is now`;
   const since = isOld ? freshness.since : null;
   const shows = isOld && since === null ? "nothing for certain" : "how it was before";
   return (
-    <p className="banner warning" role="status">
+    <p className="banner bar warning" role="status">
       ! {why}. The diagram shows {freshness?.state === "conflict" ? "what the file says" : shows}
       {since !== null && freshness?.state !== "conflict" ? ` (revision ${since})` : ""}; nothing is
       generated from it.
@@ -74,7 +74,7 @@ function Kept({ edit }: { edit: KeptEdit }) {
     each.kind === "set" ? [`${inWords(each.feature)}: ${each.values.join(", ") || "nothing"}`] : [],
   );
   return (
-    <p className="banner error" role="status">
+    <p className="banner bar error" role="status">
       × Not done, and kept: “{edit.label}”{values.length > 0 && ` (${values.join("; ")})`}.{" "}
       {edit.why}.
       <button type="button" onClick={() => void doAgain(edit)}>
@@ -94,7 +94,7 @@ const inWords = (name: string): string =>
 /** What was typed into a field that is not shown, and could not be taken. */
 function Typed({ draft: { element, field, what, text, why } }: { draft: Draft }) {
   return (
-    <p className="banner error" role="status">
+    <p className="banner bar error" role="status">
       × {text ? "Typed, and not taken" : "Not taken"}: {what}
       {text && `: “${text}”`}. {why && `${why}.`}
       {element && (
@@ -121,7 +121,7 @@ function Outside({ changes }: { changes: Change[] }) {
   const dismiss = () =>
     update({ outside: useStudio.getState().outside.filter((each) => !changes.includes(each)) });
   return (
-    <p className={`banner ${isConflict ? "error" : "info"}`} role="status">
+    <p className={`banner bar ${isConflict ? "error" : "info"}`} role="status">
       {isConflict
         ? `× Another program changed ${named} while you did. Its change stands in the file; yours is in the history.`
         : changes.every((each) => each.gone)

@@ -10,7 +10,7 @@ export function Header() {
   const view = useStudio((studio) => studio.view);
   const hasBridges = useStudio(({ graph }) => graph !== null && bridgesOf(graph).length > 0);
   return (
-    <header className="header">
+    <header className="header bar">
       <h1>
         jausml studio <small>{project?.name}</small>
       </h1>

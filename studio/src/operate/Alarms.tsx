@@ -126,14 +126,8 @@ function Request({ request }: { request: HandoffRequest }) {
   );
 }
 
-interface Cause {
-  cause: string;
-  /** The newest first. */
-  alarms: Alarm[];
-}
-
 /** The alarms that are shown and sound still, as they are now, by cause in the order of the first. */
-export function causesOf(shown: Alarm[], sounding: Alarm[]): Cause[] {
+export function causesOf(shown: Alarm[], sounding: Alarm[]) {
   const present = new Map(sounding.map((each) => [each.number, each]));
   const causes = new Map<string, Alarm[]>();
   for (const { number } of shown) {

@@ -79,7 +79,7 @@ function Control({ component }: { component: string }) {
   );
   // All of it stays in its place, whether control is had or lost meanwhile.
   return (
-    <fieldset className="control">
+    <fieldset className="bar">
       <legend>
         {nameOf(component)} {held ? "is controlled" : "is not controlled here"}
       </legend>

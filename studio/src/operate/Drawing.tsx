@@ -136,7 +136,7 @@ function Waypoints({ component, driver }: Of) {
       <ol className="waypoints" aria-label="Waypoints in their order">
         {waypoints.map((_, at) => (
           // biome-ignore lint/suspicious/noArrayIndexKey: waypoints have no other name
-          <li key={at}>
+          <li key={at} className="bar">
             <button type="button" aria-pressed={at === chosen} onClick={() => setChosen(at)}>
               Waypoint {at + 1}: {textOf(places[at], driver)}
             </button>

@@ -78,7 +78,7 @@ function Watch({ component }: { component: string }) {
   const [rate, setRate] = useState("");
   const [sensor, setSensor] = useState("1");
   return (
-    <div className="watch">
+    <div className="bar">
       <label>
         Report of {component}
         <Select

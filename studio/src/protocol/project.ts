@@ -51,73 +51,23 @@ export interface ViewInfo {
   library: boolean;
 }
 
-export interface Child {
+interface Child {
   feature: string;
   kind: string;
   values: Record<string, string[]>;
   children?: Child[];
 }
 
-export interface SetCommand {
-  kind: "set";
-  element: Ref;
-  feature: string;
-  values: string[];
-}
-
-export interface AddCommand {
-  kind: "add";
-  owner: Ref;
-  feature: string;
-  /** Qualified class; named `type` since `kind` names the command. */
-  type: string;
-  values: Record<string, string[]>;
-  children?: Child[];
-  position?: number | null;
-}
-
-export interface RemoveCommand {
-  kind: "remove";
-  element: Ref;
-}
-
-export interface MoveCommand {
-  kind: "move";
-  element: Ref;
-  owner: Ref;
-  feature: string;
-  position?: number | null;
-}
-
-export interface RenameCommand {
-  kind: "rename";
-  element: Ref;
-  name: string;
-}
-
-export interface CreateCommand {
-  kind: "create";
-  file: string;
-  type: string;
-  values: Record<string, string[]>;
-}
-
-export interface PlaceCommand {
-  kind: "place";
-  file: string;
-  view: string;
-  /** null forgets: the layout decides again. */
-  positions: Record<LayoutKey, Point | null>;
-}
-
+/** What a user wants changed; the class of what is added is qualified. */
 export type Command =
-  | SetCommand
-  | AddCommand
-  | RemoveCommand
-  | MoveCommand
-  | RenameCommand
-  | CreateCommand
-  | PlaceCommand;
+  | { kind: "set"; element: Ref; feature: string; values: string[] }
+  | ({ kind: "add"; owner: Ref; type: string; position?: number | null } & Omit<Child, "kind">)
+  | { kind: "remove"; element: Ref }
+  | { kind: "move"; element: Ref; owner: Ref; feature: string; position?: number | null }
+  | { kind: "rename"; element: Ref; name: string }
+  | { kind: "create"; file: string; type: string; values: Record<string, string[]> }
+  /** A place that is null is forgotten: the layout decides again. */
+  | { kind: "place"; file: string; view: string; positions: Record<LayoutKey, Point | null> };
 
 export interface Entry {
   number: number;

@@ -11,7 +11,7 @@ export function ViewBar() {
   const kind = view.split(":")[0];
   if (kind !== "map" && kind !== "service" && kind !== "machine") return null;
   return (
-    <div className="view-bar">
+    <div className="view-bar bar">
       {isLibrary ? (
         <p className="quiet">This belongs to the shipped library: it is read-only.</p>
       ) : kind === "map" ? (

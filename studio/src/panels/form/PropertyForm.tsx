@@ -86,7 +86,7 @@ export function PropertyForm() {
       aria-label={`Properties of ${form.title}`}
       onSubmit={(event) => event.preventDefault()}
     >
-      <header>
+      <header className="bar">
         <h2>{form.title}</h2>
         <small className="quiet">{form.class}</small>
         <Help subject={form.class}>{form.documentation}</Help>

@@ -60,7 +60,7 @@ export function Generate() {
   const isUpToDate = plan?.problems === "" && !hasWork && refused === 0;
   return (
     <section className="generate" aria-label="Generate">
-      <header>
+      <header className="bar">
         <label>
           Folder{" "}
           <input

@@ -45,7 +45,7 @@ export function Live() {
     return <Quiet>Watching a system is not possible here.</Quiet>;
   return (
     <section className="live" aria-label="Live">
-      <header>
+      <header className="bar">
         <button
           type="button"
           className="best"

@@ -39,7 +39,7 @@ export function Fill({ file, view, target, revision, onDone }: Props) {
 
   return (
     <form
-      className="fill"
+      className="fill bar"
       aria-label={`Fill ${target.port}`}
       onSubmit={(event) => {
         event.preventDefault();

@@ -103,7 +103,7 @@ it("shows all members of both ends, open where something is mapped", async () =>
   const ros = screen.getByRole("tree", { name: "Members of geometry_msgs/Twist" });
   const names = within(ros)
     .getAllByRole("treeitem")
-    .map((each) => each.dataset.path);
+    .map((each) => each.dataset.row);
   expect(names).toEqual(["linear", "linear.x", "linear.y", "angular"]);
   expect(await row(/^VelocityX/)).toHaveTextContent("→ linear.x: scale 2");
   expect(await row(/^YawRate/)).toHaveTextContent("required, unmapped");
@@ -172,7 +172,7 @@ it("shows an assignment in the form, and deletes it", async () => {
 it("shows what is not mapped yet", async () => {
   await row(/^VelocityX/);
   await userEvent.selectOptions(screen.getByLabelText("Members shown"), "unmapped members");
-  const names = screen.getAllByRole("treeitem").map((each) => each.dataset.path);
+  const names = screen.getAllByRole("treeitem").map((each) => each.dataset.row);
   expect(names).toEqual(["YawRate", "linear", "linear.y", "angular", "angular.z"]);
 });
 

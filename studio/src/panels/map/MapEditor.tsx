@@ -59,7 +59,7 @@ export function MapEditor() {
 
   return (
     <section className="map-editor" aria-label="Map" onKeyDown={onKeyDown}>
-      <header>
+      <header className="bar">
         <input
           type="search"
           aria-label="Filter members"

@@ -1,4 +1,5 @@
-import { type DragEvent, type KeyboardEvent, useEffect, useMemo, useRef, useState } from "react";
+import { type DragEvent, type KeyboardEvent, useEffect, useMemo, useState } from "react";
+import { useTree } from "../../keyboard/useTree";
 import type { GraphEnd, Ref } from "../../protocol";
 import { type Filter, type MemberRow, openAtFirst, type SideRows, shownRows } from "./rows";
 
@@ -25,13 +26,16 @@ export function MemberTree(props: Props) {
   const { side, begun } = props;
   const { rows } = side;
   const [opened, setOpened] = useState(() => openAtFirst(rows));
-  const [at, setAt] = useState("");
-  const tree = useRef<HTMLDivElement>(null);
   const shown = useMemo(
     () => shownRows(rows, props.query, props.filter, opened),
     [rows, props.query, props.filter, opened],
   );
-  const active = shown.find((each) => each.path === at) ?? shown[0];
+  const { tree, active, setAt, onKey } = useTree({
+    rows: shown,
+    idOf: (row) => row.path,
+    isOpen: (row) => (row.hasInner ? opened.has(row.path) : undefined),
+    toggle: (row, isOpen) => toggle(row.path, isOpen),
+  });
 
   // What is mapped for the first time is seen.
   useEffect(() => {
@@ -40,12 +44,6 @@ export function MemberTree(props: Props) {
       return missing.length > 0 ? new Set([...before, ...missing]) : before;
     });
   }, [rows]);
-
-  function focus(row: MemberRow | undefined) {
-    if (!row) return;
-    setAt(row.path);
-    tree.current?.querySelector<HTMLElement>(`[data-path="${CSS.escape(row.path)}"]`)?.focus();
-  }
 
   function toggle(path: string, isOpen: boolean) {
     setOpened((before) => {
@@ -63,32 +61,14 @@ export function MemberTree(props: Props) {
     props.onBegin(null);
   }
 
-  function onKeyDown(event: KeyboardEvent, row: MemberRow) {
-    if (event.target !== event.currentTarget || event.ctrlKey || event.metaKey || event.altKey)
-      return;
-    if (!act(event.key, row)) return;
-    event.preventDefault();
-    event.stopPropagation();
-  }
-
   /** Does what a key means on a row; false for keys that mean nothing. */
   function act(key: string, row: MemberRow): boolean {
-    const index = shown.indexOf(row);
-    const isOpen = row.hasInner && opened.has(row.path);
     const use = row.uses[0];
-    if (key === "ArrowDown") focus(shown[index + 1]);
-    else if (key === "ArrowUp") focus(shown[index - 1]);
-    else if (key === "Home") focus(shown[0]);
-    else if (key === "End") focus(shown.at(-1));
-    else if (key === "ArrowRight" && row.hasInner && !isOpen) toggle(row.path, true);
-    else if (key === "ArrowRight") focus(shown[index + 1]);
-    else if (key === "ArrowLeft" && isOpen) toggle(row.path, false);
-    else if (key === "ArrowLeft") focus(around(row, shown));
-    else if ((key === "c" || key === "Enter") && begun !== null) finish(row);
+    if ((key === "c" || key === "Enter") && begun !== null) finish(row);
     else if (key === "c") props.onBegin({ node: row.node, port: row.path });
     else if (key === "f") props.onFill({ node: row.node, port: row.path });
     else if (key === "Enter" && use) props.onChoose(use.element);
-    else if (key === "Enter" && row.hasInner) toggle(row.path, !isOpen);
+    else if (key === "Enter" && row.hasInner) toggle(row.path, !opened.has(row.path));
     else if (key === "Delete" && use) props.onRemove(use.element, use.edge.title);
     else return false;
     return true;
@@ -110,18 +90,13 @@ export function MemberTree(props: Props) {
             onFocus={() => setAt(row.path)}
             onToggle={(isOpen) => toggle(row.path, isOpen)}
             onFinish={() => finish(row)}
-            onKeyDown={(event) => onKeyDown(event, row)}
+            onKeyDown={(event) => onKey(event, row, (key) => act(key, row))}
           />
         ))}
       </div>
       {shown.length === 0 && <p className="quiet">No member fits.</p>}
     </div>
   );
-}
-
-/** The member that a row lies in. */
-function around(row: MemberRow, rows: readonly MemberRow[]): MemberRow | undefined {
-  return rows.slice(0, rows.indexOf(row)).findLast((each) => each.depth < row.depth);
 }
 
 interface MemberProps extends Props {
@@ -158,7 +133,7 @@ function Member(props: MemberProps) {
       aria-expanded={row.hasInner ? isOpen : undefined}
       aria-selected={row.uses.some((each) => each.element === props.chosen)}
       tabIndex={isActive ? 0 : -1}
-      data-path={row.path}
+      data-row={row.path}
       className={`member ${isOver ? "is-over" : ""} ${isBegun ? "is-begun" : ""} ${isFilled ? "" : "is-unmapped"}`}
       style={{ paddingLeft: 4 + 16 * row.depth }}
       draggable

@@ -18,7 +18,7 @@ export function TryIt({ file, map, revision }: Props) {
   const [direction, setDirection] = useState<Direction | null>(null);
   return (
     <section className="try-it" aria-label="Try it">
-      <header>
+      <header className="bar">
         <h2>Try it</h2>
         {(["to_ros", "to_jaus"] as const).map((each) => (
           <button

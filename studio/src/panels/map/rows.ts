@@ -6,8 +6,6 @@ export interface Use {
   element: Ref;
   /** How people read it: `-> pose.x: degrees_to_radians`. */
   text: string;
-  /** Whether the member is where it goes. */
-  isTarget: boolean;
 }
 
 export interface MemberRow {
@@ -58,7 +56,7 @@ function usesOf(graph: Graph, node: GraphNode, path: string): Use[] {
     const other = isTarget ? edge.source.port : edge.target.port;
     const conversions = edge.labels.length > 0 ? `: ${edge.labels.join(", ")}` : "";
     const text = `${isTarget ? "←" : "→"} ${other || "all"}${conversions}`;
-    return [{ edge, element: edge.element, text, isTarget }];
+    return [{ edge, element: edge.element, text }];
   });
 }
 

@@ -1,6 +1,7 @@
-import { type KeyboardEvent, useEffect, useRef, useState } from "react";
+import { type KeyboardEvent, useEffect, useState } from "react";
 import { choose } from "../../actions";
 import { useSettled } from "../../answers";
+import { useTree } from "../../keyboard/useTree";
 import type { OutlineRow, Ref } from "../../protocol";
 import { update, useRevision, useStudio } from "../../store";
 import { Fault } from "../base/parts";
@@ -22,12 +23,15 @@ export function Outline() {
   // What was told before something was opened stays until the answer comes.
   const { value, error } = useAnswer("outline", params, revision, `${file} ${query}`);
   const rows = value?.rows ?? [];
-  const [at, setAt] = useState("");
-  const tree = useRef<HTMLDivElement>(null);
   // Whoever presses Enter means what was typed, also where its rows are yet to come.
   const [isTaken, setTaken] = useState(false);
   const isCurrent = typed.trim() === query && value !== null;
-  const active = rows.find((each) => each.element === at) ?? rows[0];
+  const { tree, active, setAt, focus, onKey } = useTree({
+    rows,
+    idOf: (row) => row.element,
+    isOpen: (row) => (row.inner > 0 && row.depth > 0 && !query ? row.is_open : undefined),
+    toggle,
+  });
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: the rows are those of what is current
   useEffect(() => {
@@ -35,12 +39,6 @@ export function Outline() {
     setTaken(false);
     if (rows[0]) take(rows[0]);
   }, [isTaken, isCurrent]);
-
-  function focus(row: OutlineRow | undefined) {
-    if (!row?.element) return;
-    setAt(row.element);
-    tree.current?.querySelector<HTMLElement>(`[data-ref="${CSS.escape(row.element)}"]`)?.focus();
-  }
 
   function toggle({ element }: OutlineRow, isOpen: boolean) {
     const others = refs.filter((each) => each !== element);
@@ -55,26 +53,11 @@ export function Outline() {
   }
 
   function onKeyDown(event: KeyboardEvent, row: OutlineRow) {
-    if (event.ctrlKey || event.metaKey || event.altKey || !act(event.key, row)) return;
-    event.preventDefault();
-    event.stopPropagation();
-  }
-
-  /** Does what a key means on a row; false for keys that mean nothing. */
-  function act(key: string, row: OutlineRow): boolean {
-    const index = rows.indexOf(row);
-    const mayOpen = row.inner > 0 && row.depth > 0 && !query;
-    if (key === "ArrowDown") focus(rows[index + 1]);
-    else if (key === "ArrowUp") focus(rows[index - 1]);
-    else if (key === "Home") focus(rows[0]);
-    else if (key === "End") focus(rows.findLast((each) => each.element));
-    else if (key === "ArrowRight" && mayOpen && !row.is_open) toggle(row, true);
-    else if (key === "ArrowRight") focus(rows[index + 1]);
-    else if (key === "ArrowLeft" && mayOpen && row.is_open) toggle(row, false);
-    else if (key === "ArrowLeft") focus(above(rows, index));
-    else if (key === "Enter" || key === " ") take(row);
-    else return false;
-    return true;
+    onKey(event, row, (key) => {
+      const isTaking = key === "Enter" || key === " ";
+      if (isTaking) take(row);
+      return isTaking;
+    });
   }
 
   function onSearchKey(event: KeyboardEvent) {
@@ -106,7 +89,7 @@ export function Outline() {
           <div
             key={row.element || `more ${index}`}
             role="treeitem"
-            data-ref={row.element}
+            data-row={row.element}
             aria-level={row.depth + 1}
             aria-expanded={row.inner && !query ? row.is_open : undefined}
             aria-selected={row.element !== "" && row.element === chosen}
@@ -136,10 +119,4 @@ export function Outline() {
       {value && rows.length === 0 && <p className="quiet">Nothing fits.</p>}
     </section>
   );
-}
-
-/** The element that owns that of a row. */
-function above(rows: readonly OutlineRow[], index: number): OutlineRow | undefined {
-  const depth = rows[index]?.depth ?? 0;
-  return rows.slice(0, index).findLast((each) => each.depth < depth);
 }

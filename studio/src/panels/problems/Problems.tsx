@@ -40,7 +40,7 @@ export function Problems() {
   if (told === null) return <Quiet>Nothing has been checked yet.</Quiet>;
   return (
     <section className="problems" aria-label="Problems">
-      <header>
+      <header className="bar">
         <strong className="verdict" role="status">
           {verdict(all, told.fault)}
         </strong>

@@ -29,7 +29,7 @@ export default function Recording() {
   useKeys();
   return (
     <section className="live recording" aria-label="Recording">
-      <header>
+      <header className="bar">
         <label>
           Recording
           <select

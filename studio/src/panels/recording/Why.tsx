@@ -19,7 +19,7 @@ export function Why() {
   const title = `Why ${chosen.connection} of ${chosen.bridge} did not pass on a message`;
   return (
     <section className="why" aria-label={title}>
-      <header>
+      <header className="bar">
         <h2>{title}</h2>
         {value && value.at !== at && (
           <button type="button" onClick={() => goTo(value.at)}>

@@ -36,7 +36,7 @@ export function Source() {
   if (!project || !file) return <Quiet>No file is open.</Quiet>;
   return (
     <section className="source" aria-label="Source">
-      <header>
+      <header className="bar">
         <strong>{file}</strong>
         {info?.stale && (
           <span className="badge">
