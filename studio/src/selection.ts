@@ -30,7 +30,7 @@ export function partOf(key: PartKey): Part {
 }
 
 /** The parts of one graph by id, made once for each graph. */
-export interface Index {
+interface Index {
   nodes: Map<string, GraphNode>;
   edges: Map<string, GraphEdge>;
   /** Edges that end at a box or one of its rows, by id of the box. */
@@ -75,7 +75,7 @@ function makeIndex(graph: Graph): Index {
   return index;
 }
 
-export function portOf(graph: Graph, node: string, port: string): GraphPort | undefined {
+function portOf(graph: Graph, node: string, port: string): GraphPort | undefined {
   return indexOf(graph)
     .nodes.get(node)
     ?.ports.find((each) => each.id === port);

@@ -89,7 +89,7 @@ export interface Walk {
 
 export type BottomTab = "problems" | "generate" | "live" | "recording" | "step" | "log";
 export type MiddleTab = "diagram" | "table" | "members";
-export type LeftTab = "palette" | "outline";
+type LeftTab = "palette" | "outline";
 export type RightTab = "form" | "source";
 
 /** What it knows at first. */

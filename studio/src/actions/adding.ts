@@ -27,7 +27,10 @@ export async function drop(
   await edit(chosen.drop.commands, chosen.label_of_edit, base, corner ?? undefined);
 }
 
-/** The same item, and the revision of which its refs are, where that is known, as it goes on what it was dropped on: dragged was what went on the choice. */
+/**
+ * The item as it goes on what it was dropped on (dragged was what went on the choice), with the
+ * revision of its refs.
+ */
 async function fitting(item: PaletteItem, onto: Ref | "") {
   if (!onto && !item.onto) return { item };
   const { file } = state();

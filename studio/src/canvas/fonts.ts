@@ -3,7 +3,7 @@
 const SAMPLE = "The quick brown fox jumps over the lazy dog 0123456789 nav_msgs/Odometry";
 /** Width of the sample in Helvetica of 100 pixels. */
 const EXPECTED = 3512.7;
-export const FAMILY = 'Helvetica, Arial, "Liberation Sans", "DejaVu Sans Condensed", sans-serif';
+const FAMILY = 'Helvetica, Arial, "Liberation Sans", "DejaVu Sans Condensed", sans-serif';
 
 /** Makes texts of the diagram as much smaller as the font at hand is too wide. */
 export function fitTexts(root: HTMLElement): void {

@@ -1,14 +1,10 @@
 // Where the arrow keys lead: rows up and down, lines left and right, boxes with Ctrl.
 
+import type { XYPosition } from "@xyflow/react";
 import type { Graph, GraphEdge, GraphEnd, GraphNode } from "../protocol";
 import { edgeKey, groupKey, indexOf, nodeKey, type PartKey, partOf, portKey } from "../selection";
 
 export type Direction = "left" | "right" | "up" | "down";
-
-interface Spot {
-  x: number;
-  y: number;
-}
 
 /** The part that an arrow leads to; the same part where there is none. */
 export function step(
@@ -129,14 +125,14 @@ export function keyOfEnd(graph: Graph, end: GraphEnd): PartKey {
   return port ? portKey(end.node, port.id) : nodeKey(end.node);
 }
 
-function spot(graph: Graph, end: GraphEnd): Spot {
+function spot(graph: Graph, end: GraphEnd): XYPosition {
   const node = indexOf(graph).nodes.get(end.node);
   if (!node) return { x: 0, y: 0 };
   const port = node.ports.find((each) => each.id === end.port);
   return { x: middle(node).x, y: node.y + (port ? port.y + port.height / 2 : node.head / 2) };
 }
 
-const middle = (node: GraphNode): Spot => ({
+const middle = (node: GraphNode): XYPosition => ({
   x: node.x + node.width / 2,
   y: node.y + node.height / 2,
 });

@@ -3,7 +3,7 @@
 import { useEffect, useLayoutEffect, useState } from "react";
 
 /** So many parts change at once; further ones wait for the next picture. */
-export const AT_ONCE = 80;
+const AT_ONCE = 80;
 
 const waiting = new Map<() => void, number>();
 let changed = 0;

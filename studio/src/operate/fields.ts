@@ -29,12 +29,7 @@ export const pathOf = (before: string, name: string): string =>
   before ? `${before}.${name}` : name;
 
 /** The value of a field in the shape that the server takes, undefined for one that is left out. */
-export function readField(
-  field: Field,
-  draft: Draft | undefined,
-  path: string,
-  faults: Faults,
-): unknown {
+function readField(field: Field, draft: Draft | undefined, path: string, faults: Faults): unknown {
   switch (field.kind) {
     case "number":
       return readNumber(field, textOf(draft), field.optional, path, faults);

@@ -1,16 +1,11 @@
 // What the socket of the operator unit takes and tells.
 
-/** An integer that has a meaning. */
-export interface Choice {
-  value: number;
-  label: string;
-}
-
 export interface NumberKind {
   integer: boolean;
   /** Smallest and largest legal value of each range. */
   ranges: [number, number][];
-  choices: Choice[];
+  /** Integers that have a meaning. */
+  choices: { value: number; label: string }[];
   units: string;
 }
 

@@ -9,8 +9,6 @@ export interface Finding {
   message: string;
 }
 
-export type Details = [string, string][];
-
 export interface GraphPort {
   id: string;
   element: Ref | "";
@@ -22,7 +20,7 @@ export interface GraphPort {
   /** From the top of the box. */
   y: number;
   height: number;
-  details: Details;
+  details: [string, string][];
   findings: Finding[];
 }
 
@@ -35,7 +33,7 @@ export interface GraphNode {
   subtitle: string[];
   group: string;
   column: number;
-  details: Details;
+  details: [string, string][];
   findings: Finding[];
   x: number;
   y: number;

@@ -2,14 +2,7 @@
 
 import type { Command, Ref } from "./project";
 
-export type FieldKind =
-  | "text"
-  | "multiline"
-  | "number"
-  | "integer"
-  | "boolean"
-  | "choice"
-  | "reference";
+type FieldKind = "text" | "multiline" | "number" | "integer" | "boolean" | "choice" | "reference";
 
 export interface Choice {
   value: string;

@@ -42,11 +42,9 @@ export interface Project {
   extras: { live: boolean; recordings?: string[] };
 }
 
-export type ViewKind = "system" | "map" | "service" | "machine";
-
 export interface ViewInfo {
   name: string;
-  kind: ViewKind;
+  kind: "system" | "map" | "service" | "machine";
   title: string;
   library: boolean;
 }

@@ -1,7 +1,7 @@
 import type { Graph, GraphEdge, GraphNode, MapSide, Ref } from "../../protocol";
 
 /** What fills or reads a member. */
-export interface Use {
+interface Use {
   edge: GraphEdge;
   element: Ref;
   /** How people read it: `-> pose.x: degrees_to_radians`. */

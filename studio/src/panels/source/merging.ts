@@ -8,7 +8,7 @@ interface Replaced {
 }
 
 /** Returns what makes one text of another, as small changes. */
-export function changesBetween(old: string, fresh: string): Replaced[] {
+function changesBetween(old: string, fresh: string): Replaced[] {
   return diff(old, fresh).map((each) => ({
     from: each.fromA,
     to: each.toA,

@@ -18,7 +18,7 @@ export interface SyncState {
   theirs: string | null;
 }
 
-export interface SyncFile {
+interface SyncFile {
   read(): Promise<FileText>;
   write(text: string, base: number): Promise<{ revision: number }>;
 }
