@@ -53,4 +53,8 @@ class MachineState:
 
 def machines_as_json(machines: Sequence[MachineState]) -> list[dict[str, Any]]:
     """Returns machines as objects, lists, texts and numbers."""
-    return [{**asdict(machine), "state": machine.state or None} for machine in machines]
+    return [
+        asdict(machine)
+        | {"state": machine.state or None, "times": [asdict(time) for time in machine.times]}
+        for machine in machines
+    ]
