@@ -10,14 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from jausml.language.metamodel import ClassTable, FeatureTable, Metamodels
+from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import RuleInfo
 from jausml.language.model.xmi.parsing import Node
-
-if TYPE_CHECKING:
-    from jausml.language.model.reading.references import KnownNames
 
 NOTATION = "http://www.jausml.org/notation"
 BY_NAME = f"{NOTATION} name"
@@ -66,6 +64,23 @@ class Explanation:
     is_certain: bool = False
 
 
+class Known(Protocol):
+    """Names that the documents around a document have."""
+
+    def find(self, qualified_class: str, name: str) -> Sequence[EObject]:
+        """Returns the elements of a class that a name means in the document.
+
+        Returns:
+            None of them, the one, or all that it may mean.
+        """
+
+    def alike(self, qualified_class: str, name: str) -> Sequence[str]:
+        """Returns known names of a class that are much like a name, the nearest first."""
+
+    def message_codes(self) -> set[int]:
+        """Returns the codes of the messages of the document, its imports and the library."""
+
+
 class Written(Protocol):
     """A document that a notation has read."""
 
@@ -81,7 +96,7 @@ class Written(Protocol):
     def imports(self) -> Sequence[ImportedDocument]:
         """The documents that it imports."""
 
-    def declare(self, known: KnownNames) -> tuple[Sequence[Node], Sequence[Fault]]:
+    def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:
         """Returns further root nodes: of what is used as if it were known, and is not.
 
         It is called once, when all documents are built and before references are resolved.

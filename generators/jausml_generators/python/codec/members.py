@@ -4,16 +4,35 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
 from jausml.generation import literals as docs
 from jausml_generators.python.codec.scalars import struct_name
 
 if TYPE_CHECKING:
-    from jausml_generators.python.codec.classes import ContainerClass, VariableFieldClass
     from jausml_generators.python.codec.scalars import Blob, Fixed
 
 MAXIMUM_COMPLEXITY = 10
+
+
+class Part(Protocol):
+    """A dataclass inside a message class, as far as values of it are concerned."""
+
+    @property
+    def name(self) -> str:
+        """Name of the class."""
+
+    @property
+    def jaus_name(self) -> str:
+        """Name in the model of what it is the class of."""
+
+    @property
+    def min_size(self) -> int:
+        """Fewest bytes on the wire."""
+
+    @property
+    def octet(self) -> str:
+        """How the runtime is told that it is one octet on the wire; empty where it is not."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +45,7 @@ class PartValue:
     """
 
     kind: ClassVar[str] = "part"
-    part: ContainerClass | VariableFieldClass = field(compare=False, repr=False)
+    part: Part = field(compare=False, repr=False)
     python_type: str
 
     @property

@@ -428,5 +428,11 @@ def maps_of(carrier: Carrier) -> tuple[bridge.AttributeMap, ...]:
         used = [carrier.request, carrier.response]
     else:
         used = [carrier.element]
-    ways = [(one, way) for one in used if one is not None for way in (True, False)]
-    return tuple(dict.fromkeys(inner for one, way in ways for inner in used_maps(one, to_ros=way)))
+    inner = (
+        inner_map
+        for own_map in used
+        if own_map is not None
+        for to_ros in (True, False)
+        for inner_map in used_maps(own_map, to_ros=to_ros)
+    )
+    return tuple(dict.fromkeys(inner))

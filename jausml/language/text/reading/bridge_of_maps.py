@@ -11,7 +11,7 @@ from pathlib import Path
 
 from jausml.language.model.library import LIBRARY_URI
 from jausml.language.model.names import qualified_name
-from jausml.language.model.reading.references import KnownNames
+from jausml.language.model.notation import Known
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.connections.exchanges import EVENT, MESSAGE, TO_JAUS, TO_ROS
 from jausml.language.semantics.names import system_name
@@ -58,7 +58,7 @@ def add_bridge(
     options: BridgeOfMaps,
     ends: Sequence[WrittenEnd],
     declarer: Declarer,
-    known: KnownNames,
+    known: Known,
     nodes: NodeMaker,
 ) -> list[Node]:
     """Returns a system with a bridge that carries each map in the directions that it has.
@@ -91,7 +91,7 @@ def add_bridge(
     return [system]
 
 
-def _maps(ends: Sequence[WrittenEnd], declarer: Declarer, known: KnownNames) -> Iterator[_MapWays]:
+def _maps(ends: Sequence[WrittenEnd], declarer: Declarer, known: Known) -> Iterator[_MapWays]:
     """Yields the maps whose service is known; what is wrong with the others is found elsewhere."""
     for written in ends:
         node, end = written.node, written.end
@@ -107,9 +107,7 @@ def _maps(ends: Sequence[WrittenEnd], declarer: Declarer, known: KnownNames) -> 
             yield _MapWays(name, end.span, service, is_input, *flags)
 
 
-def _service_of(
-    written: WrittenEnd, declarer: Declarer, known: KnownNames
-) -> tuple[str, bool] | None:
+def _service_of(written: WrittenEnd, declarer: Declarer, known: Known) -> tuple[str, bool] | None:
     """Returns the service of the message of an end, and whether it takes the message."""
     declaring = declarer.declaration_of(written)
     if declaring is not None:

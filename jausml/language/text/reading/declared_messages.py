@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from jausml.language.model.library import LIBRARY_URI
-from jausml.language.model.reading.references import KnownNames
+from jausml.language.model.notation import Known
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.names import service_name, snake_case, system_name
 from jausml.language.text.reading.declared_types import JausFields, Types
@@ -48,7 +48,7 @@ class OwnService:
             return self.written.name.text
         return service_name(self._path)
 
-    def declare(self, ends: Sequence[WrittenEnd], known: KnownNames) -> list[Node]:
+    def declare(self, ends: Sequence[WrittenEnd], known: Known) -> list[Node]:
         """Returns the service set of the service, which is there if the text needs or writes it."""
         if self.written is None and not ends:
             return []
@@ -83,7 +83,7 @@ class OwnService:
             self._nodes.href(service, "inherits", MANAGEMENT, command.type.span)
         return service
 
-    def _message(self, service: Node, written: WrittenEnd, known: KnownNames) -> None:
+    def _message(self, service: Node, written: WrittenEnd, known: Known) -> None:
         end = written.end
         table = self._classes["jaus.MessageDef"]
         node = self._nodes.element(service, message_feature(written), table, end.span)
@@ -99,7 +99,7 @@ class OwnService:
         if end.members:
             self._fields.body(node, end)
 
-    def _query(self, service: Node, written: WrittenEnd, known: KnownNames) -> None:
+    def _query(self, service: Node, written: WrittenEnd, known: Known) -> None:
         """Adds the query that asks for a report, unless it is known or declared itself."""
         report, span = written.end.type.text, written.end.type.span
         name = f"{_QUERY}{report.removeprefix(_REPORT)}"

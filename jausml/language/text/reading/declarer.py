@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from jausml.language.model.library import has_package
-from jausml.language.model.reading.references import KnownNames
+from jausml.language.model.notation import Known
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.names import package_name, words
 from jausml.language.text.reading import declared_types
@@ -34,7 +34,7 @@ class Declarer:
         self._declaring: set[int] = set()
         self._fresh: dict[tuple[bool, str], WrittenEnd] = {}
 
-    def run(self, ends: Sequence[WrittenEnd], known: KnownNames) -> None:
+    def run(self, ends: Sequence[WrittenEnd], known: Known) -> None:
         """Declares what ends with members name in vain, each once."""
         fresh: dict[tuple[bool, str], WrittenEnd] = {}
         for written in ends:
@@ -58,7 +58,7 @@ class Declarer:
         """Returns the end that declares the message or type of an end, None where it is known."""
         return self._fresh.get((written.end.is_jaus, written.end.type.text))
 
-    def _is_new(self, end: End, known: KnownNames) -> bool:
+    def _is_new(self, end: End, known: Known) -> bool:
         package, _, name = end.type.text.replace("/msg/", "/").rpartition("/")
         if end.is_jaus:
             package, name = "", end.type.text

@@ -13,8 +13,7 @@ from typing import Any, cast
 
 from jausml.language.metamodel import ClassTable, DataTypeTable, FeatureKind, Metamodels
 from jausml.language.metamodel.filling import set_value
-from jausml.language.model.notation import Explanation, Fault, ImportedDocument
-from jausml.language.model.reading.references import KnownNames
+from jausml.language.model.notation import Explanation, Fault, ImportedDocument, Known
 from jausml.language.model.xmi.parsing import Node
 from jausml.language.semantics.connections.exchanges import CONNECTION, FEATURES, Inferred, infer
 from jausml.language.semantics.names import package_name, system_name
@@ -80,7 +79,7 @@ class TextDocument:
         """Returns where the value or the reference of a node is written, None for an element."""
         return self._nodes.values.get(node)
 
-    def declare(self, known: KnownNames) -> tuple[Sequence[Node], Sequence[Fault]]:
+    def declare(self, known: Known) -> tuple[Sequence[Node], Sequence[Fault]]:
         """Returns the messages and types that maps use and nobody knows, and the asked bridge."""
         before = len(self._nodes.faults)
         self._declarer.run(self._maps.ends, known)
@@ -89,7 +88,7 @@ class TextDocument:
             roots += self._system_of_maps(self._bridge, known)
         return roots, self._nodes.faults[before:]
 
-    def _system_of_maps(self, bridge: BridgeOfMaps, known: KnownNames) -> Sequence[Node]:
+    def _system_of_maps(self, bridge: BridgeOfMaps, known: Known) -> Sequence[Node]:
         for root in self._roots.roots:
             if self._nodes.classes[root].qualified_name == "system.System":
                 message = "the file has a system, and a bridge of all its maps makes one"

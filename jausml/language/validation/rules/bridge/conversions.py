@@ -326,8 +326,10 @@ def _quantities_bridge(_: Subject, owner: bridge.Bridge) -> Iterator[Finding]:
 
 
 def _used_quantities(owner: bridge.Bridge) -> dict[str, bridge.Quantity]:
-    maps = [*owner.maps, *(one for each in carriers_of(owner) for one in maps_of(each))]
-    return {quantity.name: quantity for used in maps for quantity in used.quantities}
+    carried = (used for carrier in carriers_of(owner) for used in maps_of(carrier))
+    return {
+        quantity.name: quantity for used in (*owner.maps, *carried) for quantity in used.quantities
+    }
 
 
 def _override_findings(
