@@ -342,7 +342,8 @@ def test_killed_vehicle_recovers(system):
 
 @pytest.mark.slow
 def test_clean_shutdown(system):
-    """Last: the bridge ends."""
+    """Last: the bridge ends, which may run for this test alone."""
+    wait_for(lambda: " runs as " in system.bridge.log.read_text(), "bridge that runs")
     assert system.bridge.stop() == 0
 
 

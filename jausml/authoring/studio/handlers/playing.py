@@ -8,13 +8,12 @@ from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed
 from jausml.authoring.studio.live import live_values
 from jausml.authoring.studio.live_places import Places, places_of
 from jausml.live.serving.rpc import Method
-from jausml.live.systems.explaining import explained
+from jausml.live.systems.explaining import Explanation, explained
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from jausml.language.model import Model
-    from jausml.live.systems.explaining import Explanation
 
 
 def methods(context: StudioContext) -> Mapping[str, Method]:
