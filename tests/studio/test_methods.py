@@ -1,0 +1,33 @@
+"""What pages ask for is typed while the program runs: a name that is not there fails at the ask."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import TYPE_CHECKING, get_type_hints
+
+from jausml.authoring.editing.project import Project
+from jausml.authoring.studio import handlers
+from jausml.authoring.studio.context import StudioContext
+from jausml.authoring.studio.handlers.showing import LiveRequests
+from jausml.live.operating.seats import Seat
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def test_types_of_what_the_studio_answers_are_there(tmp_path: Path) -> None:
+    context = StudioContext(Project(tmp_path))
+    methods = LiveRequests(context).methods()
+    for module in iter_modules(handlers.__path__, f"{handlers.__name__}."):
+        methods = {**methods, **import_module(module.name).methods(context)}
+    assert "recording.why" in methods
+    for method in methods.values():
+        get_type_hints(getattr(method.answer, "func", method.answer))
+
+
+def test_types_of_what_an_operator_unit_answers_are_there() -> None:
+    methods = Seat(None, None, 1)._slow._methods
+    assert "stick.move" in methods
+    for method in methods.values():
+        get_type_hints(method.answer)
