@@ -19,7 +19,7 @@ from click.testing import CliRunner
 from for_each import for_each
 from nav2 import nav2
 from scripts import run_script
-from sweeps import WHOLE, sweep
+from sweeps import sweep
 from warm import programs
 
 from jausml.cli import main
@@ -91,34 +91,12 @@ def take(command: click.Command, words: list[str]) -> None:
 NEED_A_COMPILER = {"compile-bridges", "prove", "python", "safety-case"}
 NEED_NAV2 = {"for-student-teams"}
 GUARDING = {"decode", "install", "jaus-and-ros", "report"}
-JUDGED_ELSEWHERE = {
-    "deploy": "tests/live/test_fleet.py, tests/live/test_deployment.py",
-    "init": "tests/projects",
-    "map-a-message": "tests/projects/test_new_map.py",
-    "ocu": "tests/peers",
-    "prove": "tests/cli/test_prove.py, tests/model_checking/test_verb.py, tests/mutating",
-    "ready-mappings": "tests/projects/test_new_joints.py, tests/models/mappings",
-    "record": "tests/recording, tests/live/test_recording.py",
-    "safety-case": "tests/cli/test_case.py",
-    "services": "tests/projects/test_new_calls.py, tests/live/test_services_live.py",
-    "top": "tests/peers, tests/live/test_top.py",
-}
-"""Pages with dear commands, and which tests run the same ones; `make test-random` runs all."""
-
-
-def test_what_judges_the_commands_of_pages_is_there() -> None:
-    assert {*JUDGED_ELSEWHERE} <= {page.stem for page in WITH_COMMANDS}
-    named = [path for paths in JUDGED_ELSEWHERE.values() for path in paths.split(", ")]
-    assert [path for path in named if not (ROOT / path).exists()] == []
-
-
-RUN = [page for page in WITH_COMMANDS if WHOLE or page.stem not in JUDGED_ELSEWHERE]
 
 
 @pytest.mark.live
 @pytest.mark.parametrize(
     "page",
-    sweep(RUN, every=lambda page: page.stem in GUARDING, rest=1),
+    sweep(WITH_COMMANDS, every=lambda page: page.stem in GUARDING, rest=1),
     ids=lambda page: page.stem,
 )
 def test_commands_run(page: Path, tmp_path: Path) -> None:
