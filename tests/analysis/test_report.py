@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from efforts import EFFORTS
 
 from jausml.views.analysis.report import report_of
 from jausml.views.analysis.sizes import Assumptions
@@ -224,12 +225,6 @@ def test_large_messages_are_cut_and_acknowledged(system):
     assert costs.load.sent.packets == 2 * event.packets
 
 
-EFFORTS = [
-    f"{kind}_{motion}_effort_{axis}"
-    for kind in ("propulsive", "resistive")
-    for motion in ("linear", "rotational")
-    for axis in "xyz"
-]
 WHOLE = f"""
 effort {{
   JAUS SetWrenchEffort

@@ -6,6 +6,7 @@ import importlib
 
 import needs
 import pytest
+from efforts import EFFORTS
 
 from jausml.generation.native import SOURCE, State, build, compiler
 from jausml.generation.rendering import render
@@ -148,12 +149,6 @@ def test_all_of_a_whole_is_assigned_and_part_of_it_not_again(tmp_path):
     assert {finding.rule for finding in findings(missing, tmp_path)} == {"JML416"}
 
 
-EFFORTS = [
-    f"{kind}_{motion}_effort_{axis}"
-    for kind in ("propulsive", "resistive")
-    for motion in ("linear", "rotational")
-    for axis in "xyz"
-]
 WHOLE_REPORT = f"""
 effort {{
   JAUS ReportWrenchEffort

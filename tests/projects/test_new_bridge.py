@@ -8,6 +8,7 @@ import re
 import select
 import subprocess
 import time
+from contextlib import contextmanager
 
 import click
 import emf_check
@@ -388,11 +389,7 @@ def test_a_model_that_is_missing_is_made(tmp_path, monkeypatch, jausml):
 @pytest.mark.slow
 def test_it_asks_on_a_terminal(rover):
     model = rover("text")
-    main, terminal = pty.openpty()
-    command = [*warm.command(), "new", "bridge", "rover", ODOM]
-    process = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal)
-    os.close(terminal)
-    try:
+    with _asking("new", "bridge", "rover", ODOM) as (process, main):
         shown = _until(main, "Which (numbers)")
         assert "2  velocity_state: reported as ReportVelocityState" in shown
         os.write(main, b"7 x\n")
@@ -400,10 +397,6 @@ def test_it_asks_on_a_terminal(rover):
         os.write(main, b"1, 2\n")
         _until(main, "next: jausml validate")
         assert process.wait(60) == 0
-    finally:
-        process.kill()
-        process.wait()
-        os.close(main)
     assert [used for _, used, *_ in ways(model)] == ["local_pose", "velocity_state"]
 
 
@@ -413,22 +406,28 @@ def test_none_of_several_ways_adds_nothing(rover):
     copy = ("new", "map", "own_waypoint", *ends, "--copy", "local_waypoint")
     model = rover("text", ("new", "bridge", "face", "odom:nav_msgs/Odometry:local_pose"), copy)
     before = model.read_bytes()
-    main, terminal = pty.openpty()
     words = ("new", "action-connection", "survey:nav2_msgs/FollowWaypoints")
-    process = subprocess.Popen(
-        [*warm.command(), *words], stdin=terminal, stdout=terminal, stderr=terminal
-    )
-    os.close(terminal)
-    try:
+    with _asking(*words) as (process, main):
         _until(main, "Which (number)")
         os.write(main, b"0\n")
         _until(main, "survey: none of them is taken")
         assert process.wait(60) == 2
+    assert model.read_bytes() == before
+
+
+@contextmanager
+def _asking(*words):
+    """Runs a command that may ask, at a terminal; yields its process and our end of that."""
+    main, terminal = pty.openpty()
+    command = [*warm.command(), *words]
+    process = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal)
+    os.close(terminal)
+    try:
+        yield process, main
     finally:
         process.kill()
         process.wait()
         os.close(main)
-    assert model.read_bytes() == before
 
 
 def _until(terminal, words):

@@ -148,8 +148,8 @@ def _origin(module: str, name: str) -> str:
 def _importing(text: str) -> Iterable[ast.stmt]:
     """Returns the statements of code that import, among others.
 
-    Those that begin a line are parsed alone, which takes a tenth of what the whole takes. Where a
-    line cannot be read so (it goes on, or stands in a string), the whole is parsed.
+    Those that begin a line are parsed alone, as there are few of them. Where a line cannot be read
+    so (it goes on, or stands in a string), the whole is parsed.
     """
     if not _IMPORT_IN_LINE.search(text):
         with suppress(*CANNOT_PARSE):
