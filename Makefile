@@ -33,9 +33,8 @@ test: $(READY)  ## run the tests that guard everything, in six minutes
 	$(BIN)/python tools/suite.py -m "not slow" $(TESTS)
 
 # The budget of tests is judged by a whole run only; JUDGED is what CI adds, the skips that it expects.
-test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in twenty minutes
-	$(BIN)/python tools/suite.py -m "not slow" $(JUDGED) $(if $(TESTS),$(TESTS),--judge-budget)
-	$(BIN)/python tools/suite.py -m slow $(JUDGED) $(TESTS)
+test-all: $(READY)  ## run these, those that go further, and what uses rclpy on Kilted, in a quarter of an hour
+	$(BIN)/python tools/suite.py $(JUDGED) $(if $(TESTS),$(TESTS),--judge-budget)
 	$(MAKE) live ROS=kilted TESTS='-m "live and not slow" $(TESTS)'
 
 test-beside: $(READY)  ## run what compares with definitions of others, in a folder `shared` beside the checkout

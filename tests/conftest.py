@@ -5,12 +5,15 @@ from __future__ import annotations
 import gc
 import os
 import re
+import shlex
 import signal
 import sys
 from typing import TYPE_CHECKING
 
 import compile_once
+import execnet
 import pytest
+import warm
 from hypothesis import settings
 from hypothesis.internal.conjecture import providers
 from isolation import announce_often, isolate, own_domain
@@ -79,6 +82,14 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     if wanted is None or not collection_path.match("test_*.py"):
         return None
     return None if re.search(wanted, collection_path.read_text(encoding="utf-8")) else True
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_setupnodes(config: pytest.Config, specs: list[execnet.XSpec]) -> None:
+    """Makes workers forks of one process, but where what they import is to be measured."""
+    if not config.pluginmanager.hasplugin("_cov"):
+        line = shlex.join(warm.python())
+        specs[:] = [execnet.XSpec(f"popen//python={line}") for _ in specs]
 
 
 @pytest.hookimpl(wrapper=True)

@@ -14,6 +14,7 @@ from __future__ import annotations
 import ctypes
 import errno
 import fcntl
+import functools
 import os
 import socket
 import struct
@@ -42,8 +43,11 @@ PROFILES = ("FASTRTPS_DEFAULT_PROFILES_FILE", "FASTDDS_DEFAULT_PROFILES_FILE")
 """Where Fast DDS is told its settings: that of Jazzy, and that of Kilted."""
 
 
+@functools.cache
 def isolate() -> str:
     """Gives this process a network and shared memory of its own; returns why not, or nothing.
+
+    Asked again, it says so again.
 
     Raises:
         OSError: Another process was given them, and this one is not.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import needs
+import processor_time
 from type_support import built
 
 TYPES = (
@@ -17,4 +18,5 @@ TYPES = (
 def nav2() -> str:
     """Returns the folder for the module path; skips the test where nothing can be built."""
     needs.ask("type support")
-    return str(built("nav2_msgs", TYPES))
+    with processor_time.counted_to("support/nav2.py"):
+        return str(built("nav2_msgs", TYPES))

@@ -11,13 +11,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+import warm
 
 from jausml.authoring.editing.reading import Reader
 from jausml.language import project
 from jausml.language.model import read_models
 from jausml.language.model.library import library_root
 from jausml.language.model.project import Reading
-from jausml.language.model.reading.library_cache import LibraryCache
 from jausml.language.project import read_project
 
 if TYPE_CHECKING:
@@ -34,7 +34,6 @@ OF_THE_READER = ("model",)
 IN_THREADS = ("studio/server", "studio/browser", "editor")
 """Folders of tests that read in several threads at once, which each need a cache."""
 
-_CACHE = pytest.StashKey[LibraryCache]()
 _FILES = pytest.StashKey["dict[tuple[Path, str], ReadResult]"]()
 """Files of the library that were looked at by themselves."""
 _MODELS = pytest.StashKey["dict[tuple[object, ...], ReadResult]"]()
@@ -46,11 +45,11 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     """Lets a test and its fixtures read with the library that earlier ones have read."""
     if _is_in(item.path, OF_THE_READER):
         return (yield)
-    cache = item.config.stash.setdefault(_CACHE, LibraryCache())
+    cache = warm.library_cache()
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(read_models.__kwdefaults__, "cache", cache)
         if not _is_in(item.path, IN_THREADS):
-            patch.setattr(project, "LibraryCache", lambda: cache)
+            patch.setattr(project, "LibraryCache", warm.library_cache)
             patch.setattr(Reader, "library", _shared(item.config.stash.setdefault(_FILES, {})))
             known = item.config.stash.setdefault(_MODELS, {})
             patch.setattr(project, "read_project", _read_once(known))

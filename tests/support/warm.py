@@ -1,10 +1,14 @@
-"""A process that has jausml imported and its library read, of which each command is a fork.
+"""A process that has jausml imported and its library read, of which commands and workers are forks.
 
 Most of what a command takes is its beginning. Where a test is about what commands do, and not about
 how they begin, `command()` begins the line of one that is done so, and `programs()` is a folder for
 the PATH with such a `jausml`. Standard streams, folder, environment, signals and exit status are
 those of the command, but the process that does it is another one. What is read of the library, and
 the templates that are compiled, is what a second command of the same process would find.
+
+`python()` begins the line of a Python that has all that too: so the processes begin that run the
+whole suite. What their commands are forks of is another fork, which has no test imported: of those
+that had, and rclpy with them, one in ten ended by a fault of the segment.
 """
 
 from __future__ import annotations
@@ -27,8 +31,14 @@ import sys
 import tempfile
 import warnings
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from isolation import isolate
+
+if TYPE_CHECKING:
+    from jausml.language.model.reading.library_cache import LibraryCache
+
+ROOT = Path(__file__).resolve().parents[2]
 CLIENT = Path(__file__).with_name("warm_client.py")
 OF_PYGLS = "'asyncio.iscoroutinefunction' is deprecated"
 """What pygls 2.1 does that Python 3.14 warns of."""
@@ -61,18 +71,64 @@ _servers: list[int] = []
 @functools.cache
 def command() -> list[str]:
     """Returns how a command line begins; starts the process, which ends with this one."""
-    address = _folder() / "socket"
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
-        listener.bind(str(address))
-        listener.listen()
-        line = [sys.executable, str(Path(__file__)), str(listener.fileno())]
-        # It ends at the end of its input, which is that of this process.
-        server = subprocess.Popen(
-            line, stdin=subprocess.PIPE, pass_fds=[listener.fileno()], start_new_session=True
-        )
-    atexit.register(server.communicate)
-    _servers.append(server.pid)
-    return [sys.executable, "-S", str(CLIENT), str(address)]
+    with _listener("jausml") as listener:
+        _servers.append(_fork(listener) if load.cache_info().currsize else _start(listener))
+    return _line("jausml")
+
+
+def python() -> list[str]:
+    """Returns how the line of such a Python begins; starts the process, which ends with this one.
+
+    It runs the text that follows `-c`, in a network of its own if it can have one.
+    """
+    with _listener("python") as listener:
+        _start(listener)
+    return _line("python")
+
+
+def _listener(program: str) -> socket.socket:
+    listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    listener.bind(str(_folder() / program))
+    listener.listen()
+    return listener
+
+
+def _line(program: str) -> list[str]:
+    return [sys.executable, "-S", str(CLIENT), str(_folder() / program)]
+
+
+def _start(listener: socket.socket) -> int:
+    """Starts a process that serves; returns its number."""
+    line = [sys.executable, __file__, str(listener.fileno())]
+    server = subprocess.Popen(
+        line, stdin=subprocess.PIPE, pass_fds=[listener.fileno()], start_new_session=True
+    )
+    atexit.register(server.communicate)  # it ends at the end of its input
+    return server.pid
+
+
+def _fork(listener: socket.socket) -> int:
+    """Does so by a fork of this process, which has all loaded."""
+    end, own_end = os.pipe()
+    process = os.fork()
+    if process == 0:
+        os.setsid()
+        atexit.unregister(shutil.rmtree)
+        _close_others(listener.fileno(), end)
+        serve(listener, end)
+        os._exit(0)
+    os.close(end)
+    atexit.register(os.waitpid, process, 0)
+    atexit.register(os.close, own_end)
+    return process
+
+
+def _close_others(*kept: int) -> None:
+    """Closes all but the standard streams and what is kept: those of this process are not ours."""
+    for number in map(int, os.listdir("/proc/self/fd")):  # noqa: PTH208 - names alone
+        if number > 2 and number not in kept:
+            with contextlib.suppress(OSError):  # that of the folder itself
+                os.close(number)
 
 
 def seconds() -> float:
@@ -102,13 +158,13 @@ def programs() -> Path:
     return program.parent
 
 
-def serve(listener: socket.socket) -> None:
-    """Has each command that comes done in a process of its own."""
-    _prepare()
+def serve(listener: socket.socket, end: int) -> None:
+    """Has each command that comes done in a process of its own, until the other end is closed."""
+    load()
     gc.collect()
     gc.freeze()
     signal.signal(signal.SIGCHLD, _reap)
-    while listener in select.select([listener, sys.stdin], [], [])[0]:
+    while listener in select.select([listener, end], [], [])[0]:
         client, _ = listener.accept()
         if os.fork() == 0:
             listener.close()
@@ -124,24 +180,39 @@ def _reap(*_: object) -> None:
             pass
 
 
-def _prepare() -> None:
+@functools.cache
+def library_cache() -> LibraryCache:
+    """Returns what this process has read of the library."""
+    from jausml.language.model.reading.library_cache import LibraryCache
+
+    return LibraryCache()
+
+
+def _share_library() -> None:
+    """Lets this process read no part of the library again."""
+    from jausml.language import project
+    from jausml.language.model.reading.reader import read_models
+
+    assert read_models.__kwdefaults__ is not None
+    read_models.__kwdefaults__["cache"] = library_cache()
+    project.LibraryCache = library_cache  # type: ignore[assignment, misc]
+
+
+@functools.cache
+def load() -> None:
     """Reads the library, compiles all templates, and loads what verbs load when they work."""
     import jausml
     from jausml.generation.rendering import render
     from jausml.generation.target import load_targets
     from jausml.generation.workspace import select
-    from jausml.language import project
-    from jausml.language.model.reading.library_cache import LibraryCache
     from jausml.language.model.reading.reader import read_models
-    from jausml.language.validation.engine import check_project
+    from jausml.language.text.notation import NOTATIONS
+    from jausml.language.validation.engine import check
     from jausml.live.messages import load_catalogue
 
-    cache = LibraryCache()
-    assert read_models.__kwdefaults__ is not None
-    read_models.__kwdefaults__["cache"] = cache
-    project.LibraryCache = lambda: cache  # type: ignore[assignment, misc]
-    model = Path(__file__).parents[2] / "models" / "catvehicle" / "catvehicle.xmi"
-    render(check_project([model]).model, select(load_targets()).targets)
+    model = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
+    read = read_models([model], notations=NOTATIONS, cache=library_cache())
+    render(check(read).model, select(load_targets()).targets)
     load_catalogue()
     for wing in _WINGS:
         folder = Path(jausml.__path__[0], *wing.split("."))
@@ -166,13 +237,17 @@ def _watch(client: socket.socket) -> None:
     if ended not in readable:  # the client was killed
         os.kill(child, signal.SIGKILL)
     _, status = os.waitpid(child, 0)
-    client.sendall(f"{status}\n".encode())
+    with contextlib.suppress(BrokenPipeError):  # the client was killed meanwhile
+        client.sendall(f"{status}\n".encode())
     os._exit(0)
 
 
 def _run(request: dict[str, Any], streams: list[int]) -> None:
-    from jausml.cli import program
-
+    """Becomes the program, which ends this process."""
+    is_python = request["program"] == "python"
+    if is_python:
+        isolate()
+        command()  # before there are threads
     for number, stream in enumerate(streams):
         os.dup2(stream, number)
         os.close(stream)
@@ -186,6 +261,13 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
     sys.path[:0] = filter(None, request["environment"].get("PYTHONPATH", "").split(os.pathsep))
     os.environ.clear()
     os.environ.update(request["environment"])
+    if is_python:
+        sys.argv = ["-c"]
+        exec(request["arguments"][-1], {"__name__": "__main__"})  # noqa: S102 - as `-c` does
+        sys.exit()
+    from jausml.cli import program
+
+    _share_library()
     sys.argv = ["jausml", *request["arguments"]]
     if page := os.environ.pop(PAGE, ""):
         from jausml.authoring.studio import serving
@@ -198,4 +280,6 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
 
 
 if __name__ == "__main__":
-    serve(socket.socket(fileno=int(sys.argv[1])))
+    import warm  # under the name by which tests import it
+
+    warm.serve(socket.socket(fileno=int(sys.argv[1])), 0)

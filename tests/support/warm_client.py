@@ -1,4 +1,4 @@
-"""`jausml` of a process that has it imported: hands over what it was started with, and its fate.
+"""A program that another process has imported: hands over what it was started with, and its fate.
 
 It is started once for each command, and imports little.
 """
@@ -16,6 +16,7 @@ def main(address: str) -> None:
     """Has a command done, and ends as it does."""
     ignored = [signals for signals in PASSED_ON if signal.getsignal(signals) is signal.SIG_IGN]
     request = {
+        "program": address.rpartition("/")[2],
         "arguments": sys.argv[1:],
         "folder": os.getcwd(),  # noqa: PTH109 - pathlib takes as long as the rest
         "environment": dict(os.environ),

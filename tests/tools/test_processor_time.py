@@ -52,12 +52,18 @@ def test_the_table_of_the_project_names_files_that_are_there():
     ],
 )
 def test_what_is_wrong_by_more_than_half_is_told(listed, spent, found):
-    assert processor_time.differences(listed, spent) == found
+    assert processor_time.differences(listed, spent, spent) == found
 
 
 def test_after_an_earlier_run_a_file_may_take_less():
-    assert processor_time.differences({"a.py": 20}, {"a.py": 1.0}, from_nothing=False) == []
-    assert processor_time.differences({"a.py": 20}, {"a.py": 41.0}, from_nothing=False)
+    assert processor_time.differences({"a.py": 20}, {"a.py": 1.0}, None) == []
+    assert processor_time.differences({"a.py": 20}, {"a.py": 41.0}, None)
+
+
+def test_where_a_slow_test_came_first_the_others_may_take_less():
+    assert processor_time.differences({"a.py": 20}, {"a.py": 1.0}, {"a.py": 11.0}) == []
+    assert processor_time.differences({"a.py": 20}, {"a.py": 1.0}, {"a.py": 9.0})
+    assert processor_time.differences({}, {"a.py": 1.0}, {"a.py": 90.0}) == []
 
 
 def test_seconds_are_those_of_the_computer_of_the_table():
@@ -78,7 +84,7 @@ def test_commands_of_the_warm_process_are_counted():
 @pytest.mark.parametrize(("seconds", "status"), [(12, 1), (0, 0)])
 def test_a_run_fails_by_its_table_alone(tmp_path, seconds, status):
     (tmp_path / "support").mkdir()
-    for name in ("processor_time.py", "warm.py"):
+    for name in ("processor_time.py", "warm.py", "isolation.py"):
         shutil.copy(ROOT / "tests" / "support" / name, tmp_path / "support")
     (tmp_path / "test_cheap.py").write_text(TEST, encoding="utf-8")
     page = PAGE.format(seconds=seconds) if seconds else ""

@@ -1,0 +1,42 @@
+"""Commands and workers of the suite begin as forks of a process that has all loaded."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+
+import pytest
+import warm
+
+WORKER = """
+import os, subprocess, sys
+import jausml.language.project, warm
+assert warm.load.cache_info().currsize, "nothing is loaded"
+done = subprocess.run([*warm.command(), "--version"], capture_output=True, text=True)
+print(os.getcwd(), os.environ["COLOUR"], done.stdout.split()[1], sys.stdin.readline())
+sys.exit(7)
+"""
+
+
+@pytest.fixture(scope="module")
+def python() -> list[str]:
+    return warm.python()
+
+
+def test_a_python_runs_a_text_and_has_commands_of_its_own(tmp_path, python):
+    done = subprocess.run(
+        [*python, "-u", "-c", WORKER],
+        cwd=tmp_path,
+        env={**os.environ, "COLOUR": "green"},
+        input="a line",
+        capture_output=True,
+        text=True,
+    )
+    assert done.stderr == ""
+    assert done.stdout == f"{tmp_path} green version a line\n"
+    assert done.returncode == 7
+
+
+def test_the_end_of_a_command_by_a_signal_is_told(python):
+    text = "import os, signal; os.kill(os.getpid(), signal.SIGTERM)"
+    assert subprocess.run([*python, "-u", "-c", text]).returncode == -15
