@@ -3,14 +3,13 @@
 Copied into a generated workspace as the package ``jausml_runtime``. It needs the standard library
 only; rclpy is imported by the ROS side of bridges, when one runs, and numpy by bridges.
 
-What generated code and its users may import stands in ten modules, by name; whatever lies behind
+What generated code and its users may import stands in nine modules, by name; whatever lies behind
 them may move:
 
 - ``jausml_runtime``: components, bridges and what they are made and told of;
 - ``jausml_runtime.messages``: the messages of the core services;
 - ``jausml_runtime.conversions``: conversions of values, and the values that they know;
 - ``jausml_runtime.conversions.arithmetic``: the functions of expressions;
-- ``jausml_runtime.conversions.columns``: conversions of all elements of a list at once;
 - ``jausml_runtime.wire``: what classes of messages are made of;
 - ``jausml_runtime.bridge.light_message``: what light classes of ROS messages are made of;
 - ``jausml_runtime.bridge.messages.octets``: lists of single octets;
@@ -44,6 +43,7 @@ from .bridge.ends.ros_side import RosSide
 from .bridge.ends.topics import Qos, RosService, Topic
 from .bridge.ends.waypoint_driver import WaypointMessages
 from .bridge.forms import differing_forms
+from .bridge.handoff_bridge import HandoffBridge
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
 from .bridge.messages.compiled import Core
@@ -58,17 +58,13 @@ from .bridge.messages.limits import (
 from .bridge.node_process import run_node
 from .bridge.process import run_bridge
 from .clients.command_client import Commander, PendingCommand
-from .clients.control_session import (
-    ControlSession,
-    HandoffAnswer,
-    HandoffClient,
-    PendingHandoff,
-)
+from .clients.control_session import ControlSession
 from .clients.control_state import ControlState
 from .clients.discovery_client import FoundComponent
 from .clients.event_subscriber import EventSubscriber
 from .clients.event_subscription import EventSubscription
 from .clients.found_peers import PeerQuerier, PeerSubscriber
+from .clients.handoff_client import HandoffAnswer, HandoffClient, PendingHandoff
 from .clients.list_client import ListEditor, ListRequest
 from .clients.peer_controller import PeerController
 from .clients.peer_search import PeerChoice, PeerFinder, PeerSearch
@@ -147,6 +143,7 @@ __all__ = [
     "FoundComponent",
     "Guard",
     "HandoffAnswer",
+    "HandoffBridge",
     "HandoffClient",
     "HandoffDecision",
     "HandoffRequest",

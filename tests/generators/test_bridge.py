@@ -215,12 +215,11 @@ def test_inherited_services_are_provided(base):
 def test_contract_names_each_translation(loop_files):
     contract = loop_files["loop_bridge/loop_bridge/loop_bridge.py"].contract
     assert contract.base_name == "LoopBridgeBase"
-    *translations, not_ready, control_lost, handoff = contract.methods
+    *translations, not_ready, control_lost = contract.methods
     assert [method.name for method in translations] == [
         f"translate_{name}" for name in ("odometry", "speed", "pose", "drive", "cruise", "estimate")
     ]
-    hooks = [hook.name for hook in (not_ready, control_lost, handoff)]
-    assert hooks == ["on_not_ready", "on_control_lost", "on_handoff_requested"]
+    assert [not_ready.name, control_lost.name] == ["on_not_ready", "on_control_lost"]
     assert all(method.optional for method in contract.methods)
     for method in translations:
         ast.parse(f"class Stub:\n{method.stub}")

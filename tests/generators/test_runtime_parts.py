@@ -124,6 +124,32 @@ def test_a_bridge_has_the_kinds_of_connections_that_it_has(tmp_path: Path) -> No
     starts(tmp_path / "src", "front")
 
 
+def test_a_bridge_has_of_conversions_what_it_names(tmp_path: Path) -> None:
+    generate(tmp_path, FRONT, "front")
+    found = {name for name in modules(tmp_path) if name.startswith("conversions/")}
+    assert found == {f"conversions/{name}.py" for name in ("__init__", "numbers", "times", "types")}
+    named = "from jausml_runtime import conversions\nprint(conversions.reverse_rows([1, 2], 1))\n"
+    assert "conversions.rasters" in needed([("a.py", named)])
+    for whole in (
+        "from jausml_runtime import conversions as c",
+        "import jausml_runtime.conversions",
+    ):
+        assert "conversions.rasters" in needed([("a.py", f"{whole}\n")])
+
+
+def test_a_bridge_that_hears_of_handoffs_is_asked_what_a_person_decides(tmp_path: Path) -> None:
+    generate(tmp_path, FRONT, "front")
+    assert not {name for name in modules(tmp_path) if "handoff" in name}
+    deciding = FRONT.replace(
+        "provides: VelocityStateSensor", "provides: VelocityStateSensor, HandoffController"
+    )
+    generate(tmp_path, f"import jaus.iop\n{deciding}", "front")
+    assert "clients/handoff_client.py" in modules(tmp_path)
+    script = "from front.front import Front; print(Front.clients, Front.decide_handoff)"
+    done = run("-c", script, PYTHONPATH=python_path(tmp_path / "src"))
+    assert "HandoffClient" in done.stdout, done.stderr
+
+
 @pytest.mark.parametrize(
     ("connection", "parts"),
     [

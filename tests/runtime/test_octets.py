@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from jausml.runtime.bridge.messages import octets
 from jausml.runtime.conversions import ConversionError
-from jausml.runtime.conversions.numbers import occupancy_to_cost, reverse_rows
+from jausml.runtime.conversions.rasters import occupancy_to_cost, reverse_rows
 
 
 @given(st.binary(max_size=40), st.sampled_from([0, 1, 2, 3, 7, 2.5, -1, 40]))

@@ -14,6 +14,7 @@ from jausml.generation.target import source_of, system_of
 from jausml.language.semantics.connections import calls
 from jausml.language.semantics.connections.calls import told_command
 from jausml.language.semantics.connections.reports import requested_fields
+from jausml.language.semantics.jaus.core_services import with_standard
 from jausml.language.semantics.paths.scopes import used_maps
 from jausml.language.semantics.ros_types import package_of
 from jausml_generators.bridge.connections import ConnectionView
@@ -38,6 +39,7 @@ from jausml_generators.common.components import (
     own_bridges,
     service_identities,
     transport_settings,
+    with_inherited,
 )
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.package import FACE, EntryPoint, ProgramView, laid_out, runtime_names
@@ -53,11 +55,9 @@ if TYPE_CHECKING:
     from jausml_generators.cpp.core import Core
     from jausml_generators.python.codec.messages import MessageView
 
-_HOOKS: dict[str, tuple[str, ...]] = {
-    "on_not_ready": (),
-    "on_control_lost": (),
-    "on_handoff_requested": ("target", "requests"),
-}
+_HANDOFF_CONTROLLER = "urn:jaus:jss:iop:HandoffController"
+_HOOKS: dict[str, tuple[str, ...]] = {"on_not_ready": (), "on_control_lost": ()}
+_HANDOFF_HOOKS = {"on_handoff_requested": ("target", "requests")}
 
 
 @dataclass(frozen=True)
@@ -79,6 +79,17 @@ class BridgeView(ProgramView):
     def title(self) -> str:
         """What texts call it, e.g. `bridge turtle`; one that is named `bridge` just that."""
         return "bridge" if self.name.lower() == "bridge" else f"bridge {self.name}"
+
+    @property
+    def superclass(self) -> str:
+        """Class of the runtime that the base derives from."""
+        return "HandoffBridge" if self._hears_of_handoffs else "Bridge"
+
+    @property
+    def _hears_of_handoffs(self) -> bool:
+        """Whether it is told who asks for control of its peers."""
+        provided = with_inherited(with_standard(self.bridge))
+        return _HANDOFF_CONTROLLER in (str(service.urn) for service in provided)
 
     @property
     def documentation(self) -> str:
@@ -299,9 +310,10 @@ class BridgeView(ProgramView):
             MethodContract(action.hook, action.hook_parameters, "", action.hook_stub, optional=True)
             for action in self.actions
         )
+        of_handoffs = _HANDOFF_HOOKS if self._hears_of_handoffs else {}
         hooks = tuple(
             MethodContract(name, parameters, f"hook:{name}", "", optional=True)
-            for name, parameters in _HOOKS.items()
+            for name, parameters in (_HOOKS | of_handoffs).items()
         )
         conversions = tuple(
             MethodContract(

@@ -67,8 +67,8 @@ class Module:
 
     @functools.cached_property
     def passes_on(self) -> Mapping[str, str]:
-        """Modules by the names that a package passes on; empty if that is all of a module."""
-        if self.package != self.name or any(name == _WHOLE for _, name in self.imports):
+        """Modules by the names that a package passes on."""
+        if self.package != self.name:
             return {}
         return {name: module for module, name in self.imports}
 
@@ -128,11 +128,20 @@ def copied(module: Module, kept: Mapping[str, str]) -> str:
 
 
 def _asked(text: str) -> list[tuple[str, str]]:
-    """Returns what code imports of the runtime, whatever older runs or somebody's hand left."""
+    """Returns what code imports of the runtime, whatever older runs or somebody's hand left.
+
+    Of a package that is imported as a whole, it is what the code names behind a dot.
+    """
+    known = runtime_modules()
+    asked: list[tuple[str, str]] = []
     with suppress(*CANNOT_PARSE):
-        imports = _imports(_importing(text), "")
-        return [(module, name) for module, name in imports if module in runtime_modules()]
-    return []
+        for module, name in _imports(_importing(text), ""):
+            inner = f"{module}.{name}".strip(".")
+            passed = known[inner].passes_on if inner in known else {}
+            used = passed.keys() & re.findall(rf"\b{re.escape(name)}\.(\w+)", text)
+            if module in known:
+                asked += [(inner, word) for word in used] or [(module, name)]
+    return asked
 
 
 def _origin(module: str, name: str) -> str:

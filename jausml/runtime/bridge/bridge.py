@@ -16,7 +16,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..base.address import JausAddress
-from ..base.api import JausError, part_of_whole
+from ..base.api import JausError
 from ..base.counters import LOGGER
 from ..component.base import Component
 from ..conversions import Time
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
     from ..guardian.ward import Ward
-    from ..messages.handoff import HandoffDecision
     from ..services.definitions import HandoffRequest
     from ..services.host import CoreService, Host
     from ..transports.transport import Transport
@@ -62,6 +61,7 @@ class Bridge:
             of a simulation.
         core: What was generated to be compiled; None where nothing was.
         core_services: The core services that it may provide; the settings say which it does.
+        clients: Clients of others that it has besides those of its connections.
     """
 
     ros: RosSide
@@ -71,6 +71,7 @@ class Bridge:
     ward: Ward | None = None
     core: Core | None = None
     core_services: Sequence[Callable[[Host], CoreService]] = Component.core_services
+    clients: Sequence[Callable[[Host], object]] = ()
     _live: frozenset[str] = frozenset()
 
     def __init__(self, settings: BridgeSettings) -> None:
@@ -231,19 +232,7 @@ class Bridge:
     def on_handoff_requested(
         self, target: JausAddress, requests: tuple[HandoffRequest, ...]
     ) -> None:
-        """Hook: others ask for control of a peer; ``decide_handoff`` says what a person decides."""
-
-    def decide_handoff(self, request: HandoffRequest, decision: HandoffDecision) -> None:
-        """Tells a controlled peer what a person has decided of a request (IOP).
-
-        Who grants controls the peer no more until a request of its own is granted.
-
-        Raises:
-            JausError: Nobody asks for that any more.
-        """
-        with self.component.loop.lock:
-            client = part_of_whole("clients.control_session", "HandoffClient")
-            self.component.part(client).decide(request, decision)
+        """Hook of a `HandoffBridge`: others ask for control of a peer; a person decides."""
 
     def follow(self) -> None:
         """Stops what must not go on now that the state or the controller is another."""
@@ -362,7 +351,7 @@ class _BridgeComponent(Component):
 
     def __init__(self, bridge: Bridge, transport: Transport) -> None:
         settings = bridge.settings
-        self.core_services = bridge.core_services
+        self.core_services, self.clients = bridge.core_services, bridge.clients
         super().__init__(
             transport,
             settings.address,

@@ -1,31 +1,10 @@
-"""Control of other components (AS5710, AccessControl and Management, client side), and its handoff.
-
-Handoff between operators is asked for and decided by messages of the IOP (HandoffController).
-"""
+"""Control of other components (AS5710, AccessControl and Management, client side)."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..base.address import JausAddress
-from ..base.api import JausError
-from ..base.clocks import Alarm
-from ..messages import (
-    ConfirmControl,
-    ConfirmHandoffRequest,
-    ConfirmReleaseControl,
-    QueryEnhancedTimeout,
-    RejectControl,
-    RemoveHandoffRequest,
-    ReportControl,
-    ReportEnhancedTimeout,
-    ReportStatus,
-    ReportTimeout,
-    RequestHandoff,
-    RequestReleaseControl,
-)
-from ..messages.handoff import HandoffDecision
-from ..services.definitions import HandoffRequest
+from ..messages import ConfirmControl, RejectControl, ReportControl, ReportStatus, ReportTimeout
 from .control_state import Releases
 from .controlled_target import ControlledTarget
 from .event_client import EventClient
@@ -33,6 +12,7 @@ from .event_client import EventClient
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from ..base.address import JausAddress
     from ..services.definitions import Status
     from ..services.host import Host
     from .control_state import ControlState
@@ -117,7 +97,6 @@ class ControlClient:
             raise ValueError(f"authority {authority} is outside 0..255")
         control = self._controls.get(target)
         if control is None:
-            self._component.part(HandoffClient)  # others may ask for what is controlled
             control = ControlledTarget(self._component, target, self._releases, self._forget)
             self._controls[target] = control
         session = ControlSession(control, authority, resume, on_change)
@@ -176,172 +155,3 @@ class ControlClient:
     def _reported(self, message: ReportControl | ReportStatus, sender: JausAddress) -> None:
         for control in self._of(sender):
             control.reported(message)
-
-
-RENEWALS = 3
-"""How often a request is sent again in the time in which it would lapse."""
-
-RENEWAL = 3.0
-"""Seconds between two requests to a component that has not said when they lapse."""
-
-DECISION_TRIES = 3
-"""How often a decision is given to the transport, which repeats it each time: who has granted
-commands no more, and control would lapse."""
-
-HandoffAnswer = ConfirmHandoffRequest.ResponseCode
-
-_GOES_ON = (HandoffAnswer.QUEUED, HandoffAnswer.DEFERRED)
-
-
-class PendingHandoff:
-    """A request for control of a target; made by ``JausComponent.request_handoff``."""
-
-    def __init__(
-        self,
-        host: Host,
-        target: JausAddress,
-        message: RequestHandoff,
-        on_answer: Callable[[HandoffAnswer], None] | None,
-    ) -> None:
-        """Use ``JausComponent.request_handoff`` instead."""
-        self.target = target
-        self.number: int | None = None
-        self.pause = RENEWAL
-        self._host = host
-        self._message = message
-        self._on_answer = on_answer
-        self._timer = Alarm(host.loop)
-
-    def cancel(self) -> None:
-        """Take the request back; no effect once it is decided."""
-        with self._host.loop.lock:
-            if self._timer.is_set and self.number is not None:
-                removal = RemoveHandoffRequest(id_=self.number)
-                self._host.send(removal, self.target, acknowledge=True)
-            self.end()
-
-    def end(self) -> None:
-        """Ask no more."""
-        self._timer.cancel()
-
-    def ask(self) -> None:
-        """Send the request, and again before it lapses."""
-        self._timer.set(self.pause, self.ask)
-        self._host.send(self._message, self.target, acknowledge=True)
-
-    def answered(self, message: ConfirmHandoffRequest) -> bool:
-        """Take an answer; return whether it grants control."""
-        if not self._timer.is_set:
-            return False
-        answer = HandoffAnswer(message.response_code)
-        if answer in _GOES_ON:
-            self.number = message.id_
-        else:
-            self.end()
-        if self._on_answer is not None:
-            self._host.call(self._on_answer, answer)
-        return answer is HandoffAnswer.GRANTED
-
-
-class HandoffClient:
-    """Requests of one component, and those that it is to decide."""
-
-    def __init__(self, host: Host) -> None:
-        self._host = host
-        self._control = host.part(ControlClient)
-        self._pending: dict[JausAddress, PendingHandoff] = {}
-        self._open: dict[JausAddress, tuple[HandoffRequest, ...]] = {}
-        host.on_message(ConfirmHandoffRequest, self._answered)
-        host.on_message(ReportEnhancedTimeout, self._timeout_reported)
-        host.on_message(RequestReleaseControl, self._asked)
-        host.when_stopped(self.stop)
-
-    def request(
-        self,
-        target: JausAddress,
-        authority: int,
-        explanation: str,
-        on_answer: Callable[[HandoffAnswer], None] | None,
-    ) -> PendingHandoff:
-        """Ask for control; a request of the same target before is replaced."""
-        if not target.is_concrete:
-            raise ValueError(f"{target} does not name one component")
-        message = RequestHandoff(authority_code=authority, explanation=explanation)
-        message.encode()
-        former = self._pending.get(target)
-        if former is not None:
-            former.end()
-        handoff = self._pending[target] = PendingHandoff(self._host, target, message, on_answer)
-        self._host.when_started(handoff.ask)
-        self._host.when_started(lambda: self._host.send(QueryEnhancedTimeout(), target))
-        return handoff
-
-    def decide(self, request: HandoffRequest, decision: HandoffDecision) -> None:
-        """Tell the target of a request what was decided of it; who grants gives control up.
-
-        At most one request can be granted, and all others are denied then (IOP).
-        """
-        waiting = self._open.get(request.target, ())
-        if request not in waiting:
-            raise JausError(f"{request.client} does not ask for {request.target} any more")
-        decided = {request: decision}
-        if decision is HandoffDecision.GRANTED:
-            decided = dict.fromkeys(waiting, HandoffDecision.DENIED) | decided
-        record = ConfirmReleaseControl.ReleaseControlRec
-        records = [
-            record(pending_request.number, code) for pending_request, code in decided.items()
-        ]
-        message = ConfirmReleaseControl(release_control_list=records)
-        self._tell(request.target, message, DECISION_TRIES)
-        if decision is not HandoffDecision.WAIT:
-            self._open[request.target] = tuple(
-                pending_request for pending_request in waiting if pending_request not in decided
-            )
-        if decision is HandoffDecision.GRANTED:
-            self._control.hand_over(request.target)
-
-    def _tell(self, target: JausAddress, message: ConfirmReleaseControl, tries: int) -> None:
-        """Tell a decision, again when no repetition of the transport was acknowledged."""
-
-        def ended(acknowledged: bool) -> None:  # noqa: FBT001
-            if not acknowledged and tries > 1 and self._host.running:
-                self._tell(target, message, tries - 1)
-
-        self._host.transport.send(
-            self._host.address, target, message.encode(), acknowledge=True, on_result=ended
-        )
-
-    def stop(self) -> None:
-        """Ask for nothing any more."""
-        for pending_handoff in self._pending.values():
-            pending_handoff.end()
-        self._pending.clear()
-        self._open.clear()
-
-    def _answered(self, message: ConfirmHandoffRequest, sender: JausAddress) -> None:
-        pending = self._pending.get(sender)
-        if pending is not None and pending.answered(message):
-            self._control.take_over(sender)
-
-    def _timeout_reported(self, message: ReportEnhancedTimeout, sender: JausAddress) -> None:
-        pending = self._pending.get(sender)
-        if pending is not None and message.timeout:
-            pending.pause = message.timeout / RENEWALS
-
-    def _asked(self, message: RequestReleaseControl, sender: JausAddress) -> None:
-        if not self._control.holds(sender):
-            self._host.counters.add("handoff_client.not_controlled")
-            return
-        before = self._open.get(sender, ())
-        self._open[sender] = waiting = tuple(
-            HandoffRequest(
-                sender,
-                record.id_,
-                JausAddress(record.src_subsystem_id, record.src_node_id, record.src_component_id),
-                record.authority_code,
-                record.explanation,
-            )
-            for record in message.request_release_control_list
-        )
-        if waiting != before:
-            self._host.call(self._host.on_handoff_requested, sender, waiting)

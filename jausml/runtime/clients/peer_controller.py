@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..services.host import Host
-from .control_session import ControlClient, HandoffClient
+from .control_session import ControlClient
+from .handoff_client import HandoffClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -13,8 +14,9 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..messages.handoff import HandoffDecision
     from ..services.definitions import HandoffRequest
-    from .control_session import ControlSession, HandoffAnswer, PendingHandoff
+    from .control_session import ControlSession
     from .control_state import ControlState
+    from .handoff_client import HandoffAnswer, PendingHandoff
 
 
 class PeerController(Host):
@@ -41,6 +43,7 @@ class PeerController(Host):
             A handle to read the state from and to release control with.
         """
         with self.loop.lock:
+            self.part(HandoffClient)  # others may ask for what is controlled
             return self.part(ControlClient).control(
                 target, authority, resume=resume, on_change=on_change
             )

@@ -5,10 +5,99 @@ Each literal of `ConversionKind` in bridge.ecore has the function of the same na
 writes. The positional parameters are the inputs and then the arguments of the conversion.
 """
 
-# ruff: noqa: F403 - each module names what it offers in its own __all__
-from . import numbers, orientations, types
-from .numbers import *
-from .orientations import *
-from .types import *
+from .numbers import (
+    clamp,
+    covariance_to_rms,
+    deadband,
+    degrees_to_radians,
+    limit,
+    linear,
+    look_up,
+    negate,
+    percent_to_value,
+    radians_to_degrees,
+    scale,
+    square,
+    square_root,
+    value_to_percent,
+)
+from .orientations import (
+    enu_quaternion_to_ned_angles,
+    enu_quaternion_to_ned_heading,
+    enu_yaw_to_ned_heading,
+    flu_quaternion_to_frd_angles,
+    flu_quaternion_to_frd_pitch,
+    flu_quaternion_to_frd_roll,
+    flu_quaternion_to_frd_yaw,
+    frd_angles_to_flu_quaternion,
+    frd_yaw_to_flu_quaternion,
+    ned_angles_to_enu_quaternion,
+    ned_heading_to_enu_quaternion,
+    ned_heading_to_enu_yaw,
+    wrap_angle,
+)
+from .rasters import (
+    cost_to_occupancy,
+    occupancy_to_cost,
+    pixels_to_pnm,
+    pnm_to_pixels,
+    reverse_rows,
+)
+from .times import time_to_timestamp, timestamp_to_time
+from .types import (
+    Angles,
+    ConversionError,
+    Pixels,
+    Quaternion,
+    QuaternionLike,
+    Time,
+    TimeLike,
+    TimeStamp,
+    TimeStampLike,
+)
 
-__all__ = numbers.__all__ + orientations.__all__ + types.__all__
+__all__ = [
+    "Angles",
+    "ConversionError",
+    "Pixels",
+    "Quaternion",
+    "QuaternionLike",
+    "Time",
+    "TimeLike",
+    "TimeStamp",
+    "TimeStampLike",
+    "clamp",
+    "cost_to_occupancy",
+    "covariance_to_rms",
+    "deadband",
+    "degrees_to_radians",
+    "enu_quaternion_to_ned_angles",
+    "enu_quaternion_to_ned_heading",
+    "enu_yaw_to_ned_heading",
+    "flu_quaternion_to_frd_angles",
+    "flu_quaternion_to_frd_pitch",
+    "flu_quaternion_to_frd_roll",
+    "flu_quaternion_to_frd_yaw",
+    "frd_angles_to_flu_quaternion",
+    "frd_yaw_to_flu_quaternion",
+    "limit",
+    "linear",
+    "look_up",
+    "ned_angles_to_enu_quaternion",
+    "ned_heading_to_enu_quaternion",
+    "ned_heading_to_enu_yaw",
+    "negate",
+    "occupancy_to_cost",
+    "percent_to_value",
+    "pixels_to_pnm",
+    "pnm_to_pixels",
+    "radians_to_degrees",
+    "reverse_rows",
+    "scale",
+    "square",
+    "square_root",
+    "time_to_timestamp",
+    "timestamp_to_time",
+    "value_to_percent",
+    "wrap_angle",
+]

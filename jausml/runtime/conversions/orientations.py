@@ -19,22 +19,6 @@ if TYPE_CHECKING:
 # Closer to vertical than this, roll and yaw turn about the same axis.
 _VERTICAL = 1.0 - 1e-12
 
-__all__ = [
-    "enu_quaternion_to_ned_angles",
-    "enu_quaternion_to_ned_heading",
-    "enu_yaw_to_ned_heading",
-    "flu_quaternion_to_frd_angles",
-    "flu_quaternion_to_frd_pitch",
-    "flu_quaternion_to_frd_roll",
-    "flu_quaternion_to_frd_yaw",
-    "frd_angles_to_flu_quaternion",
-    "frd_yaw_to_flu_quaternion",
-    "ned_angles_to_enu_quaternion",
-    "ned_heading_to_enu_quaternion",
-    "ned_heading_to_enu_yaw",
-    "wrap_angle",
-]
-
 
 def wrap_angle(value: float) -> float:
     """The same direction in [-pi, pi]; an infinite angle has none, and is not a number then."""

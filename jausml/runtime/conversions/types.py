@@ -10,18 +10,6 @@ from typing import NamedTuple, Protocol
 
 from ..base.api import JausError
 
-__all__ = [
-    "Angles",
-    "ConversionError",
-    "Pixels",
-    "Quaternion",
-    "QuaternionLike",
-    "Time",
-    "TimeLike",
-    "TimeStamp",
-    "TimeStampLike",
-]
-
 
 class ConversionError(JausError):
     """A value that has no counterpart on the other side."""

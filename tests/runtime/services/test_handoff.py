@@ -5,18 +5,22 @@ from __future__ import annotations
 import pytest
 
 from jausml.runtime import (
+    BridgeSettings,
     ComponentSettings,
     ControlState,
     HandoffAnswer,
+    HandoffBridge,
     HandoffDecision,
     JausComponent,
     ServiceIdentity,
 )
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.api import JausError
+from jausml.runtime.clients.control_session import ControlClient
 from jausml.runtime.messages import RequestReleaseControl
 from jausml.runtime.virtual import Link, VirtualWorld
 
+from .bridge_support import Ros
 from .state_tables import CORE_NAMES, V1_1, core_services
 
 ROBOT = JausAddress(1, 1, 1)
@@ -103,6 +107,29 @@ def scene(world, **settings):
     )
     world.run_until(lambda: made.first.is_ready, limit=30)
     return made
+
+
+def test_a_bridge_hands_the_control_of_a_peer_over(world):
+    robot_transport, first, second = (world.transport() for _ in range(3))
+    made = Scene(robot_transport, [first, second])
+    world.run_until(lambda: made.first.is_ready, limit=10)
+    asked = []
+
+    class Commanding(HandoffBridge):
+        def on_handoff_requested(self, target, requests):
+            assert target == ROBOT
+            asked.extend(requests)
+
+    own = JausAddress(7, 1, 1)
+    bridge = Commanding(BridgeSettings(name="bridge", address=own, authority=255))
+    bridge.open(Ros(), world.transport())
+    session = bridge.component.part(ControlClient).control(ROBOT, 255)
+    world.run_until(lambda: session.state is ControlState.READY, limit=10)
+    made.second.ask()
+    world.run_until(lambda: asked, limit=10)
+    bridge.decide_handoff(asked[0], HandoffDecision.GRANTED)
+    world.run_until(lambda: made.second.is_ready, limit=10)
+    bridge.close()
 
 
 def test_a_person_hands_control_over_and_gets_it_back(world):

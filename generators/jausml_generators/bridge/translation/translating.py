@@ -204,7 +204,7 @@ class AlikeMaps:
 # Attributes that the base class has anyway, or had: names in the code of users stay.
 _TAKEN_ATTRIBUTES = names_in(
     """
-    accept at clock close compiled component connections core core_services decide_handoff
+    accept at clients clock close compiled component connections core core_services decide_handoff
     fast_subscriber
     fast_translation follow is_active loop note_guardian note_unasked now
     on_control_lost on_handoff_requested on_not_ready open parameters publisher report ros

@@ -10,7 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from ...base.api import JausError
-from ...conversions import numbers
+from ...conversions import rasters
 from ...wire.records import OctetRecords
 
 if TYPE_CHECKING:
@@ -113,11 +113,11 @@ def reverse_rows(cells: Sequence[Any], columns: float) -> Sequence[Any]:
         return array(cells.typecode, data)
     if isinstance(cells, bytearray):
         return bytearray(_reversed(bytes(cells), len(cells), columns, 1))
-    return numbers.reverse_rows(cells, columns)
+    return rasters.reverse_rows(cells, columns)
 
 
 def _reversed(data: bytes, count: int, columns: float, size: int) -> bytes:
-    starts = numbers.row_starts(count, columns)
+    starts = rasters.row_starts(count, columns)
     width = int(columns) * size
     return b"".join(data[start * size : start * size + width] for start in starts)
 

@@ -1,0 +1,87 @@
+"""Conversions of times."""
+
+from __future__ import annotations
+
+import time
+from datetime import date
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from .types import ConversionError, Time, TimeStamp
+
+if TYPE_CHECKING:
+    from .types import TimeLike, TimeStampLike
+
+
+_DAY = 86_400
+_DAY_NS = _DAY * 10**9
+_EPOCH = date(1970, 1, 1).toordinal()
+
+
+def timestamp_to_time(stamp: TimeStampLike, *, near: TimeLike) -> Time:
+    """A JAUS TimeStamp (day of month, UTC) to the instant nearest to `near`.
+
+    The TimeStamp names neither month nor year. Only a clock tells them, and only nearness makes a
+    stamp from just before midnight of the last of the month right when it arrives on the first.
+
+    Raises:
+        ConversionError: hour, minutes, seconds or milliseconds are no time of day.
+    """
+    return instant_near(
+        stamp.day, stamp.hour, stamp.minutes, stamp.seconds, stamp.milliseconds, near
+    )
+
+
+def time_to_timestamp(instant: TimeLike) -> TimeStamp:
+    """An instant to a JAUS TimeStamp (day of month, UTC); parts of a millisecond are cut off."""
+    utc = time.gmtime(instant.sec)
+    milliseconds = instant.nanosec // 1_000_000
+    return TimeStamp(milliseconds, utc.tm_sec, utc.tm_min, utc.tm_hour, utc.tm_mday)
+
+
+def instant_near(
+    day: int, hour: int, minutes: int, seconds: int, milliseconds: int, near: TimeLike
+) -> Time:
+    """The instant nearest to `near` that has a day of the month and a time of day, UTC.
+
+    Raises:
+        ConversionError: hour, minutes, seconds or milliseconds are no time of day.
+    """
+    if not (
+        0 <= hour < 24 and 0 <= minutes < 60 and 0 <= seconds < 60 and 0 <= milliseconds < 1000
+    ):
+        raise ConversionError("TimeStamp is no time of day")
+    of_day = (((hour * 60 + minutes) * 60 + seconds) * 1000 + milliseconds) * 10**6
+    reference = near.sec * 10**9 + near.nanosec
+    first, *others = _days_near(day, near.sec // _DAY)
+    nearest = first * _DAY_NS + of_day
+    for other in others:
+        instant = other * _DAY_NS + of_day
+        if abs(instant - reference) < abs(nearest - reference):
+            nearest = instant
+    return Time(*divmod(nearest, 10**9))
+
+
+@lru_cache(maxsize=64)
+def day_of_month(days: int) -> int:
+    """The day of the month, UTC, of a number of days since 1970."""
+    return time.gmtime(days * _DAY).tm_mday
+
+
+@lru_cache(maxsize=64)
+def _days_near(day_of_month: int, today: int) -> tuple[int, ...]:
+    """Days since 1970 around one of them that are the given day of their month."""
+    if not 1 <= day_of_month <= 31:
+        # JAUS-DEVIATION: AS6009 has days 1..31, but known peers leave the day at 0. The nearest
+        # day serves them better than the loss of every report.
+        return today - 1, today, today + 1
+    utc = time.gmtime(today * _DAY)
+    days = []
+    # On 1 March, 31 January is nearer than 31 March, and February has no such day.
+    for offset in (-2, -1, 0, 1):
+        year, month = divmod(utc.tm_year * 12 + utc.tm_mon - 1 + offset, 12)
+        try:
+            days.append(date(year, month + 1, day_of_month).toordinal() - _EPOCH)
+        except ValueError:  # this month is shorter
+            continue
+    return tuple(days)
