@@ -188,7 +188,7 @@ class Guardian:
     # ------------------------------------------------------------------ when to speak
 
     def _armed(self) -> list[int]:
-        return [number for number in self._stops if self._page.is_armed(number)]
+        return [number for number in self._stops if self._page.armed[number]]
 
     def _age(self) -> float:
         """Seconds since the bridge was there; very long before anything was in motion."""
@@ -283,7 +283,7 @@ class Guardian:
     def _number(self, datagrams: list[Datagram]) -> None:
         """Numbers datagrams from where the bridge has counted to: those of one way differently."""
         for datagram in datagrams:
-            first, content = self._page.sequence(datagram.slot), bytes(datagram.data[:-2])
+            first, content = self._page.numbers[datagram.slot], bytes(datagram.data[:-2])
             begun, contents = self._numbered.get(datagram.slot, (first, []))
             contents = contents if begun == first else []
             self._numbered[datagram.slot] = first, contents
@@ -375,7 +375,7 @@ def main(channel: str, page: str, death: str, name: str, bridge: str) -> int:
         signal.signal(number, signal.SIG_IGN)
     with socket.socket(fileno=int(channel)) as own:
         try:
-            Guardian(own, Page(int(page)), int(death), name, int(bridge)).run()
+            Guardian(own, Page.at(int(page)), int(death), name, int(bridge)).run()
         except RclError as error:
             _log(f"cannot speak ROS: {error}")
             return EXIT_OF_ROS

@@ -81,4 +81,4 @@ class Slots:
     def write(self, page: Page) -> None:
         """Notes the sequence numbers that datagrams should have now."""
         for slot in self._slots.values():
-            page.set_sequence(slot.place, slot.sequence())
+            page.numbers[slot.place] = slot.sequence()

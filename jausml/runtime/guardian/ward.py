@@ -144,7 +144,7 @@ class Ward:
                 guarded.hand()
                 self.number()
                 self._mark(self._page)
-            self._page.arm(guarded.number, armed)
+            self._page.armed[guarded.number] = armed
 
     # ------------------------------------------------------------------ for goals
 
@@ -206,7 +206,7 @@ class Ward:
             # The flags first: what was said must not be said again until the frame is read.
             if self._page is not None:
                 for connection in self._guarded:
-                    self._page.arm(connection.number, False)  # noqa: FBT003
+                    self._page.armed[connection.number] = False
             self._guarded.clear()
             self._left_out = 0
             self._goals.clear()
@@ -220,7 +220,6 @@ class Ward:
         self.send("bye", {})
         self._end()
         if self._page is not None:
-            self._page.close()
             os.close(self._page_descriptor)
             self._page = None
 
@@ -242,7 +241,7 @@ class Ward:
     def _begin(self) -> Page:
         if self._page is None:
             self._page_descriptor = Page.descriptor()
-            self._page = Page(self._page_descriptor)
+            self._page = Page.at(self._page_descriptor)
         # After a failure none is started again: the error was told, and stands.
         if self._process is None and not self._end_reason:
             self._start()

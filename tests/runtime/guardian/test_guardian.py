@@ -240,16 +240,14 @@ def test_signals_for_the_bridge_do_not_end_the_guardian(bridge, number):
 
 def test_both_sides_read_the_same_page():
     descriptor = Page.descriptor()
-    one, other = Page(descriptor), Page(descriptor)
+    one, other = Page.at(descriptor), Page.at(descriptor)
     assert (one.beat, one.taken, one.simulated) == (0, 0, 0)
     one.beat, one.taken, one.simulated = 2**63, 7, -5
-    one.arm(1023, True)
-    one.set_sequence(1023, 65536 + 9)
+    one.armed[1023] = True
+    one.numbers[1023] = 65536 + 9
     assert (other.beat, other.taken, other.simulated) == (2**63, 7, -5)
-    assert [other.is_armed(index) for index in (0, 1022, 1023)] == [False, False, True]
-    assert [other.sequence(index) for index in (0, 1023)] == [0, 9]
-    one.close()
-    other.close()
+    assert [other.armed[index] for index in (0, 1022, 1023)] == [False, False, True]
+    assert [other.numbers[index] for index in (0, 1023)] == [0, 9]
     os.close(descriptor)
 
 

@@ -136,10 +136,9 @@ def test_places_are_for_as_many_routes_as_a_page_has_and_are_given_back():
     assert slots.refused == 1
     assert slots.take(other, routes[4], lambda: 9) == 4  # one for all who send to a component
     descriptor = Page.descriptor()
-    page = Page(descriptor)
+    page = Page.at(descriptor)
     slots.write(page)
-    assert page.sequence(MOST_STOPS - 1) == 9
-    page.close()
+    assert page.numbers[MOST_STOPS - 1] == 9
     os.close(descriptor)
     slots.give_back(user, routes[4])
     assert slots.take(user, routes[-1], lambda: 9) is None
