@@ -29,9 +29,10 @@ def test_names_are_relative_and_can_be_remapped(node, peer):
 
     tested = node("-r", "speed:=measured_speed", namespace="fleet")
     publisher = tested.publisher(Float64, Topic("speed"))
+    speed = tested.codec(Float64).encode(Float64(data=2.0))
     assert tested.name == "/fleet/tested"
     found = peer.listen(Float64, "/fleet/measured_speed")
-    wait_for(lambda: publisher.publish_message(Float64(data=2.0)) or found, "remapped topic")
+    wait_for(lambda: publisher.publish(speed) or found, "remapped topic")
     assert found[0].data == 2.0
 
 

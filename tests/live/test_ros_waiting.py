@@ -285,7 +285,7 @@ def test_many_endpoints_and_one_that_fails_do_not_hide_what_others_are_told(node
     wait_for(lambda: not any(publisher.matched for publisher in made), "end of the matches")
 
 
-def test_bytes_and_objects_are_published_alike(node, peer, topic):
+def test_objects_are_published_as_their_bytes(node, peer, topic):
     from std_msgs.msg import Float32, Float64
 
     tested = node()
@@ -294,10 +294,7 @@ def test_bytes_and_objects_are_published_alike(node, peer, topic):
     found = peer.listen_to_publisher(Float64, topic)
     wait_for(lambda: publisher.matched, "subscription")
     publisher.publish(codec.encode(Float64(data=1.0)))
-    publisher.publish_message(Float64(data=2.0))
-    wait_for(lambda: [message.data for message in found] == [1.0, 2.0], "messages")
-    with pytest.raises(TypeError, match="Float64 expected, not Float32"):
-        publisher.publish_message(Float32())
+    wait_for(lambda: [message.data for message in found] == [1.0], "message")
     with pytest.raises(TypeError, match="Float64 expected, not Float32"):
         codec.encode(Float32())
 

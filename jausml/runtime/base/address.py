@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-import struct
 from functools import lru_cache
 
 WILDCARD_SUBSYSTEM = 65535
 WILDCARD_NODE = 255
 WILDCARD_COMPONENT = 255
 
-_WIRE = struct.Struct("<I")
 _DOTTED = re.compile(r"([0-9]{1,5})\.([0-9]{1,3})\.([0-9]{1,3})")
 
 
@@ -93,23 +91,6 @@ class JausAddress(int):
         if match is None:
             raise ValueError(f"{text!r} is not a JAUS address; expected e.g. 100.1.2")
         return cls(int(match[1]), int(match[2]), int(match[3]))
-
-    @classmethod
-    def from_bytes(  # type: ignore[override]
-        cls, buffer: bytes | bytearray | memoryview, offset: int = 0
-    ) -> JausAddress:
-        """Read the four bytes component, node, subsystem low, subsystem high.
-
-        Raises:
-            ValueError: Fewer than four bytes remain at ``offset``.
-        """
-        if not 0 <= offset <= len(buffer) - _WIRE.size:
-            raise ValueError(f"no JAUS address at offset {offset} of {len(buffer)} bytes")
-        return address_of(_WIRE.unpack_from(buffer, offset)[0])
-
-    def to_bytes(self) -> bytes:  # type: ignore[override]
-        """Return the four bytes component, node, subsystem low, subsystem high."""
-        return _WIRE.pack(self)
 
     @property
     def is_wildcard(self) -> bool:

@@ -19,7 +19,7 @@ from ..base.address import JausAddress, address_of
 from ..base.counters import LOGGER
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Collection, Iterator
 
     from ..base.settings import Endpoint, TransportSettings
 
@@ -302,9 +302,9 @@ def read_forwarded(frame: bytes) -> tuple[Endpoint, bytes] | None:
     return (socket.inet_ntoa(host), port), frame[_FORWARDED_SIZE:]
 
 
-def present_frame(addresses: Iterable[JausAddress]) -> bytes:
+def present_frame(addresses: Collection[JausAddress]) -> bytes:
     """Return the frame that tells the port's owner which components live here."""
-    return _PRESENT + b"".join([address.to_bytes() for address in addresses])
+    return _PRESENT + struct.pack(f"<{len(addresses)}I", *addresses)
 
 
 def read_present(frame: bytes) -> list[JausAddress] | None:

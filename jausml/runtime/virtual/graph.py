@@ -66,7 +66,6 @@ class GraphPublisher:
         self.on_matched = on_matched
         self.health = health
         self.publish: Callable[[bytes], None] = self._publish
-        self.encode: Callable[[Any], bytes] = bytes
         self.unmatched = 0
         self.subscriptions: list[GraphSubscription] = []
         size = MOST_KEPT if qos.history == "keep_all" else qos.depth
@@ -103,10 +102,6 @@ class GraphPublisher:
     def address(self) -> int:
         """There is no client library."""
         return 0
-
-    def publish_message(self, message: Any) -> None:
-        """Publishes an object of the class of rclpy."""
-        self.publish(self.encode(message))
 
     def close(self) -> None:
         """Publishes no more."""

@@ -154,7 +154,6 @@ class VirtualRosNode:
         """Makes a publisher; see `RosSide`."""
         resolved = self._resolved(topic)
         end = self._graph.advertise(self.name, ros_type, resolved, greet)
-        end.encode = partial(self._encoded, ros_type)
         self._health[topic, True] = end.health
         self._ends.append(end)
         return end
@@ -184,9 +183,6 @@ class VirtualRosNode:
     def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> Sequence[TopicFault]:
         """Returns why a topic does not work as it should; nothing while it does."""
         return self._health[topic, publishes].faults(alone=alone)
-
-    def _encoded(self, ros_type: type[Any], message: Any) -> bytes:
-        return self.codec(ros_type).encode(message)
 
     def _resolved(self, topic: Topic) -> Topic:
         return replace(topic, name=self._full_name(topic.name))

@@ -219,12 +219,13 @@ class TestClassesOfRos:
         got = []
         world.ros.subscribe("/x", KIND, got.append)
         made = node.publisher(messages.Float64, Topic("/x"))
-        made.publish_message(messages.Float64(data=2.5))
+        codec = node.codec(messages.Float64)
+        made.publish(codec.encode(messages.Float64(data=2.5)))
         world.run_for(0)
         (data,) = got
-        assert node.codec(messages.Float64).decode(data).data == 2.5
+        assert codec.decode(data).data == 2.5
         with pytest.raises(TypeError, match="Float64 expected, not int"):
-            made.publish_message(2)
+            codec.encode(2)
 
     def test_a_type_that_is_not_installed(self, node):
         class Unknown:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
 if TYPE_CHECKING:
@@ -42,9 +43,6 @@ class RosPublisher(Protocol):
     @property
     def published(self) -> Published:
         """What it was made for."""
-
-    def publish_message(self, message: Any) -> None:
-        """Publishes an object of the class of rclpy, from any thread."""
 
 
 class RosCodec(Protocol):
@@ -142,6 +140,24 @@ class FastSubscriber(Protocol):
 
     def look(self) -> None:
         """Tells the core what Python has learnt when it took a message."""
+
+
+@dataclass
+class Feed:
+    """A subscription, as a core is told of it.
+
+    Attributes:
+        address: Where the client library has it.
+        descriptor: The eventfd that says how many messages wait.
+        age_limit: Nanoseconds after which a message that waits is too old; 0 means never.
+        expected: The number of the next message.
+    """
+
+    address: int
+    descriptor: int
+    age_limit: int
+    counts: TopicCounts
+    expected: int = 0
 
 
 class Other(NamedTuple):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from functools import partial
 from select import EPOLLIN
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from ...base.standstill import steady
 from ...transports.udp.judp import JudpTransport
@@ -28,24 +28,7 @@ if TYPE_CHECKING:
 
     from ...base.fast_path import FastSending
     from ...component.base import Component
-    from ..ends.topics import TopicCounts
-
-
-class Feed(Protocol):
-    """A subscription, as who takes its messages tells of it.
-
-    Attributes:
-        address: Where the client library has it.
-        descriptor: The eventfd that says how many messages wait.
-        age_limit: Nanoseconds after which a message that waits is too old; 0 means never.
-        expected: The number of the next message.
-    """
-
-    address: int
-    descriptor: int
-    age_limit: int
-    expected: int
-    counts: TopicCounts
+    from ..ends.ros_side import Feed
 
 
 _NOT_TOLD = (1 << 64) - 1

@@ -24,7 +24,7 @@ from rclpy.utilities import try_shutdown
 from ...base.counters import LOGGER
 from ...conversions import Time
 from ..ends import parameters
-from ..ends.topics import Qos, Topic, TopicCounts
+from ..ends.topics import Qos, Topic
 from ..messages.limits import RosLostError
 from .internals import Codec, require_internals, spare_generator
 from .lifecycle import GuardedExecutor, ManagedNode
@@ -36,9 +36,7 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ...guardian.ward import Ward
-    from ..ends.topics import Parameter, TopicFault
-    from .lifecycle import Managed
-    from .topics import NodePublisher, WaitingName
+    from .topics import WaitingName
 
 PartT = TypeVar("PartT")
 
@@ -86,6 +84,10 @@ class RosNode:
     Attributes:
         node: That of rclpy, as `executor`.
         loop: Who waits, once it is attached.
+        publisher: Makes a publisher, as `subscribe` a subscription and `faults` tells of them: of
+            `NodeTopics`, once a loop is attached.
+        parameter: Declares a parameter, as `check_parameters` checks them: of `NodeParameters`.
+        manage: Has transitions act on something, as `bring_up` makes them: of `ManagedNode`.
     """
 
     def __init__(
@@ -124,7 +126,9 @@ class RosNode:
         self.loop: Loop
         self._topics: NodeTopics | None = None
         self._parts: dict[object, Any] = {}
-        self.parameters = NodeParameters(self.node, arguments or ())
+        self._parameters = NodeParameters(self.node, arguments or ())
+        self.parameter, self.check_parameters = self._parameters.declare, self._parameters.check
+        self.manage, self.bring_up = self.node.manage, self.node.bring_up
         self._clock: Any = self.node.get_clock()  # a ROSClock, as nodes have
         self._is_simulated = False
         self.node.add_post_set_parameters_callback(self._follow_simulation)
@@ -161,28 +165,6 @@ class RosNode:
 
         self.subscribe(Clock, Topic("/clock", Qos(reliability="best_effort", depth=1)), hear)
 
-    def parameter(self, parameter: Parameter, changed: Callable[[Any], None] | None = None) -> Any:
-        """Declares a parameter and returns its value.
-
-        Args:
-            changed: Takes each later value, on the thread of the executor; without it the parameter
-                cannot change.
-
-        A value that does not do leaves it at that of the model, and `check_parameters` tells it.
-
-        Raises:
-            ParameterError: Another parameter has its name.
-        """
-        return self.parameters.declare(parameter, changed)
-
-    def check_parameters(self) -> None:
-        """Tells the values of all parameters so far that do not do.
-
-        Raises:
-            ParameterError: There are some; its text has a line for each.
-        """
-        self.parameters.check()
-
     def codec(self, ros_type: type[Any]) -> Codec:
         """Returns what makes objects of serialized messages, and the reverse.
 
@@ -197,34 +179,11 @@ class RosNode:
         """Chooses how to wait; to be called before there are publishers and subscriptions."""
         self.loop = loop
         self.executor.counters = loop.counters
-        self._topics = NodeTopics(
-            self.node, self._context, loop, self._waiting_name, self.parameters, self._age_limit
+        self._topics = topics = NodeTopics(
+            self.node, self._context, loop, self._waiting_name, self._parameters, self._age_limit
         )
-
-    def publisher(
-        self,
-        ros_type: type[Any],
-        topic: Topic,
-        greet: Callable[[], None] | None = None,
-    ) -> NodePublisher:
-        """Makes a publisher; see `RosSide`."""
-        return self._present_topics.publisher(ros_type, topic, greet)
-
-    def subscribe(
-        self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
-    ) -> TopicCounts:
-        """Makes a subscription; see `RosSide`. Messages are taken after `start`."""
-        return self._present_topics.subscribe(ros_type, topic, take)
-
-    def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> list[TopicFault]:
-        """Returns why a topic does not work as it should; see `RosSide`."""
-        return self._present_topics.faults(topic, publishes=publishes, alone=alone)
-
-    @property
-    def _present_topics(self) -> NodeTopics:
-        if self._topics is None:
-            raise RuntimeError("no loop is attached")
-        return self._topics
+        self.publisher, self.subscribe = topics.publisher, topics.subscribe
+        self.faults = topics.faults
 
     def part(self, load: Callable[[], Callable[[Any], PartT]]) -> PartT:
         """Returns a part of the node; see `RosSide`. There is a loop by then."""
@@ -290,21 +249,9 @@ class RosNode:
         if self._topics is not None:
             self._topics.destroy()
             self._topics = None
-        self.parameters.release()
+        self._parameters.release()
 
     # ------------------------------------------------------------------ transitions
-
-    def manage(self, managed: Managed) -> None:
-        """Has transitions of the node act on something from now on."""
-        self.node.manage(managed)
-
-    def bring_up(self) -> None:
-        """Goes from unconfigured to active.
-
-        Raises:
-            BaseException: What keeps it from there.
-        """
-        self.node.bring_up()
 
     def shut_down(self) -> None:
         """Goes to finalized, unless it is there or ROS is gone."""

@@ -7,6 +7,7 @@ from time import time_ns
 from typing import TYPE_CHECKING, Any
 
 from ...base.standstill import steady
+from ..ends.ros_side import Feed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -138,23 +139,6 @@ def reader(  # noqa: C901 - for two functions that share the number expected
             fast.look()
 
     return read_other
-
-
-@dataclass
-class Feed:
-    """A subscription, as a core is told of it.
-
-    Attributes:
-        address: Where the client library has it.
-        descriptor: The eventfd that says how many messages wait.
-        expected: The number of the next message.
-    """
-
-    address: int
-    descriptor: int
-    age_limit: int
-    counts: TopicCounts
-    expected: int = 0
 
 
 class _Publishers:

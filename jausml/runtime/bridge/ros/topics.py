@@ -37,7 +37,7 @@ from .parameters import (
     tell_unknown,
 )
 from .taking import Subscription
-from .values import checked, is_of_any_size
+from .values import is_of_any_size
 from .waiting import Listener, NoListenerError, WaitSets
 
 if TYPE_CHECKING:
@@ -138,26 +138,19 @@ class NodePublisher:
         publish: Publishes a serialized message, from any thread: the function of rclpy itself.
     """
 
-    __slots__ = ("_class", "handle", "matched", "publish", "published", "unmatched")
+    __slots__ = ("handle", "matched", "publish", "published", "unmatched")
 
-    def __init__(self, handle: Any, ros_class: type[Any], published: Published) -> None:
+    def __init__(self, handle: Any, published: Published) -> None:
         self.handle = handle
         self.published = published
         self.publish: Callable[[bytes], None] = handle.publish_raw
         self.matched = 0
         self.unmatched = 0
-        self._class = ros_class
 
     @property
     def address(self) -> int:
         """Where the client library has it."""
         return int(self.handle.pointer)
-
-    def publish_message(self, message: Any) -> None:
-        """Publishes an object of the class of rclpy, from any thread."""
-        if not isinstance(message, self._class):
-            raise TypeError(f"{self._class.__name__} expected, not {type(message).__name__}")
-        self.handle.publish(checked(message))
 
 
 WaitingName = Literal["automatic", "listener", "wait-set"]
@@ -209,7 +202,7 @@ class NodeTopics:
         self._publishers.append(handle)
         self._watch_types(health, rclpy_class, handle.get_subscription_count)
         published = Published(health.topic, _type_name(rclpy_class), health.qos)
-        publisher = NodePublisher(handle, rclpy_class, published)
+        publisher = NodePublisher(handle, published)
 
         def matched(state: Any) -> None:
             publisher.matched = state.current_count

@@ -8,7 +8,8 @@ import platform
 import sys
 import threading
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from itertools import compress
+from typing import TYPE_CHECKING, Any, Literal
 
 from .internals import internals
 from .taking import AT_ONCE, reader
@@ -32,8 +33,8 @@ class WaitSets:
 
     def __init__(self, loop: Loop, context: Any) -> None:
         self._standstill = loop.standstill
-        self._topics = _TopicSet(loop, context)
-        self._events = _EventSet(loop, context)
+        self._topics = _ServedSet(loop, context, "subscription")
+        self._events = _ServedSet(loop, context, "event")
 
     def subscription(self, subscription: Subscription) -> None:
         """Takes the messages of a subscription, what waits already included."""
@@ -62,11 +63,10 @@ class WaitSets:
 class _ServedSet:
     """A wait set, built once for what it holds, and the thread that waits with it."""
 
-    name: str
-
-    def __init__(self, loop: Loop, context: Any) -> None:
+    def __init__(self, loop: Loop, context: Any, kind: Literal["subscription", "event"]) -> None:
         self._loop = loop
         self._context = context
+        self._kind = kind
         with context.handle:
             self._wake_up = internals.GuardCondition(context.handle)
         self._served: list[tuple[Any, Read]] = []
@@ -79,7 +79,8 @@ class _ServedSet:
         self._wake_up.trigger_guard_condition()
 
     def start(self, fail: Callable[[BaseException], None]) -> None:
-        self._thread = threading.Thread(target=self._run, args=[fail], name=self.name, daemon=True)
+        name = "ros-topics" if self._kind == "subscription" else "ros-events"
+        self._thread = threading.Thread(target=self._run, args=[fail], name=name, daemon=True)
         self._thread.start()
 
     def close(self) -> None:
@@ -100,75 +101,38 @@ class _ServedSet:
 
     def _wait_until_more(self, served: tuple[tuple[Any, Read], ...]) -> None:
         """Serves with one wait set until there is more to wait for."""
-        wait_set = self._build(len(served))
-        handles = [handle for handle, _ in served]
-        reads = [read for _, read in served]
+        is_of_topics, count = self._kind == "subscription", len(served)
+        with self._context.handle:
+            counts = (count, 1, 0, 0, 0, 0) if is_of_topics else (0, 1, 0, 0, 0, count)
+            wait_set = internals.WaitSet(*counts, self._context.handle)
+        add = wait_set.add_subscription if is_of_topics else wait_set.add_event
+        handles, reads = zip(*served, strict=True) if served else ((), ())
         by_pointer = {handle.pointer: read for handle, read in served}
         try:
             while not self._is_closing and len(served) == len(self._served):
                 # rcl forgets what was not ready: all has to be named again.
                 wait_set.clear_entities()
                 wait_set.add_guard_condition(self._wake_up)
-                self._fill(wait_set, handles)
+                for handle in handles:
+                    add(handle)
                 wait_set.wait(-1)
-                self._serve(self._ready(wait_set, reads, by_pointer))
+                ready: Iterable[Read]
+                if is_of_topics:
+                    ready = map(by_pointer.__getitem__, wait_set.get_ready_entities(self._kind))
+                else:
+                    are_ready = [wait_set.is_ready(self._kind, index) for index in range(count)]
+                    ready = compress(reads, are_ready)
+                self._serve(tuple(ready))
         finally:
             wait_set.destroy_when_not_in_use()
 
-    def _serve(self, ready: list[Read]) -> None:
+    def _serve(self, ready: tuple[Read, ...]) -> None:
         with self._loop.lock:
             for read in ready if not self._is_closing else ():
                 try:
                     read()
                 except Exception as error:
                     self._loop.counters.count("loop.callback_failed", repr(error), error=error)
-
-    def _build(self, count: int) -> Any:
-        """Returns a wait set for so many, and for what wakes up."""
-        raise NotImplementedError
-
-    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
-        """Names what to wait for."""
-        raise NotImplementedError
-
-    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
-        """Returns what is to be served, after the wait."""
-        raise NotImplementedError
-
-
-class _TopicSet(_ServedSet):
-    name = "ros-topics"
-
-    def _build(self, count: int) -> Any:
-        with self._context.handle:
-            return internals.WaitSet(count, 1, 0, 0, 0, 0, self._context.handle)
-
-    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
-        add = wait_set.add_subscription
-        for handle in handles:
-            add(handle)
-
-    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
-        del reads
-        return [
-            by_pointer[ready_entity] for ready_entity in wait_set.get_ready_entities("subscription")
-        ]
-
-
-class _EventSet(_ServedSet):
-    name = "ros-events"
-
-    def _build(self, count: int) -> Any:
-        with self._context.handle:
-            return internals.WaitSet(0, 1, 0, 0, 0, count, self._context.handle)
-
-    def _fill(self, wait_set: Any, handles: Iterable[Any]) -> None:
-        for handle in handles:
-            wait_set.add_event(handle)
-
-    def _ready(self, wait_set: Any, reads: list[Read], by_pointer: dict[int, Read]) -> list[Read]:
-        del by_pointer
-        return [read for index, read in enumerate(reads) if wait_set.is_ready("event", index)]
 
 
 ON_MESSAGE = "rcl_subscription_set_on_new_message_callback"

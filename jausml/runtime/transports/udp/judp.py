@@ -133,10 +133,9 @@ class JudpTransport(DatagramTransport):
 
     def _reader(self, sock: socket.socket, *, by_multicast: bool) -> Callable[[], None]:
         take = partial(self.receive_datagram, by_multicast=by_multicast)
-        receive = self._drops.receiver(sock)
-        # Where drops are told with each datagram only, all of them are read in Python.
-        if self._receive_by is not None and receive == sock.recvfrom:
-            receive = self._receive_by(sock, by_multicast)
+        self._drops.watch(sock)
+        by_core = self._receive_by
+        receive = sock.recvfrom if by_core is None else by_core(sock, by_multicast)
         return reader(receive, self.loop, take)
 
     def receive_datagram(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import socket
 import struct
-import sys
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -18,84 +17,47 @@ if TYPE_CHECKING:
     """Receives a datagram of at most so many bytes; tells where it came from."""
 
 
-# Options of Linux that the socket module does not name.
-SO_RXQ_OVFL = 40  # each datagram tells how many were dropped so far
-SO_MEMINFO = 55  # the same and more is told on request, since 4.12
-
-# SK_MEMINFO of Linux: nine numbers, of which the last one counts the drops.
+# An option of Linux that the socket module does not name: how its memory stands. Of nine numbers
+# (SK_MEMINFO) the last one counts the drops.
+_SO_MEMINFO = 55
 _MEMINFO = struct.Struct("9I")
 _DROPS = 8
-_DROPPED = struct.Struct("I")
-_NOTES_SIZE = socket.CMSG_SPACE(_DROPPED.size)
 
 
 class KernelDrops:
     """Counts what the kernel drops at the sockets of one process, as ``judp.kernel_dropped``.
 
     To have it told with each datagram costs 5 us after a pause; so the kernel is asked now and
-    then, where it answers.
+    then, where it answers (Linux).
     """
 
     def __init__(self, counters: Counters) -> None:
         self._counters = counters
         self._known: dict[socket.socket, int] = {}
 
-    def receiver(self, sock: socket.socket, option: int = SO_MEMINFO) -> Receiver:
-        """Return what receives from a socket, whose drops are counted from now on."""
-        if sys.platform != "linux":
-            return sock.recvfrom
-        if len(_socket_option(sock, option)) == _MEMINFO.size:
-            self._known[sock] = 0
-            return sock.recvfrom
-        return self._noting(sock)
+    def watch(self, sock: socket.socket) -> None:
+        """Count the drops of a socket from now on."""
+        self._known.setdefault(sock, 0)
 
     def look(self) -> None:
-        """Count what was dropped since the last time; sockets that are closed are forgotten."""
+        """Count what was dropped since the last time; sockets that do not tell are forgotten."""
         for sock, known in list(self._known.items()):
-            memory_info = _socket_option(sock, SO_MEMINFO)
-            if memory_info:
-                self._known[sock] = self._counted(known, _MEMINFO.unpack(memory_info)[_DROPS])
-            else:
+            try:
+                memory_info = sock.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO.size)
+                self._known[sock] = total = _MEMINFO.unpack(memory_info)[_DROPS]
+            except (OSError, struct.error):
                 del self._known[sock]
-
-    def _noting(self, sock: socket.socket) -> Receiver:
-        """Return what receives, and reads the notes of the kernel that come with datagrams."""
-        try:
-            sock.setsockopt(socket.SOL_SOCKET, SO_RXQ_OVFL, 1)
-        except OSError:
-            return sock.recvfrom
-        known = 0
-
-        def receive(size: int) -> tuple[bytes, Endpoint]:
-            nonlocal known
-            data, notes, _, origin = sock.recvmsg(size, _NOTES_SIZE)
-            for level, kind, note in notes:
-                if (level, kind) == (socket.SOL_SOCKET, SO_RXQ_OVFL):
-                    known = self._counted(known, *_DROPPED.unpack(note))
-            return data, origin
-
-        return receive
-
-    def _counted(self, known: int, total: int) -> int:
-        # The kernel counts in 32 bits, and begins again at 0.
-        amount = total - known & 0xFFFFFFFF
-        if amount:
-            self._counters.count(
-                "judp.kernel_dropped",
-                f"{amount} datagrams; the receive buffer was full: this process stood "
-                "still or too much comes at once; the kernel allows no larger buffer "
-                "than net.core.rmem_max",
-                amount=amount,
-            )
-        return total
-
-
-def _socket_option(sock: socket.socket, option: int) -> bytes:
-    """Returns what the kernel says of a socket; nothing where it does not, as of a closed one."""
-    try:
-        return sock.getsockopt(socket.SOL_SOCKET, option, _MEMINFO.size)
-    except OSError:
-        return b""
+                continue
+            # The kernel counts in 32 bits, and begins again at 0.
+            amount = total - known & 0xFFFFFFFF
+            if amount:
+                self._counters.count(
+                    "judp.kernel_dropped",
+                    f"{amount} datagrams; the receive buffer was full: this process stood "
+                    "still or too much comes at once; the kernel allows no larger buffer "
+                    "than net.core.rmem_max",
+                    amount=amount,
+                )
 
 
 _LARGEST_DATAGRAM = 65535
