@@ -15,9 +15,8 @@ from click.testing import CliRunner
 from jausml.cli import main
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
-from jausml.runtime.bridge.connections.reporting import FEWEST_FAILURES, Reporter
+from jausml.runtime.bridge.connections.reporting import FEWEST_FAILURES, Reporting
 from jausml.runtime.bridge.messages.limits import AbsentFieldError
-from jausml.runtime.bridge.reports.diagnostics import Limiting, Statistics
 from jausml.runtime.messages import RequestControl
 
 pytestmark = pytest.mark.ports
@@ -262,9 +261,9 @@ def test_a_refusal_says_who_controls_and_what_preempts(vehicle, free_port):
 
 
 def test_a_connection_that_fails_says_why_and_what_to_change():
-    connection = Limiting()
-    connection.name, connection.counters, connection.statistics = "c", Counters(), Statistics()
+    connection = Reporting("c")
+    connection.counters = Counters()
     for _ in range(FEWEST_FAILURES):
         connection.fail(AbsentFieldError("position"))
     told = "no message can be translated: absent_field (position); change its map, or what is sent"
-    assert Reporter(connection)._failing() == told
+    assert connection._failing() == told

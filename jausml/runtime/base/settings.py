@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import ipaddress
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +27,28 @@ LEAST_AMPLIFICATION = 3
 
 LEAST_CONNECTIONS = 4
 """Least number of JTCP connections with which a process can work."""
+
+LIMITS: dict[str, tuple[float, float]] = {
+    "port": (1, 65535),
+    "multicast_ttl": (0, 255),
+    "acknowledge_retries": (0, 100),
+    "fragment_size": (2, MAX_FRAGMENT_SIZE),
+    "duplicate_history": (1, 32767),
+    "reassembly_limit": (MAX_FRAGMENT_SIZE, 1 << 30),
+    "acknowledge_timeout": (0.001, 60),
+    "duplicate_window": (0, 60),
+    "reassembly_timeout": (0.01, 60),
+    "address_lifetime": (0.1, 86400),
+    "send_buffer": (0, 1 << 30),
+    "connection_timeout": (0.01, 600),
+    "standstill": (0, 3600),
+    "amplification_limit": (0, 1000),
+    "max_peers": (16, 65535),
+    "max_connections": (LEAST_CONNECTIONS, 4096),
+    "idle_timeout": (0, 86400),
+    "takeover_interval": (0.05, 60),
+}
+"""Least and greatest values of settings."""
 
 Endpoint = tuple[str, int]
 """IPv4 address (or host name in static entries) and UDP port."""
@@ -129,33 +151,17 @@ class TransportSettings:
             )
         if not _ipv4("multicast group", self.multicast_group).is_multicast:
             raise ValueError(f"{self.multicast_group} is not an IPv4 multicast group")
-        _check("port", self.port, 1, 65535)
-        _check("multicast_ttl", self.multicast_ttl, 0, 255)
-        _check("acknowledge_retries", self.acknowledge_retries, 0, 100)
-        _check("fragment_size", self.fragment_size, 2, MAX_FRAGMENT_SIZE)
-        _check("duplicate_history", self.duplicate_history, 1, 32767)
-        _check("reassembly_limit", self.reassembly_limit, MAX_FRAGMENT_SIZE, 1 << 30)
-        _check("acknowledge_timeout", self.acknowledge_timeout, 0.001, 60)
-        _check("duplicate_window", self.duplicate_window, 0, 60)
-        _check("reassembly_timeout", self.reassembly_timeout, 0.01, 60)
-        _check("address_lifetime", self.address_lifetime, 0.1, 86400)
-        _check("send_buffer", self.send_buffer, 0, 1 << 30)
-        _check("connection_timeout", self.connection_timeout, 0.01, 600)
-        _check("standstill", self.standstill, 0, 3600)
-        _check("amplification_limit", self.amplification_limit, 0, 1000)
+        for name, (low, high) in LIMITS.items():
+            check_range(name, getattr(self, name), low, high)
         if 0 < self.amplification_limit < LEAST_AMPLIFICATION:
             raise ValueError(
                 f"amplification_limit is {self.amplification_limit}; it must be 0 or at least"
                 f" {LEAST_AMPLIFICATION}, to leave room for the question and an answer"
             )
-        _check("max_peers", self.max_peers, 16, 65535)
-        _check("max_connections", self.max_connections, LEAST_CONNECTIONS, 4096)
-        _check("idle_timeout", self.idle_timeout, 0, 86400)
-        _check("takeover_interval", self.takeover_interval, 0.05, 60)
         for address, (_, port) in self.address_book.items():
             if not address.is_concrete:
                 raise ValueError(f"address book entry {address} does not name one component")
-            _check(f"port of {address}", port, 1, 65535)
+            check_range(f"port of {address}", port, *LIMITS["port"])
         for allowed_host in self.allowed_hosts:
             try:
                 ipaddress.IPv4Network(allowed_host)
@@ -175,7 +181,7 @@ def _peer(text: str) -> tuple[JausAddress, Endpoint]:
         raise argparse.ArgumentTypeError(str(error)) from error
 
 
-_OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
+OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
     "JAUS transport": {
         "interface": {"metavar": "ADDRESS", "help": "IPv4 address of the network interface"},
         "transport": {
@@ -230,31 +236,28 @@ _OPTIONS: dict[str, dict[str, dict[str, Any]]] = {
 """Options of a command line by groups and fields, as argparse takes them."""
 
 
+def option_values(settings: TransportSettings) -> dict[str, Any]:
+    """Returns what settings say, by options, as command lines and parameters say it."""
+    values = {name: getattr(settings, name, []) for group in OPTIONS.values() for name in group}
+    values["transport"] = settings.transport.value
+    values["allowed_hosts"] = ",".join(settings.allowed_hosts)
+    values["idle_timeout"] = float(settings.idle_timeout)
+    return values
+
+
 def add_arguments(
     parser: argparse.ArgumentParser, defaults: TransportSettings | None = None
 ) -> None:
     """Add the ``--jaus-...`` options that ``from_arguments`` reads."""
-    known = TransportSettings() if defaults is None else defaults
-    unlike: dict[str, Any] = {
-        "transport": known.transport.value,
-        "peer": [],
-        "allowed_hosts": ",".join(known.allowed_hosts),
-    }
-    reads = {
-        setting.name: {"int": int, "float": float}.get(str(setting.type))
-        for setting in fields(known)
-    }
-    for title, options in _OPTIONS.items():
+    known = option_values(TransportSettings() if defaults is None else defaults)
+    for title, options in OPTIONS.items():
         group = parser.add_argument_group(title)
         for name, option in options.items():
-            keywords = {
-                "default": unlike[name] if name in unlike else getattr(known, name),
-                **option,
-            }
+            keywords = {"default": known[name], **option}
             if "default" not in option["help"] and name != "peer":
                 keywords["help"] += " (default %(default)s)"
-            if reads.get(name) is not None:
-                keywords["type"] = reads[name]
+            if type(known[name]) in (int, float):
+                keywords["type"] = type(known[name])
             group.add_argument(f"--jaus-{name.replace('_', '-')}", **keywords)
 
 
@@ -271,7 +274,7 @@ def from_arguments(
     """
     known = TransportSettings() if defaults is None else defaults
     values = {
-        name: getattr(arguments, f"jaus_{name}") for option in _OPTIONS.values() for name in option
+        name: getattr(arguments, f"jaus_{name}") for option in OPTIONS.values() for name in option
     }
     values["address_book"] = {**known.address_book, **dict(values.pop("peer"))}
     values["transport"] = TransportKind(values["transport"])
@@ -301,6 +304,7 @@ def _ipv4(name: str, text: str) -> ipaddress.IPv4Address:
         raise ValueError(f"{name} '{text}' is no IPv4 address{hint}") from None
 
 
-def _check(name: str, value: float, low: float, high: float) -> None:
+def check_range(name: str, value: float, low: float, high: float) -> None:
+    """Raise ValueError for a setting that is less or greater than it may be."""
     if not low <= value <= high:
         raise ValueError(f"{name} is {value}; it must lie in {low}..{high}")

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import TYPE_CHECKING
 
+from ..base.settings import check_range
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
@@ -166,35 +168,30 @@ class ComponentSettings:
 
     def __post_init__(self) -> None:
         """Refuse values that the wire cannot carry or that would flood it."""
-        _check("default_authority", self.default_authority, 0, 255)
-        _check("control_timeout", self.control_timeout, 0, 255)
-        _check("handoff_timeout", self.handoff_timeout, 0, 255)
-        _check("enhanced_timeout", self.enhanced_timeout, 0, 255)
-        _check("event_timeout", self.event_timeout, 0, 255)
-        _check("event_rate_max", self.event_rate_max, 0.02, MAX_EVENT_RATE)
-        _check("event_rate_min", self.event_rate_min, 0.02, self.event_rate_max)
-        _check("event_rate_budget", self.event_rate_budget, 1, 255 * MAX_EVENT_RATE)
-        _check("max_events", self.max_events, 0, 255)
-        _check("heartbeat_rate", self.heartbeat_rate or 0.0, 0, 100)
-        _check("heartbeat_scope", self.heartbeat_scope, Scope.SYSTEM, Scope.SUBSYSTEM)
-        _check("max_list_elements", self.max_list_elements, 0, 65534)
-        _check("discovery_timeout", self.discovery_timeout, 1, 86400)
-        _check("registration_lifetime", self.registration_lifetime, 1, 86400)
-        _check("retry_min", self.retry_min, 0.05, 60)
-        _check("retry_max", self.retry_max, self.retry_min, 600)
-        _check("refused_retry", self.refused_retry, 0.05, 600)
-        _check("watch_interval", self.watch_interval, 0.05, 600)
-        _check("check_interval", self.check_interval, 0.05, 600)
+        check_range("default_authority", self.default_authority, 0, 255)
+        check_range("control_timeout", self.control_timeout, 0, 255)
+        check_range("handoff_timeout", self.handoff_timeout, 0, 255)
+        check_range("enhanced_timeout", self.enhanced_timeout, 0, 255)
+        check_range("event_timeout", self.event_timeout, 0, 255)
+        check_range("event_rate_max", self.event_rate_max, 0.02, MAX_EVENT_RATE)
+        check_range("event_rate_min", self.event_rate_min, 0.02, self.event_rate_max)
+        check_range("event_rate_budget", self.event_rate_budget, 1, 255 * MAX_EVENT_RATE)
+        check_range("max_events", self.max_events, 0, 255)
+        check_range("heartbeat_rate", self.heartbeat_rate or 0.0, 0, 100)
+        check_range("heartbeat_scope", self.heartbeat_scope, Scope.SYSTEM, Scope.SUBSYSTEM)
+        check_range("max_list_elements", self.max_list_elements, 0, 65534)
+        check_range("discovery_timeout", self.discovery_timeout, 1, 86400)
+        check_range("registration_lifetime", self.registration_lifetime, 1, 86400)
+        check_range("retry_min", self.retry_min, 0.05, 60)
+        check_range("retry_max", self.retry_max, self.retry_min, 600)
+        check_range("refused_retry", self.refused_retry, 0.05, 600)
+        check_range("watch_interval", self.watch_interval, 0.05, 600)
+        check_range("check_interval", self.check_interval, 0.05, 600)
         for url in self.digital_resources:
             server_type(url)
         for address in self.greeted:
             if not address.is_concrete:
                 raise ValueError(f"{address} names no single component to greet")
-
-
-def _check(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise ValueError(f"{name} is {value}; it must lie in {low}..{high}")
 
 
 class Completion:

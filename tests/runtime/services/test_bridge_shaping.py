@@ -343,7 +343,7 @@ def test_latency_is_measured_behind_the_shaping(world, setting):
     deliver(setting, 1, 2)
     world.run(1.01)
     assert sent(peer) == [1, 2]
-    assert dict(connection.describe_latency())["in the bridge p50 (us)"]
+    assert dict(connection._latency.describe())["in the bridge p50 (us)"]
 
 
 def test_the_pace_is_that_of_a_simulation(world, setting):

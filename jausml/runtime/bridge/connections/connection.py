@@ -16,19 +16,17 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..ends import parameters
 from ..messages.compiled import compiled_of
-from ..reports.diagnostics import Latency, Limiting
+from ..reports.diagnostics import Latency
 from ..reports.states import StopReason
 from .ages import Backlog
-from .reporting import Reported, Reporter
+from .reporting import Reporting
 from .shaping import Shape, Shaping
-from .stopping import Stopping
 from .translations import Form, compiled_first, override_of, transcoder, with_joins
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ..ends.ends import Ends
-    from ..reports.diagnostics import ConnectionStatus
     from .ages import Age
     from .translations import Joined, Transcode
 
@@ -46,12 +44,8 @@ _PLAIN = Shape()
 """Everything passes when it comes."""
 
 
-class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
-    """What the connections of both directions have in common.
-
-    Attributes:
-        form: Form in which the translation runs, while the bridge is open.
-    """
+class Connection(Reporting, Generic[SourceT, TargetT]):
+    """What the connections of both directions have in common."""
 
     def __init__(
         self,
@@ -66,17 +60,13 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         Args:
             shape: Which messages pass, by number, pace and age.
         """
-        Stopping.__init__(self, name, **when_lost)
-        Limiting.__init__(self)
+        super().__init__(name, **when_lost)
         self._shaping = Shaping(shape, self.statistics, self.drop)
         self._backlog = Backlog(self.statistics, self.drop, self.waited)
         self._translate = translate
         self._transcode: Transcode
-        self._joined: tuple[Joined, ...] = ()
-        self._reporter = Reporter(self)
         self._latest: tuple[bytes, Any] | None = None
         self._wants_latency = self._all_want_latency = False
-        self._latency: Latency | None = None
 
     # ------------------------------------------------------------------ for the kinds
 
@@ -130,17 +120,6 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         if joined:
             is_compiled = self.form is Form.COMPILED
             self._transcode = with_joins(self._transcode, joined, is_compiled=is_compiled)
-
-    def describe_joins(self) -> list[tuple[str, str]]:
-        """What is joined and the age of its latest message, for diagnostics."""
-        return [
-            (f"join {join.name} age (s)", "never" if join.age is None else f"{join.age:.3f}")
-            for join in self._joined
-        ]
-
-    def stale_joins(self) -> list[str]:
-        """Names of the joins that have nothing fresh."""
-        return [join.name for join in self._joined if join.is_stale]
 
     @property
     def is_latched(self) -> bool:
@@ -300,21 +279,6 @@ class Connection(Limiting, Stopping, Reported, Generic[SourceT, TargetT]):
         if wanted is not (self._latency is not None):
             self._latency = Latency(self.age, self._ends.loop.stopwatch) if wanted else None
             self.note_case()
-
-    def describe_latency(self) -> list[tuple[str, str]]:
-        """Names and values of the latency for diagnostics; none unless it is measured."""
-        return [] if self._latency is None else self._latency.describe()
-
-    # ------------------------------------------------------------------ diagnostics
-
-    def status(self) -> ConnectionStatus:
-        """Returns the state since the last call, for `/diagnostics`."""
-        return self._reporter.status(self._ends.clock.now(), str(self._ends.settings.address))
-
-    def close_account(self) -> list[tuple[str, int]]:
-        """Counts what was lost since the last status; returns what became of all messages."""
-        self._reporter.note_losses()
-        return self._reporter.account()
 
 
 AnyConnection = Connection[Any, Any]

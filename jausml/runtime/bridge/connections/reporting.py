@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..reports.diagnostics import FAILURES, FILTERED, NOT_LOST, THINNED, ConnectionStatus
+from ..reports.diagnostics import (
+    FAILURES,
+    FILTERED,
+    NOT_LOST,
+    THINNED,
+    ConnectionStatus,
+    Latency,
+)
 from ..reports.states import Facts, StateLog, StopReason, judge
+from .stopping import Stopping
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
     from ...base.address import JausAddress
-    from ...base.counters import Counters
     from ..ends.topics import TopicFault
-    from ..reports.diagnostics import Statistics
-    from .translations import Form
+    from .translations import Form, Joined
 
 
 PERIODS = 3
@@ -67,28 +73,34 @@ class _Totals(NamedTuple):
     limited: int = 0
 
 
-class Reported:
-    """What the reports of a connection tell; here, what holds for most of them."""
+class Reporting(Stopping):
+    """The part of a connection that tells of it. All of it runs on the loop, or with its lock.
 
-    name: str
-    statistics: Statistics
-    is_command: bool
-    filters: bool
-    stopped: StopReason | None
+    Attributes:
+        form: Form in which the translation runs, while the bridge is open.
+        override: Names of methods of the user in the place of generated ones, for diagnostics.
+    """
+
     form: Form
     override: list[tuple[str, str]]
-    counters: Counters
-    _halt: StopReason | None
+
+    def __init__(self, name: str, **when_lost: Any) -> None:
+        super().__init__(name, **when_lost)
+        self._reported: _Totals | None = None
+        self._faults: list[TopicFault] = []
+        self._noted: dict[str, int] = {}
+        self._pace = Rate()
+        self._succeeded: tuple[int, dict[str, int]] = (0, {})
+        self._states = StateLog(name)
+        self._joined: tuple[Joined, ...] = ()
+        self._latency: Latency | None = None
+
+    # ------------------------------------------------------------------ for the kinds
 
     @property
     def declared_rate(self) -> float:
         """Messages each second that the model promises; 0 when it promises none."""
         return 0.0
-
-    @property
-    def when_lost(self) -> str:
-        """What happens on the target side when the source of a command is lost."""
-        raise NotImplementedError
 
     def losses(self) -> Mapping[str, int]:
         """How many messages never came as far as this, or no further than this, by reason."""
@@ -114,10 +126,6 @@ class Reported:
         """Which of several at the other end do not obey, empty while all do or none does."""
         return ""
 
-    def stale_joins(self) -> list[str]:
-        """Names of the joins that have nothing fresh."""
-        return []
-
     def silent_peers(self) -> Iterable[JausAddress]:
         """Peers that were asked for messages and say nothing."""
         return ()
@@ -126,42 +134,22 @@ class Reported:
         """What is wrong with the topics at present."""
         return ()
 
-    def describe_joins(self) -> list[tuple[str, str]]:
-        """What is joined and the age of its latest message, for diagnostics."""
-        return []
-
     def describe_peers(self) -> list[tuple[str, str]]:
         """Names and states of the other ends, for diagnostics."""
         raise NotImplementedError
 
-    def describe_latency(self) -> list[tuple[str, str]]:
-        """Names and values of the latency for diagnostics; none unless it is measured."""
-        return []
-
-
-class Reporter:
-    """Makes the statuses of a connection. All of it runs on the loop, or with its lock."""
-
-    def __init__(self, connection: Reported) -> None:
-        self._connection = connection
-        self._reported: _Totals | None = None
-        self._faults: list[TopicFault] = []
-        self._noted: dict[str, int] = {}
-        self._rate = Rate()
-        self._succeeded: tuple[int, dict[str, int]] = (0, {})
-        self._log = StateLog(connection.name)
+    # ------------------------------------------------------------------ reports
 
     def note_losses(self) -> int:
         """Counts what was lost since the last call; returns how much was lost in all."""
-        connection = self._connection
-        counters = connection.counters
+        counters = self.counters
         total = 0
-        thinned = {THINNED: connection.statistics.thinned}
-        for reason, count in {**connection.losses(), **thinned}.items():
+        thinned = {THINNED: self.statistics.thinned}
+        for reason, count in {**self.losses(), **thinned}.items():
             new = count - self._noted.get(reason, 0)
             if new:
                 self._noted[reason] = count
-                name = f"bridge.{connection.name}.{reason}"
+                name = f"bridge.{self.name}.{reason}"
                 if reason in NOT_LOST:
                     # Left out on purpose: counted, but no line of the log.
                     counters.add(name, new)
@@ -170,56 +158,62 @@ class Reporter:
             total += 0 if reason in NOT_LOST else count
         return total
 
-    def status(self, now: float, hardware_id: str) -> ConnectionStatus:
-        """Returns the state since the last call."""
-        connection, counts = self._connection, self._connection.statistics
+    def status(self) -> ConnectionStatus:
+        """Returns the state since the last call, for `/diagnostics`."""
+        counts, now = self.statistics, self._ends.clock.now()
         present = _Totals(
             now,
             counts.arrivals,
             # What a filter holds back is what it is there for.
-            sum(n for why, n in counts.drops.items() if why != FILTERED or not connection.filters),
+            sum(n for why, n in counts.drops.items() if why != FILTERED or not self.filters),
             self.note_losses(),
             counts.errors,
             counts.limited,
         )
         former, self._reported = self._reported or _Totals(now), present
-        self._rate.note(now, present.arrivals, connection.declared_rate)
+        self._pace.note(now, present.arrivals, self.declared_rate)
         faults = self._told_faults()
         judged = judge(self._facts(former, present, faults))
-        self._log.note(judged, now)
+        self._states.note(judged, now)
         values = (("state", judged.phase.value), *self._values(now, faults))
-        return ConnectionStatus(connection.name, judged.level, judged.reason, hardware_id, values)
+        own = str(self._ends.settings.address)
+        return ConnectionStatus(self.name, judged.level, judged.reason, own, values)
+
+    def close_account(self) -> list[tuple[str, int]]:
+        """Counts what was lost since the last status; returns what became of all messages."""
+        self.note_losses()
+        return self.account()
 
     def account(self) -> list[tuple[str, int]]:
         """Returns what became of all messages, by the names that people see.
 
         Those that were taken are those that were passed, thinned and dropped together.
         """
-        connection, counts = self._connection, self._connection.statistics
+        counts = self.statistics
         return [
             ("messages taken", counts.arrivals),
             ("messages passed", counts.passed),
             *(((THINNED, counts.thinned),) if counts.thinned else ()),
             *((f"dropped: {reason}", n) for reason, n in sorted(counts.drops.items())),
             *((f"withheld from {peer}", n) for peer, n in sorted(counts.withheld.items())),
-            *((f"not taken: {reason}", n) for reason, n in sorted(connection.not_taken().items())),
-            *((reason.replace("_", " "), n) for reason, n in connection.losses().items()),
+            *((f"not taken: {reason}", n) for reason, n in sorted(self.not_taken().items())),
+            *((reason.replace("_", " "), n) for reason, n in self.losses().items()),
         ]
 
     def _values(self, now: float, faults: list[TopicFault]) -> tuple[tuple[str, str], ...]:
-        connection, counts = self._connection, self._connection.statistics
+        counts = self.statistics
         age = "never" if counts.last_arrival is None else f"{now - counts.last_arrival:.3f}"
         return (
-            ("translation", connection.form.value),
-            *connection.override,
+            ("translation", self.form.value),
+            *self.override,
             *((("passed on by the core", str(counts.alone)),) if counts.alone else ()),
             *((name, str(n)) for name, n in self.account()),
-            ("rate (Hz)", f"{self._rate.hertz:.2f}"),
-            ("declared rate (Hz)", f"{connection.declared_rate:.2f}"),
+            ("rate (Hz)", f"{self._pace.hertz:.2f}"),
+            ("declared rate (Hz)", f"{self.declared_rate:.2f}"),
             ("age (s)", age),
-            *connection.describe_joins(),
+            *self._describe_joins(),
             *((fault.kind.replace("_", " "), fault.text) for fault in faults),
-            *((("when lost", connection.when_lost),) if connection.is_command else ()),
+            *((("when lost", self.when_lost),) if self.is_command else ()),
             ("safe values", str(counts.safe_values)),
             *((f"stopped: {reason.value}", str(n)) for reason, n in counts.stops.items()),
             ("values limited", str(counts.limited)),
@@ -227,45 +221,55 @@ class Reporter:
                 (f"out of range: {policy} {field}", str(n))
                 for (policy, field), n in sorted(counts.out_of_range.items())
             ),
-            *connection.describe_latency(),
-            *connection.describe_peers(),
+            *(() if self._latency is None else self._latency.describe()),
+            *self.describe_peers(),
         )
+
+    def _describe_joins(self) -> list[tuple[str, str]]:
+        """What is joined and the age of its latest message."""
+        return [
+            (f"join {join.name} age (s)", "never" if join.age is None else f"{join.age:.3f}")
+            for join in self._joined
+        ]
+
+    def stale_joins(self) -> list[str]:
+        """Names of the joins that have nothing fresh."""
+        return [join.name for join in self._joined if join.is_stale]
 
     def _told_faults(self) -> list[TopicFault]:
         """Returns the faults of the topics; the log tells of each when it begins."""
-        connection, faults = self._connection, list(self._connection.topic_faults())
+        faults = list(self.topic_faults())
         for fault in faults:
             if fault not in self._faults:
-                connection.counters.count(f"bridge.{connection.name}.{fault.kind}", fault.text)
+                self.counters.count(f"bridge.{self.name}.{fault.kind}", fault.text)
         self._faults = faults
         return faults
 
     def _facts(self, former: _Totals, present: _Totals, faults: list[TopicFault]) -> Facts:
-        connection = self._connection
-        lacking = connection.lacks_peers()
+        lacking = self.lacks_peers()
         lacking = f"searching {lacking}" if lacking else ""
-        is_heard = connection.statistics.last_arrival is not None
-        if not is_heard and not lacking and (silent := list(connection.silent_peers())):
+        is_heard = self.statistics.last_arrival is not None
+        if not is_heard and not lacking and (silent := list(self.silent_peers())):
             verb = "does" if len(silent) == 1 else "do"
             lacking = f"{' and '.join(map(str, silent))} {verb} not answer"
         # Where messages arrive and none has passed yet, what they lack is the point.
-        has_begun = is_heard and connection.stopped in (StopReason.START, StopReason.INACTIVE)
-        lacks_joins = has_begun and bool(connection.stale_joins())
+        has_begun = is_heard and self.stopped in (StopReason.START, StopReason.INACTIVE)
+        lacks_joins = has_begun and bool(self.stale_joins())
         return Facts(
             error="values out of range" if present.errors > former.errors else "",
             fault=faults[0].text if faults else "",
             lacking=lacking,
             failing=self._failing(),
-            stopped=None if lacks_joins else connection.stopped,
-            forbidden=connection.forbidden(),
+            stopped=None if lacks_joins else self.stopped,
+            forbidden=self.forbidden(),
             is_heard=is_heard,
-            refusal=connection.refusal(),
+            refusal=self.refusal(),
             complaint=self._complaint(former, present),
         )
 
     def _failing(self) -> str:
         """Returns why nothing passes, when several messages on end have failed."""
-        counts = self._connection.statistics
+        counts = self.statistics
         failures = {reason: n for reason, n in counts.drops.items() if reason in FAILURES}
         passed, before = self._succeeded
         # Something has passed: failures are counted from here on.
@@ -281,19 +285,19 @@ class Reporter:
 
     def _complaint(self, former: _Totals, present: _Totals) -> str:
         """Returns what is not as it should be, though messages pass."""
-        stale = ", ".join(self._connection.stale_joins())
+        stale = ", ".join(self.stale_joins())
         if stale:
             return f"nothing fresh from {stale}"
-        unwilling = self._connection.unwilling()
+        unwilling = self.unwilling()
         if unwilling:
             return unwilling
-        silent = ", ".join(map(str, self._connection.silent_peers()))
+        silent = ", ".join(map(str, self.silent_peers()))
         if silent:
             return f"nothing from {silent}"
         if present.dropped > former.dropped:
             return "messages are dropped"
         if present.lost > former.lost:
             return "messages are lost"
-        if self._rate.is_slow:
+        if self._pace.is_slow:
             return "slower than declared"
         return "values are clamped" if present.limited > former.limited else ""

@@ -8,7 +8,7 @@ from ...base.counters import LOGGER
 from ...guardian.ward import stops
 from ..ends import parameters
 from ..ends.guarding import MARK
-from ..reports.diagnostics import Statistics
+from ..reports.diagnostics import Limiting, Statistics
 from ..reports.states import StopReason
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ _LOG_INTERVAL = 5.0
 """Seconds between two lines of the log about the silence of one connection."""
 
 
-class Stopping:
+class Stopping(Limiting):
     """The part of a connection that minds its source.
 
     All of it runs on the loop, or with its lock.
@@ -50,6 +50,7 @@ class Stopping:
             stop: What the model states for the safe value, each as `thrust = 0`; none: zeros.
             hold_reason: Why the last command may stand then, for one that has no safe value.
         """
+        super().__init__()
         self.name = name
         self.statistics = Statistics()
         self.silence_timeout = silence_timeout
@@ -97,10 +98,6 @@ class Stopping:
 
     def encode(self, target: Any) -> bytes:
         """Encodes what a translation or the safe value makes."""
-        raise NotImplementedError
-
-    def fail(self, error: Exception) -> None:
-        """Counts a message that could not be translated or handed over."""
         raise NotImplementedError
 
     def note_case(self) -> None:

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from ...base.address import JausAddress
-from ...base.settings import MAX_FRAGMENT_SIZE, TransportKind
+from ...base.settings import LIMITS, OPTIONS, option_values
 from ...clients.peer_binding import PeerBinding
 from ...services.definitions import MAX_EVENT_RATE, server_type
 from .topics import Parameter
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from .ends import BridgeSettings
     from .ros_side import RosSide
@@ -82,62 +82,35 @@ class AttributeParameter:
 
 def network(model: BridgeSettings) -> tuple[Parameter, ...]:
     """Returns what says how the process takes part in JAUS, named as its options are."""
-    known, kinds = model.transport, [kind.value for kind in TransportKind]
-
-    def check(kind: str) -> None:
-        if kind not in kinds:
-            raise ValueError(f"{kind} is none of {', '.join(kinds)}")
-
+    values = option_values(model.transport)
+    options = {name: option for group in OPTIONS.values() for name, option in group.items()}
     return (
         Parameter("jaus_id", str(model.address), "JAUS address of the bridge.", check=address),
-        Parameter("jaus_interface", known.interface, "IPv4 address of the interface of JAUS."),
-        Parameter(
-            "jaus_transport", known.transport.value, f"One of {', '.join(kinds)}.", check=check
-        ),
-        Parameter("jaus_port", known.port, "UDP or TCP port of JAUS.", (1, 65535)),
-        Parameter("jaus_multicast_group", known.multicast_group, "Multicast group of JAUS."),
-        Parameter(
-            "jaus_multicast_ttl",
-            known.multicast_ttl,
-            "Routers that a multicast of JAUS may pass.",
-            (0, 255),
-        ),
-        Parameter(
-            "jaus_fragment_size",
-            known.fragment_size,
-            "Bytes of a message in one packet of JAUS.",
-            (2, MAX_FRAGMENT_SIZE),
-        ),
-        Parameter(
-            "jaus_allowed_hosts",
-            ",".join(known.allowed_hosts),
-            "IPv4 addresses and networks that JAUS is taken from, with commas; empty for any.",
-        ),
-        Parameter(
-            "jaus_fixed_sources",
-            known.fixed_sources,
-            "Whether a component that is suddenly heard from another endpoint is refused.",
-        ),
-        Parameter(
-            "jaus_amplification_limit",
-            known.amplification_limit,
-            "Bytes to a UDP endpoint for each byte from it, until it proved its address; 0 is any.",
-            (0, 1000),
-        ),
-        Parameter(
-            "jaus_max_peers",
-            known.max_peers,
-            "Components that are remembered, besides stated ones and the one in control.",
-            (16, 65535),
-        ),
-        Parameter("jaus_max_connections", known.max_connections, "TCP connections.", (4, 4096)),
-        Parameter(
-            "jaus_idle_timeout",
-            float(known.idle_timeout),
-            "Seconds in which a message must come over a new TCP connection; 0 is any time.",
-            (0.0, 86400.0),
+        *(
+            Parameter(f"jaus_{name}", values[name], f"{_begun(option)}.", LIMITS.get(name), check)
+            for name, option in options.items()
+            if name not in _OF_COMMAND_LINES
+            for check in (_choice(option["choices"]) if "choices" in option else None,)
         ),
     )
+
+
+_OF_COMMAND_LINES = ("peer", "node_manager_directory")
+"""Options that are no parameters."""
+
+
+def _begun(option: Mapping[str, Any]) -> str:
+    """Returns what an option is, as a sentence begins."""
+    text: str = option["help"].partition(" (default")[0]
+    return text[:1].upper() + text[1:]
+
+
+def _choice(words: Sequence[str]) -> Callable[[str], None]:
+    def check(word: str) -> None:
+        if word not in words:
+            raise ValueError(f"{word} is none of {', '.join(words)}")
+
+    return check
 
 
 def digital_resources(urls: Sequence[str]) -> Parameter:

@@ -257,7 +257,9 @@ def _descriptor(parameter: Parameter, *, is_fixed: bool) -> ParameterDescriptor:
     if isinstance(parameter.default, int):
         descriptor.integer_range = [IntegerRange(from_value=int(low), to_value=int(high))]
     else:
-        descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
+        descriptor.floating_point_range = [
+            FloatingPointRange(from_value=float(low), to_value=float(high))
+        ]
     return descriptor
 
 
