@@ -5,9 +5,8 @@ optional: a presence vector of one byte, before all fields, has a bit for each o
 last. Values are checked, and errors worded, as in the messages that generators write (`codec`), to
 which each declared message is equal.
 
-Scalars that follow each other are packed together, with the number of the bytes after them, and
-judged one by one only where something does not fit: a call for each would cost more than all the
-rest.
+Integers that follow each other are packed together, and judged one by one only where something
+does not fit: a call for each would cost more than all the rest.
 """
 
 from __future__ import annotations
@@ -119,13 +118,9 @@ def _parts(members: Sequence[_Field]) -> list[_Part]:
         if isinstance(field.kind, Scalar):
             run.append(field)
             continue
-        # A single scalar is written no faster with the count.
-        if len(run) > 1 and isinstance(field.kind, Counted):
-            parts.append(_scalars_and_counted(run, field))
-        else:
-            if run:
-                parts.append(_scalars(run))
-            parts.append(_MAKERS[type(field.kind)](field))
+        if run:
+            parts.append(_scalars(run))
+        parts.append(_MAKERS[type(field.kind)](field))
         run = []
     return [*parts, _scalars(run)] if run else parts
 
@@ -193,10 +188,10 @@ def _with_presence(
 
 def _scalars(run: Sequence[_Field]) -> _Part:
     """Returns scalars that are packed together."""
-    packer = _packer(run)
+    packer = struct.Struct("<" + "".join(field.kind.format for field in run))
     pack, unpack_from, size = packer.pack, packer.unpack_from, packer.size
     puts = [(field.name, field.kind.put) for field in run]
-    gets = _gets(run)
+    gets = [(index, field.kind.get) for index, field in enumerate(run) if field.kind.get]
 
     def write(part: Any, out: bytearray) -> None:
         out += pack(*[put(getattr(part, name), name) for name, put in puts])
@@ -216,22 +211,11 @@ def _scalars(run: Sequence[_Field]) -> _Part:
     return _Part(_quick(run, pack, write), read, size, read_from)
 
 
-def _packer(run: Sequence[_Field], count: str = "") -> struct.Struct:
-    return struct.Struct("<" + "".join(field.kind.format for field in run) + count)
-
-
-def _gets(run: Sequence[_Field]) -> list[tuple[int, Callable[[Any], Any]]]:
-    return [(index, field.kind.get) for index, field in enumerate(run) if field.kind.get]
-
-
-def _narrow(run: Sequence[_Field]) -> list[tuple[int, int, int]]:
-    """Returns the place and limits of the integers whose bytes can hold more."""
-    return [(index, *field.kind.limits) for index, field in enumerate(run) if field.kind.is_narrow]
-
-
 def _quick(run: Sequence[_Field], pack: Callable[..., bytes], careful: Write) -> Write:
     """Returns what writes integers at once, and leaves it to another one to word an error."""
-    value_of, narrow = operator.attrgetter(*(field.name for field in run)), _narrow(run)
+    value_of = operator.attrgetter(*(field.name for field in run))
+    # The places and limits of those whose bytes can hold more.
+    narrow = [(index, *f.kind.limits) for index, f in enumerate(run) if f.kind.is_narrow]
     lower, upper = run[0].kind.limits
 
     def write(part: Any, out: bytearray) -> None:
@@ -258,49 +242,6 @@ def _quick(run: Sequence[_Field], pack: Callable[..., bytes], careful: Write) ->
         careful(part, out)
 
     return write_one if len(run) == 1 else write
-
-
-def _scalars_and_counted(run: Sequence[_Field], counted: _Field) -> _Part:
-    """Returns scalars that are packed together with the number of what follows them."""
-    careful = _all_written([_scalars(run), _counted(counted)])
-    packer = _packer(run, counted.kind.format)
-    pack, unpack_from, size = packer.pack, packer.unpack_from, packer.size
-    value_of = operator.attrgetter(*(member.name for member in [*run, counted]))
-    puts = [
-        (i, scalar.name, scalar.kind.put) for i, scalar in enumerate(run) if not scalar.kind.limits
-    ]
-    narrow, gets = _narrow(run), _gets(run)
-    name, least, is_text = counted.name, counted.kind.least, counted.kind.is_text
-    most, take_value = counted.kind.most, counted.kind.take
-
-    def write(part: Any, out: bytearray) -> None:
-        try:
-            *values, data = value_of(part)
-            if is_text:
-                data = data.encode("latin-1")
-            for index, lower, upper in narrow:
-                if not lower <= values[index] <= upper:
-                    break
-            else:
-                for index, field, put in puts:
-                    values[index] = put(values[index], field)
-                if least <= len(data):
-                    out += pack(*values, len(data)) + data
-                    return
-        except _MISFITS:
-            pass
-        careful(part, out)
-
-    def read(buffer: bytes, offset: int, values: list[Any]) -> int:
-        start = len(values)
-        values += unpack_from(buffer, offset)
-        for index, get in gets:
-            values[start + index] = get(values[start + index])
-        length: int = values[-1]
-        values[-1] = take_value(buffer, offset + size, length, most, name)
-        return offset + size + length
-
-    return _Part(write, read, size)
 
 
 def _counted(field: _Field) -> _Part:
