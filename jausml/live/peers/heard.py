@@ -62,8 +62,10 @@ class Heard:
             self._awaited.remove(awaited)
 
     def note(self, payload: bytes, source: JausAddress) -> None:
-        """Remembers a message."""
-        if source not in self._last and len(self._last) >= _MOST_COMPONENTS:
+        """Remembers a message; those of strangers only while there is room."""
+        waiting = [awaited for awaited in tuple(self._awaited) if awaited[0] == source]
+        has_room = bool(waiting) or len(self._last) < _MOST_COMPONENTS
+        if source not in self._last and not has_room:
             return
         known = self._last.setdefault(source, {})
         try:
@@ -72,8 +74,8 @@ class Heard:
             return
         if code in known or len(known) < _MOST_MESSAGES:
             known[code] = payload
-        for awaited, codes, queue in tuple(self._awaited):
-            if awaited == source and code in codes:
+        for _, codes, queue in waiting:
+            if code in codes:
                 queue.put(payload)
 
     def of(self, source: JausAddress) -> bool:

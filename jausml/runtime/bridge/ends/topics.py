@@ -7,7 +7,6 @@ for what the middleware decides, about which nothing is known here.
 
 from __future__ import annotations
 
-import difflib
 import math
 import time
 from dataclasses import dataclass, field
@@ -368,4 +367,6 @@ def _shown(value: str | float) -> str:
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Returns the known name that a misspelt one may mean; empty when none is near."""
-    return next(iter(difflib.get_close_matches(name, list(known), n=1)), "")
+    from difflib import get_close_matches  # noqa: PLC0415 - most are spelt well, and it takes memory
+
+    return next(iter(get_close_matches(name, list(known), n=1)), "")
