@@ -64,6 +64,7 @@ from .clients.discovery_client import FoundComponent
 from .clients.event_subscriber import EventSubscriber
 from .clients.event_subscription import EventSubscription
 from .clients.found_peers import PeerQuerier, PeerSubscriber
+from .clients.greeter import Greeter
 from .clients.handoff_client import HandoffAnswer, HandoffClient, PendingHandoff
 from .clients.list_client import ListEditor, ListRequest
 from .clients.peer_controller import PeerController
@@ -141,6 +142,7 @@ __all__ = [
     "EventSubscription",
     "EventToTopics",
     "FoundComponent",
+    "Greeter",
     "Guard",
     "HandoffAnswer",
     "HandoffBridge",

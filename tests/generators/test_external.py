@@ -114,6 +114,8 @@ def test_a_process_knows_where_stated_peers_are_and_whom_to_greet(model_of, host
         assert f"address_book={book}" in settings["TransportSettings"]
         greeted = "greeted={JausAddress(42, 1, 1): Scope.SUBSYSTEM}"
         assert greeted in settings["ComponentSettings"]
+        assert "clients = (*" in files[path]
+        assert ".clients, Greeter)" in files[path]
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import sys
 
 from jausml_runtime.base.address import JausAddress
 from jausml_runtime.base.counters import Counters
-from jausml_runtime.clients.discovery_queries import query_services, reported_services
+from jausml_runtime.clients.discovery_client import query_services, reported_services
 from jausml_runtime.messages import QueryIdentification, ReportIdentification, ReportServices
 from jausml_runtime.transports.packets.packet import AckNak, Packet, parse_datagram
 from roles import say

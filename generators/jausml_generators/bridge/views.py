@@ -34,6 +34,7 @@ from jausml_generators.bridge.translation.values import AssignmentError
 from jausml_generators.common.components import (
     SUBSYSTEM_TYPES,
     address_call,
+    clients,
     component_settings,
     optional_services,
     own_bridges,
@@ -242,6 +243,11 @@ class BridgeView(ProgramView):
     def optional_services(self) -> tuple[str, ...]:
         """Classes of the core services that it provides and not every component has."""
         return optional_services(self.bridge)
+
+    @property
+    def clients(self) -> tuple[str, ...]:
+        """Classes of clients of others that it has from the start."""
+        return clients(self.system)
 
     @functools.cached_property
     def services(self) -> tuple[str, ...]:

@@ -101,6 +101,12 @@ def optional_services(component: jaus.Component) -> tuple[str, ...]:
     return tuple(filter(None, classes))
 
 
+def clients(system: System) -> tuple[str, ...]:
+    """Returns the classes of clients of others that a component of a system has from the start."""
+    is_greeting = any(element.greet and element.external for element in _elements(system))
+    return ("Greeter",) if is_greeting else ()
+
+
 def component_settings(system: System, component: jaus.Component) -> str:
     """Returns the modelled behaviour of a component as a Python expression."""
     arguments = [

@@ -241,6 +241,11 @@ class ComponentView(ProgramView):
         return tuple(name for name in classes if name != known)
 
     @property
+    def clients(self) -> tuple[str, ...]:
+        """Classes of clients of others that it has from the start."""
+        return components.clients(self.system)
+
+    @property
     def handlers(self) -> tuple[Handler, ...]:
         """Input messages that are no queries."""
         return self.parts[0]

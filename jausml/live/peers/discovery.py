@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from jausml.runtime import ComponentSettings, JausComponent, Scope
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.clients.discovery_client import ServicesById
-from jausml.runtime.clients.discovery_queries import query_services, reported_services
+from jausml.runtime.clients.discovery_client import ServicesById, query_services, reported_services
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import (
     QueryControl,

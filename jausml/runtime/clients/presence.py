@@ -1,13 +1,9 @@
-"""When each component was last heard, and greetings to those that say nothing by themselves."""
+"""When each component was last heard."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
-
-from ..base.clocks import Alarm
-from ..base.counters import LOGGER
-from ..messages import QueryIdentification
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -69,70 +65,3 @@ class Presence:
     def heard_lately(self, address: JausAddress) -> bool:
         """Tell whether a component that is waited for is audible now."""
         return self.heard_since(address, self._loop.now() - SILENCE)
-
-
-GREETING_INTERVAL = 5.0
-"""Seconds between two greetings."""
-
-PATIENCE = 3
-"""Greetings without an answer after which somebody is told, once in each silence."""
-
-
-class Greeter:
-    """Asks peers for their identification until they speak, and again when they fall silent.
-
-    Operator units of competitions, and components behind a router without multicast, learn of
-    this component by that alone. Each peer gets one small query in ``GREETING_INTERVAL`` seconds at
-    most, which is not repeated otherwise, and none while it was heard, with whatever message,
-    within ``discovery_timeout`` of the settings: it may have been restarted after such a silence.
-
-    Attributes:
-        unanswered: How often each peer was greeted since it spoke last.
-    """
-
-    def __init__(self, component: Host) -> None:
-        self._component = component
-        self._presence = component.part(Presence)
-        self.unanswered = dict.fromkeys(component.settings.greeted, 0)
-        self._timer = Alarm(component.loop)
-        component.when_stopped(self.stop)
-
-    def start(self) -> None:
-        """Greet now, and whoever is silent again and again."""
-        for peer in self.unanswered:
-            self._presence.watch(peer, self._heard)
-        if self.unanswered:
-            self._look()
-
-    def stop(self) -> None:
-        """Greet no more."""
-        self._timer.cancel()
-        for peer in self.unanswered:
-            self._presence.forget(peer, self._heard)
-
-    def _look(self) -> None:
-        """Greet whoever was not heard for long."""
-        component = self._component
-        since = component.loop.now() - component.settings.discovery_timeout
-        for peer in self.unanswered:
-            if not self._presence.heard_since(peer, since):
-                self._greet(peer)
-        self._timer.set(GREETING_INTERVAL, self._look)
-
-    def _greet(self, peer: JausAddress) -> None:
-        self.unanswered[peer] += 1
-        scope = self._component.settings.greeted[peer]
-        self._component.counters.add("greeter.sent")
-        self._component.send(QueryIdentification(query_type=scope), peer)
-        if self.unanswered[peer] == PATIENCE:
-            self._component.counters.count(
-                "greeter.unanswered", f"{peer} has answered none of {PATIENCE} greetings"
-            )
-
-    def _heard(self) -> None:
-        """Tell once of each peer that speaks after it was greeted."""
-        since = self._component.loop.now() - self._component.settings.discovery_timeout
-        for peer, tries in self.unanswered.items():
-            if tries and self._presence.heard_since(peer, since):
-                LOGGER.info("%s speaks, and is greeted no more", peer)
-                self.unanswered[peer] = 0

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ..base.api import part_of_whole
 from ..base.clocks import HostClock
 from ..base.counters import LOGGER
-from ..clients.presence import SILENCE, Greeter, Presence
+from ..clients.presence import SILENCE, Presence
 from ..clients.registration import Registration
 from ..messages import ClearEmergency, Event, SetEmergency
 from ..services.access_control import AccessControlService
@@ -129,10 +129,11 @@ class Component(Host):
         self._jaus_liveness = self.part(LivenessService)
         self._jaus_presence = self.part(Presence)
         self._jaus_registration = self.part(Registration)
-        self._jaus_greeter = self.part(Greeter)
         provided = {service.urn for service in self.services}
         if self.settings.digital_resources and DIGITAL_RESOURCE_DISCOVERY not in provided:
             self.part(part_of_whole("clients.resource_client", "ResourceClient"))
+        if self.settings.greeted:
+            self.part(part_of_whole("clients.greeter", "Greeter"))
         for service in map(self.part, self.core_services):
             if not provided.isdisjoint(service.urns):
                 service.attach()
@@ -208,11 +209,6 @@ class Component(Host):
 
     # ---- for the services and clients of the component --------------------------------------
 
-    @property
-    def unanswered_greetings(self) -> dict[JausAddress, int]:
-        """How often each peer that is to be greeted was so since it spoke last."""
-        return self._jaus_greeter.unanswered
-
     def permissions_changed(self) -> None:
         """End the commands under way that are not allowed any more; called by the services."""
         self.loop.revision.changed()
@@ -247,7 +243,6 @@ class Component(Host):
             self._jaus_liveness.start()
             if self._jaus_running:
                 self._jaus_registration.start()
-                self._jaus_greeter.start()
 
     def stop(self) -> None:
         """Leave in good order; no effect when the component does not run.

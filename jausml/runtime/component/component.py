@@ -5,6 +5,7 @@ from __future__ import annotations
 from ..clients.command_client import CommandClient, Commander
 from ..clients.event_client import EventClient
 from ..clients.found_peers import PeerQuerier, PeerSubscriber
+from ..clients.greeter import Greeter
 from ..clients.list_client import ListEditor
 from ..clients.peer_controller import PeerController
 from ..clients.peer_search import PeerFinder
@@ -42,4 +43,4 @@ class JausComponent(
         MachineStatesService,
     )
     # They answer what comes unasked: events of a former life, and ends of former commands.
-    clients = (EventClient, CommandClient)
+    clients = (EventClient, CommandClient, Greeter)

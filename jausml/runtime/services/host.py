@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import timedelta
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 
 from ..transports.packets.packet import Priority
@@ -11,7 +12,7 @@ from .definitions import VERSION_1_1, Guard
 from .dispatch import Provision
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
     from datetime import datetime
 
     from ..base.address import JausAddress
@@ -32,6 +33,10 @@ M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
 P = TypeVar("P")
+
+
+GREETING_PATIENCE = 3
+"""Greetings without an answer after which somebody is told, once in each silence."""
 
 
 class CoreService(Protocol):
@@ -107,6 +112,7 @@ class Host(Hooks):
         time_offset: What SetTime has added to the clock of the host.
         may_control: Whether the component may control others now; see ``permit_control``.
         event_path: The fast path of an event, by its provider and id; None without one.
+        unanswered_greetings: How often each peer that is to be greeted was so since it spoke last.
     """
 
     transport: Transport
@@ -120,6 +126,7 @@ class Host(Hooks):
     may_control = True
     time_offset = timedelta()
     event_path: Callable[[JausAddress, int], FastPath | None] | None = None
+    unanswered_greetings: Mapping[JausAddress, int] = MappingProxyType({})
     # Sub-classes are user code: the prefix keeps their private attributes apart from these.
     _jaus_running: bool
     _jaus_starters: list[Callable[[], None]]

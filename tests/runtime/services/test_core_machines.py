@@ -17,7 +17,7 @@ from jausml.language.importers.jsidl import import_jsidl
 from jausml.language.semantics.jaus.core_services import newest_services
 from jausml.language.semantics.jaus.inherited_machines import core_machine, states_of
 from jausml.runtime import Completion, JausComponent, Scope, ServiceIdentity, Status, messages
-from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
+from jausml.runtime.clients.discovery_client import query_service_lists, query_services
 from jausml.runtime.component.modelled import CORE_STATES
 from jausml.runtime.messages import (
     CancelEvent,

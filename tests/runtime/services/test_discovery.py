@@ -7,8 +7,7 @@ import pytest
 from jausml.runtime import Scope, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.quirks import Quirk
-from jausml.runtime.clients.discovery_client import MAX_FOUND
-from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
+from jausml.runtime.clients.discovery_client import MAX_FOUND, query_service_lists, query_services
 from jausml.runtime.messages import (
     QueryIdentification,
     QueryServiceList,

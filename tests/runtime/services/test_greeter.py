@@ -9,8 +9,9 @@ import pytest
 
 from jausml.runtime import ComponentSettings, Scope
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.clients.presence import GREETING_INTERVAL, PATIENCE
+from jausml.runtime.clients.greeter import GREETING_INTERVAL
 from jausml.runtime.messages import QueryIdentification, ReportHeartbeatPulse, ReportIdentification
+from jausml.runtime.services.host import GREETING_PATIENCE as PATIENCE
 
 from .bridge_support import OWN, PEER, event, values
 

@@ -8,7 +8,7 @@ import pytest
 
 from jausml.runtime import Scope, ServiceIdentity
 from jausml.runtime.base.address import BROADCAST, JausAddress
-from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
+from jausml.runtime.clients.discovery_client import query_service_lists, query_services
 from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,

@@ -6,7 +6,7 @@ import pytest
 
 from jausml.runtime import ControlState, Status
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
+from jausml.runtime.clients.discovery_client import query_service_lists, query_services
 from jausml.runtime.messages import (
     CancelEvent,
     ClearEmergency,

@@ -22,7 +22,7 @@ from jausml.live.peers.conformance.steps import (
 )
 from jausml.live.peers.discovery import Services, services_of
 from jausml.runtime.base.address import JausAddress
-from jausml.runtime.clients.discovery_queries import query_service_lists, query_services
+from jausml.runtime.clients.discovery_client import query_service_lists, query_services
 from jausml.runtime.messages import (
     QueryConfiguration,
     QueryIdentification,

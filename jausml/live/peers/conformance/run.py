@@ -29,7 +29,7 @@ from jausml.live.peers.conformance.probe import Probe, RawEndpoint
 from jausml.live.peers.conformance.session import PINGS, Limits, Session
 from jausml.live.peers.discovery import services_of
 from jausml.runtime.base.address import WILDCARD_COMPONENT, WILDCARD_NODE, JausAddress
-from jausml.runtime.clients.discovery_queries import query_services
+from jausml.runtime.clients.discovery_client import query_services
 from jausml.runtime.messages import ReportServices
 from jausml.runtime.wire.message import DecodeError
 

@@ -26,7 +26,7 @@ from jausml.live.peers.judging.competition import (
 )
 from jausml.live.peers.judging.driving import DRIVER, Course
 from jausml.live.peers.judging.igvc import lists_service, own_services, waypoint_navigation
-from jausml.runtime.clients.discovery_queries import query_services
+from jausml.runtime.clients.discovery_client import query_services
 from jausml.runtime.messages import ReportServices
 
 if TYPE_CHECKING:

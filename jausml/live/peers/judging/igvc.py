@@ -39,7 +39,7 @@ from jausml.live.peers.judging.driving import (
     message_of,
 )
 from jausml.runtime import messages as core
-from jausml.runtime.clients.discovery_queries import query_services
+from jausml.runtime.clients.discovery_client import query_services
 
 if TYPE_CHECKING:
     from jausml.live.peers.conformance.session import Session

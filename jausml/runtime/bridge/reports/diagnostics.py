@@ -7,9 +7,9 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...clients.presence import PATIENCE
 from ...conversions import ConversionError, Time, timestamp_to_time
 from ...services.definitions import Status
+from ...services.host import GREETING_PATIENCE
 from ...wire.message import DecodeError, EncodeError
 from ..messages import limits
 
@@ -126,7 +126,7 @@ def double_status(double: Double, now: float) -> ConnectionStatus:
 
 def greeting_status(unanswered: Mapping[JausAddress, int], hardware_id: str) -> ConnectionStatus:
     """Returns the status of a bridge that greets peers."""
-    silent = [str(peer) for peer, tries in unanswered.items() if tries >= PATIENCE]
+    silent = [str(peer) for peer, tries in unanswered.items() if tries >= GREETING_PATIENCE]
     message = f"no answer of {', '.join(silent)}" if silent else "running"
     values = tuple((f"greetings to {peer}", str(tries)) for peer, tries in unanswered.items())
     level = "warning" if silent else "ok"
