@@ -114,6 +114,22 @@ def test_what_the_kernel_drops_is_counted(caplog: pytest.LogCaptureFixture) -> N
         assert "the receive buffer was full" in caplog.text
 
 
+def test_drops_are_counted_once_where_a_socket_is_named_again() -> None:
+    counters = Counters()
+    drops = KernelDrops(counters)
+    with _socket() as flooded, _socket() as sender:
+        flooded.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
+        for _ in range(50):
+            sender.sendto(bytes(200), flooded.getsockname())
+        arrived = len(_drain(flooded))
+        drops.watch(flooded)
+        drops.look()
+        drops.watch(flooded)  # as when a compiled core begins to read it
+        drops.look()
+    assert arrived < 50
+    assert counters.snapshot() == {"judp.kernel_dropped": 50 - arrived}
+
+
 def test_what_is_no_answer_of_the_kernel_counts_nothing() -> None:
     counters = Counters()
     drops = KernelDrops(counters)

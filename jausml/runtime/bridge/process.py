@@ -8,7 +8,7 @@ import sys
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from ..base.counters import LOGGER
 from ..base.process import (
@@ -30,7 +30,6 @@ from ..component.process import (
 from ..guardian.ward import Ward
 from .ends import parameters
 from .ends.guarding import ros_of
-from .ends.ros_side import RosSide
 from .ends.topics import ParameterError
 from .messages.limits import RosLostError
 from .ros.environment import permits_ros
@@ -44,16 +43,6 @@ if TYPE_CHECKING:
     from .bridge import Bridge
     from .ends.ends import BridgeSettings
     from .ros.node import RosNode
-
-
-class ReleasableRosSide(RosSide, Protocol):
-    """What transitions need of the ROS side beyond what a bridge does; `RosNode` has it."""
-
-    def listen(self) -> None:
-        """Begins to take messages of what was subscribed to."""
-
-    def release(self) -> None:
-        """Gives all topics back."""
 
 
 class ManagedBridge:
@@ -72,7 +61,7 @@ class ManagedBridge:
     def __init__(
         self,
         bridge: Bridge,
-        ros: ReleasableRosSide,
+        ros: RosNode,
         transport: Transport,
         end: Callable[[str], None],
     ) -> None:
