@@ -159,11 +159,11 @@ def _to_segment(point, start, end):
 
 
 def _is_stray(name, area, ways):
-    own = _from(area, ways[name])
-    return own > OFF or any(_from(area, way) < own for key, way in ways.items() if key != name)
+    own = distance(area, ways[name])
+    return own > OFF or any(distance(area, way) < own for key, way in ways.items() if key != name)
 
 
-def _from(area, way):
+def distance(area, way):
     """Returns how far a way is from a label."""
     return min(
         hypot(max(area.left - x, x - area.right, 0), max(area.top - y, y - area.bottom, 0))

@@ -20,6 +20,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
   const live = useStudio((studio) => studio.live?.edges[edge.id]);
   const isTaken = useStudio((studio) => isTakenLast(studio, edge.id));
   const [path, x, y] = wayOf(props);
+  const anchor = data!.isRouted ? edge.anchor : "middle";
   const severity = severityOf(edge.findings);
   const classes = ["line", edge.kind, severity, liveClass(live)];
   if (data!.isAcross) classes.push("across");
@@ -42,7 +43,7 @@ export const Line = memo(function Line(props: EdgeProps<FlowEdge>) {
       <path className="way-around" d={path} />
       <path className="way" d={path} strokeWidth={width} markerEnd="url(#arrow)" />
       {lines.length > 0 && (
-        <text className="way-label" textAnchor="middle">
+        <text className="way-label" textAnchor={anchor}>
           {isCut && <title>{told}</title>}
           {lines.map((text, at) => (
             <tspan

@@ -77,8 +77,9 @@ export interface GraphEdge {
   findings: Finding[];
   /** A start, then three points for each cubic Bezier curve; empty for none. */
   route: Point[];
-  /** The middle of its label. */
+  /** Where its label is anchored, and half of its height. */
   label: Point | null;
+  anchor: "start" | "middle" | "end";
 }
 
 export interface Graph {

@@ -50,6 +50,7 @@ export function edge(
     findings: [],
     route: [],
     label: null,
+    anchor: "middle",
     ...more,
   };
 }

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from jausml.views.diagrams.layout.sheet import Box, Frame, Line, Point, Sheet
 
-_LANE, _ROOM = 110, 28
+_LANE, _ROOM = 80, 28
 """Room between columns without labels, and beside each label."""
 
 _SLOPED, _MOST_SLOPED = 10, 120

@@ -17,6 +17,7 @@ from jausml import installing
 from jausml.views.diagrams.graph import nested
 from jausml.views.diagrams.layout.columns import in_columns
 from jausml.views.diagrams.layout.labels import cleared
+from jausml.views.diagrams.layout.settling import FRAME_MARGIN, chain
 from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
 from jausml.views.diagrams.layout.ways import spaced
 
@@ -31,6 +32,9 @@ PACKAGE = "graphviz-pure"
 MISSING = f"pictures need {PACKAGE}: {installing.command('diagram')}"
 LONGEST = 120
 """Seconds that a layout may take."""
+
+_BORDER = 2 * FRAME_MARGIN + 2
+"""Room beside a label for the border of each frame that its line leaves or enters."""
 
 _TABLE = '<table fixedsize="true" border="0" cellborder="0" cellspacing="0" cellpadding="0"'
 
@@ -117,12 +121,15 @@ def _cell(width: int, height: int) -> str:
 def _lines(sheet: Sheet) -> Iterator[str]:
     names = {box.id: f"b{number}" for number, box in enumerate(sheet.boxes)}
     first = {box.id for box in sheet.boxes if box.column == 0}
+    parents = {frame.id: frame.parent for frame in sheet.frames}
+    around = {box.id: set(chain(box.group, parents)) for box in sheet.boxes}
     for number, line in enumerate(sheet.lines):
         ends, options = [line.source, line.target], [f"line={number}"]
         if line.target[0] in first:
             ends.reverse()
         if line.width:
-            options.append(f"label={_cell(line.width, line.height)}")
+            room = _BORDER * len(around[line.source[0]] ^ around[line.target[0]])
+            options.append(f"label={_cell(line.width + room, line.height)}")
         if line.course == "left":
             ends.reverse()
         start, end = (names[name] for name, _ in ends)

@@ -10,7 +10,7 @@ from collections import defaultdict
 from dataclasses import replace
 from itertools import pairwise, product
 from math import dist
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from jausml.views.diagrams.layout.settling import Area, area_of, label_area, tiles
 from jausml.views.diagrams.layout.sheet import samples
@@ -19,7 +19,7 @@ from jausml.views.diagrams.layout.ways import fitted
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from jausml.views.diagrams.layout.sheet import Line, Places, Point, Sheet
+    from jausml.views.diagrams.layout.sheet import Line, Places, Point, Route, Sheet
 
 _TEXTS, _OTHERS = 10, 3
 """How much a box or a label counts that is hidden, and a line of others; its own counts as one."""
@@ -38,6 +38,7 @@ _TILE = 48
 
 _Tile = tuple[int, int]
 _Segment: TypeAlias = "tuple[Point, Point]"
+Anchor = Literal["start", "middle", "end"]
 
 _OFF = 5
 """Pixels from its line at which a label seems to belong to none."""
@@ -130,6 +131,24 @@ class Ground:
                 right, down = line.width / 2 + gap, line.height / 2 + gap
                 for across, along in product((0, -right, right), (0, -down, down)):
                     yield round(x + across, 1), round(y + along, 1)
+
+
+def anchored(room: Area, width: float, route: Route) -> tuple[Anchor, float]:
+    """Returns how a text stands in the room of a label, which may be wider, and at which x.
+
+    In its middle if its line leads by there, else at the `start` or `end` of the room.
+    """
+    middle = (room.left + room.right) / 2
+    sides: list[tuple[Anchor, float, float]] = [
+        ("middle", middle, middle - width / 2),
+        ("start", room.left, room.left),
+        ("end", room.right, room.right - width),
+    ]
+    for anchor, x, left in sides:
+        text = Area(left, room.top, left + width, room.bottom)
+        if _enters(samples(route.points), text.wider(_OFF)):
+            return anchor, x
+    return "middle", middle
 
 
 def _borders(area: Area) -> Iterator[Area]:

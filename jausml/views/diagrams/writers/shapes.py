@@ -142,14 +142,23 @@ def _widths(node: Node) -> Iterator[float]:
 def _line(edge: Edge, *, is_labelled: bool) -> Line:
     # Bundles have no room for labels: their boxes say what is wrong, and details the rest.
     lines = label_lines(edge) if is_labelled else []
-    widest = max((width(line, SMALL) for line in lines), default=0)
     return Line(
         edge.id,
         (edge.source.node, edge.source.port),
         (edge.target.node, edge.target.port),
-        math.ceil(widest) + 8 if lines else 0,
-        LINE_HEIGHT * len(lines) + 3 if lines else 0,
+        label_width(lines),
+        label_height(lines),
     )
+
+
+def label_width(lines: Sequence[str]) -> int:
+    """Returns the width of a label of some lines, 0 without any."""
+    return math.ceil(max(width(line, SMALL) for line in lines)) + 8 if lines else 0
+
+
+def label_height(lines: Sequence[str]) -> int:
+    """Returns the height of a label of some lines, 0 without any."""
+    return LINE_HEIGHT * len(lines) + 3 if lines else 0
 
 
 # The advance widths of Helvetica, which Arial and Liberation Sans share, in thousandths of the font

@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.views.diagrams.folding import CLOSED, folded
 from jausml.views.diagrams.layout import graphviz
-from jausml.views.diagrams.layout.settling import area_of, settle, surrounding
+from jausml.views.diagrams.layout.labels import anchored
+from jausml.views.diagrams.layout.settling import area_of, label_area, settle, surrounding
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut
@@ -92,6 +93,7 @@ class Settled:
         graph, places = self.graph, self.places
         corners, frames = places.corners, places.frames
         boxes = {box.id: box for box in places.sheet.boxes}
+        lines = {line.id: line for line in places.sheet.lines}
         areas = [*frames.values(), *(area_of(box, corners[name]) for name, box in boxes.items())]
         shown = graph if opened is None else folded(graph, opened)
         return {
@@ -113,7 +115,9 @@ class Settled:
             "groups": [
                 _group(group, frames[group.id]) for group in shown.groups if group.id in frames
             ],
-            "edges": [_edge(edge, places.routes.get(edge.id), graph.view) for edge in shown.edges],
+            "edges": [
+                _edge(edge, lines.get(edge.id), places.routes.get(edge.id)) for edge in shown.edges
+            ],
         }
 
 
@@ -208,7 +212,10 @@ def _sheet(graph: Graph) -> Sheet:
     return replace(
         sheet,
         boxes=tuple(replace(box, width=box.width + SIGN_ROOM) for box in sheet.boxes),
-        lines=tuple(map(_with_live_text, sheet.lines)) if graph.view == SYSTEM else sheet.lines,
+        lines=tuple(
+            _with_live_text(line) if graph.view == SYSTEM and edge.kind != "topic" else line
+            for line, edge in zip(sheet.lines, graph.edges, strict=True)
+        ),
     )
 
 
@@ -344,10 +351,14 @@ def _group(group: Group, area: Area) -> dict[str, Any]:
     }
 
 
-def _edge(edge: Edge, route: Route | None, view: str) -> dict[str, Any]:
-    label = route.label if route is not None else None
-    # What is told of it while the system runs comes above it.
-    down = shapes.LINE_HEIGHT / 2 if view == SYSTEM else 0
+def _edge(edge: Edge, line: Line | None, route: Route | None) -> dict[str, Any]:
+    texts = shapes.label_lines(_plain(edge))
+    anchor, label = "middle", None
+    if line is not None and route is not None and route.label is not None:
+        room = label_area(line, route.label)
+        anchor, x = anchored(room, shapes.label_width(texts), route)
+        # What is told of it while the system runs comes above it.
+        label = [x, room.bottom - shapes.label_height(texts) / 2]
     return {
         "id": edge.id,
         "element": edge.element,
@@ -356,12 +367,12 @@ def _edge(edge: Edge, route: Route | None, view: str) -> dict[str, Any]:
         "target": {"node": edge.target.node, "port": edge.target.port},
         "kind": edge.kind,
         "title": edge.title,
-        "labels": shapes.label_lines(_plain(edge)),
+        "labels": texts,
         "count": edge.count,
-        "details": list(map(list, edge.details)),
         "findings": _findings(edge.findings),
         "route": [list(point) for point in route.points] if route is not None else [],
-        "label": [label[0], label[1] + down] if label is not None else None,
+        "label": label,
+        "anchor": anchor,
     }
 
 
