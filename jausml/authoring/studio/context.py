@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections import OrderedDict, deque
+from collections import deque
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from itertools import count
+from typing import TYPE_CHECKING, Any, Literal
 
 from jausml.authoring.editing.commands import Add, Create, Place
 from jausml.authoring.editing.records import Freshness
@@ -15,7 +16,7 @@ from jausml.authoring.proposals.elements import Scope
 from jausml.authoring.studio.checking import Verdict, Verdicts
 from jausml.authoring.studio.drawing import Drawings
 from jausml.authoring.studio.recordings import Recordings
-from jausml.authoring.studio.rpc import entry_as_json, files_as_json, log_as_json
+from jausml.authoring.studio.rpc import files_as_json, log_as_json
 from jausml.authoring.studio.views.trying import Trials
 from jausml.language.model import refs
 from jausml.language.model.refs import file_of
@@ -26,7 +27,6 @@ from jausml.live.peers.network import (
     Network,
     make_network,
 )
-from jausml.live.serving.rpc import as_json
 from jausml.live.serving.subscribers import Subscribers
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
     from jausml.authoring.editing.commands import Command
     from jausml.authoring.editing.project import Project
-    from jausml.authoring.editing.records import Change, Entry
+    from jausml.authoring.editing.records import Change
     from jausml.language.model.model import Model
 
 _MOST_KEPT = 64
@@ -56,55 +56,6 @@ class KeptEdit:
         """The files that it would change."""
         return frozenset(filter(None, map(_file, self.commands)))
 
-    def as_json(self) -> dict[str, Any]:
-        """What pages are told of it."""
-        return {
-            "number": self.number,
-            "label": self.label,
-            "commands": as_json(self.commands),
-            "why": self.why,
-            "files": sorted(self.files),
-        }
-
-
-class KeptEdits:
-    """The edits that are kept, the oldest first; any thread may ask."""
-
-    def __init__(self) -> None:
-        self._edits: dict[int, KeptEdit] = {}
-        self._count = 0
-        self._lock = threading.Lock()
-
-    @property
-    def all(self) -> tuple[KeptEdit, ...]:
-        """All of them."""
-        with self._lock:
-            return tuple(self._edits.values())
-
-    def keep(self, commands: Sequence[Command], label: str, base: int, why: str) -> bool:
-        """Keeps an edit; tells whether there was room for it."""
-        with self._lock:
-            if len(self._edits) >= _MOST_KEPT:
-                return False
-            self._count += 1
-            kept = KeptEdit(self._count, label, tuple(commands), base, why)
-            self._edits[kept.number] = kept
-            return True
-
-    def find(self, number: int) -> KeptEdit | None:
-        """Returns an edit, None when it is kept no more."""
-        with self._lock:
-            return self._edits.get(number)
-
-    def discard(self, number: int) -> None:
-        """Forgets an edit."""
-        with self._lock:
-            self._edits.pop(number, None)
-
-    def concerning(self, files: frozenset[str]) -> tuple[KeptEdit, ...]:
-        """Returns those that would change one of some files."""
-        return tuple(edit for edit in self.all if not edit.files.isdisjoint(files))
-
 
 def _file(command: Command) -> str:
     """Returns the file that a command changes first."""
@@ -121,25 +72,17 @@ _LOGGER = "jausml"
 
 
 class ViewedFiles:
-    """The files that someone looks at: those that were asked for last."""
+    """The files that someone looks at: those that were asked for last, the latest first."""
 
     def __init__(self) -> None:
-        self._files: OrderedDict[str, None] = OrderedDict()
+        self.files: tuple[str, ...] = ()
         self._lock = threading.Lock()
 
     def add(self, file: str) -> None:
         """Remembers that someone looks at a file."""
         with self._lock:
-            self._files[file] = None
-            self._files.move_to_end(file)
-            while len(self._files) > _MOST_SHOWN:
-                self._files.popitem(last=False)
-
-    @property
-    def files(self) -> tuple[str, ...]:
-        """The files, the latest first."""
-        with self._lock:
-            return tuple(reversed(self._files))
+            others = (other for other in self.files if other != file)
+            self.files = (file, *others)[:_MOST_SHOWN]
 
 
 def usual_network() -> Network:
@@ -198,7 +141,6 @@ class StudioContext:
     subscribers: Subscribers = field(default_factory=Subscribers)
     viewed_files: ViewedFiles = field(default_factory=ViewedFiles)
     trials: Trials = field(default_factory=Trials)
-    kept: KeptEdits = field(default_factory=KeptEdits)
     faults: Faults = field(default_factory=Faults)
     given_recordings: tuple[Path, ...] = ()
 
@@ -210,6 +152,9 @@ class StudioContext:
         """The latest verdict of each file as pages know it."""
         self.pictures: dict[tuple[str, str], dict[str, Any]] = {}
         """The last picture of each view, by file and view."""
+        self.kept: tuple[KeptEdit, ...] = ()
+        """Edits that were not done, the oldest first; what changes something takes its turn."""
+        self._numbers = count(1)
         self.followers: list[Callable[[], None]] = []
         """Are called when the project has changed."""
 
@@ -218,14 +163,11 @@ class StudioContext:
         if not verdict.freshness.is_current:
             return verdict.freshness
         model, root = verdict.result.model, self.project.root
-        kept = self.kept.concerning(
-            frozenset(file_of(document, root) for document in model.documents)
-        )
-        if not kept:
+        files = {file_of(document, root) for document in model.documents}
+        kept = next((edit for edit in self.kept if not edit.files.isdisjoint(files)), None)
+        if kept is None:
             return verdict.freshness
-        why = (
-            f"\u201c{kept[0].label}\u201d was not done and is kept: do it again or discard it first"
-        )
+        why = f"\u201c{kept.label}\u201d was not done and is kept: do it again or discard it first"
         return Freshness("conflict", verdict.revision, why)
 
     def scope_of(self, file: str, model: Model | None = None) -> Scope:
@@ -234,14 +176,20 @@ class StudioContext:
         return Scope(model, self.project.root, lambda: self.project.beside(file))
 
     def keep(self, commands: Sequence[Command], label: str, base: int, why: str) -> bool:
-        """Keeps an edit that met a change beneath it, and tells of it; tells whether it could."""
-        is_kept = self.kept.keep(commands, label, base, why)
-        self.notify_kept()
-        return is_kept
+        """Keeps an edit that met a change beneath it; tells whether there was room for it."""
+        if len(self.kept) >= _MOST_KEPT:
+            return False
+        edit = KeptEdit(next(self._numbers), label, tuple(commands), base, why)
+        self._keep((*self.kept, edit))
+        return True
 
-    def notify_kept(self) -> None:
-        """Tells pages which edits are kept."""
-        self.subscribers.notify("kept", {"edits": [edit.as_json() for edit in self.kept.all]})
+    def discard(self, number: int) -> None:
+        """Keeps an edit no more."""
+        self._keep(edit for edit in self.kept if edit.number != number)
+
+    def _keep(self, edits: Iterable[KeptEdit]) -> None:
+        self.kept = tuple(edits)
+        self.subscribers.notify("kept", {"edits": self.kept})
 
     def refresh(self, files: Iterable[str] = ()) -> None:
         """Takes over what other programs did to files, and tells of it.
@@ -258,21 +206,13 @@ class StudioContext:
             parameters = {"file": change.file, "diff": change.diff, "gone": is_gone}
             self.subscribers.notify(event, parameters)
         if changes:
-            log = reversed(self.project.log)
-            self.changed(next((entry for entry in log if entry.is_outside), None), by="outside")
+            self.changed(by="outside")
 
-    def changed(self, entry: Entry | None, *, by: str = "edit") -> None:
-        """Tells pages and followers that the project has changed.
-
-        `entry`: what was done; one without changes is not told. `by`: who did it: `edit` or
-        `outside`.
-        """
-        if entry is not None and not entry.changes:
-            return
+    def changed(self, *, by: Literal["edit", "outside"] = "edit") -> None:
+        """Tells pages and followers that the project has changed, and who did it."""
         state = {
             "revision": self.project.revision,
             "files": files_as_json(self.project),
-            "entry": entry_as_json(entry),
             "by": by,
             **log_as_json(self.project),
         }

@@ -27,28 +27,22 @@ if TYPE_CHECKING:
     from jausml.live.systems.ros_diagnostics import RosDiagnostics
     from jausml.live.systems.state import ComponentState, ConnectionState, SystemState
 
-HISTORY = 30
-"""Latest rates of a connection that the page is told."""
-
 
 def live_values(state: SystemState, places: Places) -> dict[str, Any]:
     """Returns what `jausml top --json` tells, and the same by ids of the system view.
 
-    Connections have the id of their `row`, components that of their `box`; empty for none. Boxes of
-    states of machines are beside those of the system view. What was told with each status in full
-    is left to who asks about one connection.
+    Connections have the id of their `row`, empty for none, and neither history nor what was told
+    with each status. Boxes of states of machines are beside those of the system view.
     """
     values = state_as_json(state)
     for connection_entry, connection in zip(
         values["connections"], state.connections.values(), strict=True
     ):
-        del connection_entry["values"]
-        connection_entry["history"] = connection_entry["history"][-HISTORY:]
+        del connection_entry["values"], connection_entry["history"]
         connection_entry["row"] = row_of(connection, places) or ""
     for component_entry, component in zip(
         values["components"], state.components.values(), strict=True
     ):
-        component_entry["box"] = places.boxes.get(component_entry["id"], "")
         for machine_entry, machine in zip(
             component_entry["machines"], component.machines, strict=True
         ):
@@ -85,8 +79,6 @@ def _worst(statuses: Sequence[dict[str, Any]]) -> dict[str, Any]:
     return {
         "level": level.value,
         "gone": bool(counts["gone"]),
-        "state": "",
-        "controller": "",
         "text": ", ".join(f"{count} {word}" for word, count in sorted(counts.items())),
     }
 
@@ -96,7 +88,7 @@ def _edges(state: SystemState, places: Places) -> dict[str, Any]:
     for connection in state.connections.values():
         row = row_of(connection, places)
         if row is not None:
-            shown = _edge(connection, state.age_of(connection))
+            shown = _shown(connection, _connection_text(connection))
             edges_by_id.update(dict.fromkeys((row, *places.edges[row]), shown))
     return edges_by_id
 
@@ -107,17 +99,11 @@ def row_of(connection: ConnectionState, places: Places) -> str | None:
     return places.rows.get(connection.key if declaration is None else declaration.key)
 
 
-def _edge(connection: ConnectionState, age: float | None) -> dict[str, Any]:
-    return {
-        "level": connection.level.value,
-        "rate": connection.rate,
-        "declared": connection.declared_rate,
-        "age": age,
-        "gone": connection.is_gone,
-        "latency": dict(connection.latency),
-        "drops": dict(connection.drops),
-        "text": _connection_text(connection),
-    }
+def _shown(
+    part: ConnectionState | ComponentState, text: str, level: Level | None = None
+) -> dict[str, Any]:
+    """Returns what the diagram shows of a part: how it is, and a few words."""
+    return {"level": (level or part.level).value, "gone": part.is_gone, "text": text}
 
 
 def _connection_text(connection: ConnectionState) -> str:
@@ -136,11 +122,7 @@ def _controls(state: SystemState, places: Places) -> dict[str, Any]:
         component = state.components.get(controlled)
         if component is not None:
             level, text = _control(component, owner)
-            controls_by_edge[edge] = {
-                "level": level.value, "rate": None, "declared": None, "age": None,
-                "gone": component.is_gone,
-                "latency": {}, "drops": {}, "text": text,
-            }  # fmt: skip
+            controls_by_edge[edge] = _shown(component, text, level)
     return controls_by_edge
 
 
@@ -171,13 +153,7 @@ def _box(component: ComponentState, complaints: Iterable[ConnectionState]) -> di
     for complaint in complaints:
         level = complaint.level if complaint.level.weight > level.weight else level
         texts.append(f"{complaint.name}: {complaint.reason}")
-    return {
-        "level": level.value,
-        "gone": component.is_gone,
-        "state": component.state,
-        "controller": component.controller or "",
-        "text": cell("; ".join(texts)),
-    }
+    return _shown(component, cell("; ".join(texts)), level)
 
 
 def _component_text(component: ComponentState) -> str:
@@ -244,7 +220,7 @@ class LiveSystem(RunningSystem):
             self._is_wanted = True
 
     def message(self, row: str) -> dict[str, Any]:
-        """Returns the last message of a connection on both sides, and all that its bridge tells.
+        """Returns the last message of a connection on both sides.
 
         The first question begins to look, so what comes is there at a later one.
         """
@@ -254,13 +230,7 @@ class LiveSystem(RunningSystem):
                 raise NotWatchedError("the system is not watched yet")
             ros, jaus = self._inspection.at(connection)
             self._glanced = time.monotonic()
-        return {
-            "ros": "\n".join(ros),
-            "jaus": "\n".join(jaus),
-            "age": age,
-            "history": list(connection.history),
-            "values": [list(value) for value in connection.values],
-        }
+        return {"ros": "\n".join(ros), "jaus": "\n".join(jaus), "age": age}
 
     def _connection(self, row: str) -> tuple[ConnectionState, float | None]:
         """Returns a connection and the age of its last message."""
@@ -295,7 +265,7 @@ class LiveSystem(RunningSystem):
         present = (places, *_facts(state))
         if is_wanted or present != self._before or state.now - self._sent >= LONGEST:
             self._sent = state.now
-            self._notify({"file": self.file, "state": live_values(state, places)})
+            self._notify(live_values(state, places))
         self._before = present
 
     def _take_model(self) -> None:

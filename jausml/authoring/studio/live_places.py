@@ -169,8 +169,6 @@ def _box(path: str, instances: Sequence[tuple[str, MachineState]]) -> dict[str, 
     return {
         "level": _ACTIVE if is_innermost else _AROUND if present else _LEFT,
         "gone": False,
-        "state": path,
-        "controller": "",
         "text": cell("; ".join(words)),
     }
 

@@ -53,7 +53,6 @@ def files_as_json(project: Project) -> list[dict[str, Any]]:
         {
             "path": file.path,
             "notation": file.notation,
-            "revision": file.revision,
             "stale": file.is_stale,
             "dirty": file.is_dirty,
         }
@@ -80,8 +79,6 @@ def entry_as_json(entry: Entry | None) -> dict[str, Any] | None:
         "label": entry.label,
         "files": entry.files,
         "created": entry.created,
-        "layout": entry.layout,
-        "outside": entry.is_outside,
     }
 
 

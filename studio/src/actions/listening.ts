@@ -79,7 +79,7 @@ function noteLost(edits: KeptEdit[]): void {
 
 async function begin(project: Project): Promise<void> {
   update({ project });
-  if (project.extras.recordings?.length) update({ bottom: "recording" });
+  if (project.recordings?.length) update({ bottom: "recording" });
   // Without an answer the next one that is kept tells of all.
   ask("kept", {}).then(
     ({ edits }) => {

@@ -128,7 +128,7 @@ test("what is watched stands out by shape and word, not by colour alone", () => 
         e2: { ...still, level: "error", text: "failing: no peer" },
         e3: { ...still, level: "not heard", text: "silent" },
       },
-      boxes: { base: { level: "stale", state: "", controller: "", text: "nothing heard" } },
+      boxes: { base: { level: "stale", text: "nothing heard" } },
     } as never,
   });
   render(<Canvas />);

@@ -133,7 +133,6 @@ export interface Notifications {
   changed: {
     revision: number;
     files: project.FileInfo[];
-    entry?: project.Entry | null;
     by: "edit" | "outside";
     undoable: boolean;
     redoable: boolean;
@@ -143,7 +142,7 @@ export interface Notifications {
   conflict: OutsideChange;
   /** Another program changed a file. */
   outside: OutsideChange;
-  live: { state: live.LiveState; freshness?: project.Freshness };
+  live: { state: live.LiveState };
   /** The edits that are kept have changed. */
   kept: { edits: project.KeptEdit[] };
 }

@@ -39,7 +39,8 @@ export interface Project {
   /** Whether there is something to undo, or to do again. */
   undoable: boolean;
   redoable: boolean;
-  extras: { live: boolean; recordings?: string[] };
+  /** Recordings that the studio was started with. */
+  recordings?: string[];
 }
 
 export interface ViewInfo {
@@ -97,7 +98,6 @@ export interface Corner {
 
 export interface EditResult {
   revision: number;
-  entry?: Entry | null;
   created: Ref[];
   diff?: string;
   referrers?: Referrer[];

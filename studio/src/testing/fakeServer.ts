@@ -46,7 +46,6 @@ export const PROJECT: Project = {
   opened: "robot.xmi",
   undoable: true,
   redoable: true,
-  extras: { live: true },
 };
 
 /** Gives the page a server, as if it had just been greeted. */

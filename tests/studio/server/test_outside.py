@@ -28,7 +28,6 @@ def test_a_change_by_another_program_appears(page: Page, folder: Path) -> None:
     assert "+<system:System " in shown["diff"]
     told = page.await_told("changed")
     assert told["by"] == "outside"
-    assert told["entry"]["outside"]
     page.await_told("problems", lambda notification: notification["revision"] == told["revision"])
 
 
@@ -61,7 +60,7 @@ def test_what_cannot_be_read_gets_no_verdict_and_no_code(
     good = page.ask("view", file=file, view="system")
     assert good["freshness"]["state"] == "current"
     plan = page.ask("plan", file=file)
-    assert (plan["problems"], plan["freshness"]["state"]) == ("", "current")
+    assert plan["problems"] == ""
 
     text.write_text(f"component helm {{ address: 1.2.3 }}\n{broken}", encoding="utf-8")
     told = page.await_told(
@@ -80,14 +79,13 @@ def test_what_cannot_be_read_gets_no_verdict_and_no_code(
     refused = page.ask("plan", file=file)
     assert (refused["files"], refused["digest"]) == ([], "")
     assert file in refused["problems"]
-    assert refused["revision"] == told["revision"]
     with pytest.raises(RefusedError, match=file):
         page.ask("generate", file=file, out="", digest=plan["digest"])
     assert [path.name for path in folder.iterdir() if path.is_dir()] == [FOLDER]
 
     text.write_text("component helm { address: 1.2.4 }\n", encoding="utf-8")
     page.await_told("changed", lambda notification: notification["revision"] > told["revision"])
-    assert page.ask("problems", file=file)["freshness"]["state"] == "current"
+    assert page.ask("problems", file=file)["fault"] == ""
 
 
 def test_a_file_that_another_one_uses_and_that_cannot_be_read_counts_too(
@@ -101,11 +99,11 @@ def test_a_file_that_another_one_uses_and_that_cannot_be_read_counts_too(
     )
     page.await_told("changed", lambda notification: len(notification["files"]) == 3)
     before = page.ask("problems", file="boat.ros2jaus")
-    assert before["freshness"]["state"] == "current"
+    assert before["fault"] == ""
     (folder / "parts.ros2jaus").write_text(BROKEN, encoding="utf-8")
     page.await_told("changed", lambda notification: notification["revision"] > before["revision"])
     told = page.ask("problems", file="boat.ros2jaus")
-    assert told["freshness"]["state"] == "unreadable"
+    assert "parts.ros2jaus" in told["fault"]
     assert {problem["file"] for problem in told["problems"]} == {"parts.ros2jaus"}
 
 

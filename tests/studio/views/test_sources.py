@@ -24,8 +24,6 @@ def test_an_element_of_xmi_is_its_tags():
     assert found.notation == "xmi"
     assert piece(found).startswith('<bridgeConnections name="steering_command"')
     assert piece(found).endswith("</bridgeConnections>")
-    line = found.text.split("\n")[found.line - 1]
-    assert line.strip().startswith("<bridgeConnections")
 
 
 def test_an_element_of_text_is_its_block():
@@ -52,7 +50,6 @@ def test_line_ends_and_wide_characters_are_counted_as_browsers_do(tmp_path):
     [host] = scope.model.root.hosts
     found = source(scope, scope.ref(host))
     assert piece(found) == "host one { }"
-    assert found.line == 4
     assert "\r" not in found.text
 
 
@@ -64,6 +61,6 @@ def test_every_element_stands_somewhere(name):
     for element in elements[:: max(1, len(elements) // 60)]:
         found = source(scope, scope.ref(element))
         name = getattr(element, "name", None)
-        assert found.start < found.end or found.line == 1
+        assert found.start < found.end or found.start == 0
         if name and found.notation == "xmi":
             assert f'name="{name}"' in piece(found) or "&" in piece(found)

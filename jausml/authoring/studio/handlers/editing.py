@@ -16,13 +16,13 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
 from jausml.authoring.studio.handlers import showing
-from jausml.authoring.studio.rpc import command, entry_as_json, freshness_as_json
+from jausml.authoring.studio.rpc import command, entry_as_json
 from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
 from jausml.authoring.studio.views.wording import for_people
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.names import system_name
 from jausml.language.text.notation import SUFFIX
-from jausml.live.serving.rpc import Method, as_json
+from jausml.live.serving.rpc import Method
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,7 +53,7 @@ def methods(context: StudioContext) -> Mapping[str, Method]:
         "edit": Method(partial(_edit, context), in_turn=True),
         "kept": Method(partial(_kept, context)),
         "kept.again": Method(partial(_again, context), in_turn=True),
-        "kept.discard": Method(partial(_discard, context), in_turn=True),
+        "kept.discard": Method(context.discard, in_turn=True),
         "starting_points": Method(_starting_points),
         "create": Method(partial(_create, context), in_turn=True),
         "copy": Method(partial(_copy, context)),
@@ -117,29 +117,28 @@ def _carried_out(
         context.notify_outside(context.project.unreported())
     if kept is not None:
         # Only now, whatever kept it from being done.
-        context.kept.discard(kept.number)
-        context.notify_kept()
+        context.discard(kept.number)
     if at is not None and entry.created:
         context.drawings.expect(at.file, at.view, entry.created[0], (at.x, at.y))
-    context.changed(entry)
-    return {"revision": project.revision, "entry": entry_as_json(entry), "created": entry.created}
+    return _told(context, entry)
+
+
+def _told(context: StudioContext, entry: Entry) -> dict[str, Any]:
+    """Tells pages what was done, and returns what it has made."""
+    if entry.changes:
+        context.changed()
+    return {"revision": context.project.revision, "created": entry.created}
 
 
 def _kept(context: StudioContext) -> dict[str, Any]:
-    return {"edits": [edit.as_json() for edit in context.kept.all]}
+    return {"edits": context.kept}
 
 
 def _again(context: StudioContext, number: int) -> dict[str, Any]:
-    edit = context.kept.find(number)
+    edit = next((edit for edit in context.kept if edit.number == number), None)
     if edit is None:
         raise EditError("this edit is kept no more")
     return _carried_out(context, edit.commands, edit.label, edit.base, edit)
-
-
-def _discard(context: StudioContext, number: int) -> dict[str, Any]:
-    context.kept.discard(number)
-    context.notify_kept()
-    return {}
 
 
 def _copy(context: StudioContext, elements: tuple[str, ...]) -> dict[str, Any]:
@@ -151,13 +150,7 @@ def _paste(context: StudioContext, owner: str, text: str) -> dict[str, Any]:
     clip = context.project.clip(text, owner)
     model = context.project.find(owner)[1]
     entry = context.project.paste(with_free_addresses(model, clip.commands), owner, "Paste")
-    context.changed(entry)
-    return {
-        "revision": context.project.revision,
-        "entry": entry_as_json(entry),
-        "created": entry.created,
-        "left_out": as_json(clip.left_out),
-    }
+    return {**_told(context, entry), "left_out": clip.left_out}
 
 
 def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
@@ -168,13 +161,11 @@ def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
         data = model_text(origin, system_name(Path(file)), beside, is_text=is_text)
     except ProjectError as error:
         raise EditError(str(error)) from error
-    entry = context.project.add_file(file, data, f"Create {file}")
-    context.changed(entry)
-    return {"revision": context.project.revision, "entry": entry_as_json(entry), "created": ()}
+    return _told(context, context.project.add_file(file, data, f"Create {file}"))
 
 
 def _starting_points() -> dict[str, Any]:
-    return {"points": as_json(STARTING_POINTS)}
+    return {"points": STARTING_POINTS}
 
 
 def _undo(context: StudioContext) -> dict[str, Any]:
@@ -187,7 +178,7 @@ def _redo(context: StudioContext) -> dict[str, Any]:
 
 def _done(context: StudioContext, entry: Entry | None) -> dict[str, Any]:
     if entry is not None:
-        context.changed(entry)
+        context.changed()
     return {"revision": context.project.revision, "entry": entry_as_json(entry)}
 
 
@@ -197,9 +188,7 @@ def _log(context: StudioContext) -> dict[str, Any]:
 
 
 def _write(context: StudioContext, file: str, text: str, base: int) -> dict[str, Any]:
-    entry = context.project.write_text(file, text, base)
-    context.changed(entry)
-    return {"revision": context.project.revision}
+    return _told(context, context.project.write_text(file, text, base))
 
 
 def _arrange(
@@ -208,7 +197,7 @@ def _arrange(
     placed = context.project.positions(file, view)
     if placed:
         forget = Place(file, view, dict.fromkeys(placed))
-        context.changed(context.project.do([forget], f"Arrange {view}"))
+        _told(context, context.project.do([forget], f"Arrange {view}"))
     context.drawings.forget(file, view)
     return showing.view(context, file, view, opened)
 
@@ -242,11 +231,7 @@ def _plan(
     verdict = context.verdicts.of(file)
     folder = _out(context, file, out)
     why = _obstacle(context, verdict)
-    planned = (
-        Planned(str(folder), problems=why) if why else plan(verdict.report, folder, force=force)
-    )
-    freshness = freshness_as_json(context.freshness(verdict))
-    return {**as_json(planned), "revision": verdict.revision, "freshness": freshness}
+    return Planned(str(folder), problems=why) if why else plan(verdict.report, folder, force=force)
 
 
 def _obstacle(context: StudioContext, verdict: Verdict) -> str:

@@ -7,7 +7,6 @@ import threading
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from jausml import __version__
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.records import Freshness
 from jausml.authoring.proposals.elements import AnswerError, Scope
@@ -24,7 +23,6 @@ from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
 from jausml.live.serving.rpc import REFUSED, Method, RpcError
 from jausml.views.diagrams.folding import MOST_SHOWN
-from jausml.views.diagrams.layout.graphviz import program
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import SYSTEM, UnknownViewError, graph_of, maps, view_names
 from jausml.views.diagrams.views.context import Context
@@ -66,20 +64,14 @@ def methods(context: StudioContext) -> Mapping[str, Method]:
 def _hello(context: StudioContext, token: str = "") -> dict[str, Any]:  # noqa: ARG001
     """Returns what is opened; the token was looked at before."""
     project = context.project
-    extras = {
-        "live": True,
-        "graphviz": program() is not None,
-        "recordings": context.recordings.given,
-    }
     return {
         "name": project.root.name,
         "root": str(project.root),
-        "version": __version__,
         "revision": project.revision,
         "files": files_as_json(project),
         "opened": project.opened,
         **log_as_json(project),
-        "extras": extras,
+        "recordings": context.recordings.given,
     }
 
 
@@ -191,7 +183,7 @@ def problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
     known = context.sent_verdicts.get(verdict.file)
     if known is None or known[0] is not verdict:
         known = context.sent_verdicts[verdict.file] = (verdict, _problems(context, verdict))
-    return {**known[1], "freshness": freshness_as_json(context.freshness(verdict))}
+    return known[1]
 
 
 def _problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
@@ -202,7 +194,6 @@ def _problems(context: StudioContext, verdict: Verdict) -> dict[str, Any]:
         "revision": verdict.revision,
         "fault": verdict.fault,
         "elapsed_ms": round(verdict.elapsed_ms, 1),
-        "files": [verdict.file],
         "problems": [
             _problem(
                 scope,
@@ -265,7 +256,6 @@ def _library_text(file: str) -> str:
 
 def _source(context: StudioContext, element: str) -> dict[str, Any]:
     file, _ = refs.split(element)
-    revision = context.project.revision
     if file.startswith(refs.LIBRARY):
         scope = Scope(context.project.find(element)[1], context.project.root)
     else:
@@ -278,8 +268,6 @@ def _source(context: StudioContext, element: str) -> dict[str, Any]:
         "notation": location.notation,
         "start": start,
         "end": end,
-        "line": location.line,
-        "revision": revision,
     }
 
 
@@ -389,11 +377,5 @@ class LiveRequests:
             self._live.stop()
         self._live = None
 
-    def _notify(self, values: dict[str, Any]) -> None:
-        try:
-            verdict = self._context.project.read(values["file"])[1]
-        except EditError:
-            return  # the file has gone meanwhile
-        self._context.subscribers.notify(
-            "live", {**values, "freshness": freshness_as_json(verdict)}
-        )
+    def _notify(self, state: dict[str, Any]) -> None:
+        self._context.subscribers.notify("live", {"state": state})

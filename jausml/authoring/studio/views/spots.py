@@ -140,7 +140,6 @@ class Located:
     Attributes:
         notation: `xmi` or `text`.
         start: Where the element begins, in units of UTF-16 as browsers count them.
-        line: Its first line, counted from 1.
     """
 
     file: str
@@ -148,7 +147,6 @@ class Located:
     text: str
     start: int
     end: int
-    line: int
 
 
 def source(scope: Scope, ref: str) -> Located:
@@ -158,7 +156,7 @@ def source(scope: Scope, ref: str) -> Located:
     model = scope.model_of(element)
     document = model.document_of(element)
     if document is None:
-        return Located(file, XMI, "", 0, 0, 1)
+        return Located(file, XMI, "", 0, 0)
     if isinstance(document.written, TextDocument):
         return _in_text(document, document.written, model, element, file)
     return _in_xmi(document, model, element, file)
@@ -205,10 +203,8 @@ def _nodes(model: Model, element: EObject) -> Iterator[Node]:
 
 
 def _located(file: str, notation: str, text: str, start: int, end: int) -> Located:
-    line = len(_LINE_END.findall(text[:start])) + 1
-    return Located(
-        file, notation, _LINE_END.sub("\n", text), _units(text[:start]), _units(text[:end]), line
-    )
+    flat = _LINE_END.sub("\n", text)
+    return Located(file, notation, flat, _units(text[:start]), _units(text[:end]))
 
 
 def _units(text: str) -> int:

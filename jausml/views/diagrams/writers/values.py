@@ -105,11 +105,10 @@ class Settled:
             "folded": opened is not None,
             "width": round(max((area.right for area in areas), default=0)),
             "height": round(max((area.bottom for area in areas), default=0)),
-            "findings": _findings(graph.findings),
             "nodes": [
                 _closed(node, frames[node.id])
                 if node.kind == CLOSED
-                else _node(node, boxes[node.id], corners[node.id], is_moved=node.id in places.fixed)
+                else _node(node, boxes[node.id], corners[node.id])
                 for node in shown.nodes
             ],
             "groups": [
@@ -283,13 +282,12 @@ def _closed(node: Node, area: Area) -> dict[str, Any]:
         "width": round(area.right - area.left),
         "height": height,
         "head": height,
-        "moved": False,
         "initial": False,
         "ports": [],
     }
 
 
-def _node(node: Node, box: Box, corner: Point, *, is_moved: bool) -> dict[str, Any]:
+def _node(node: Node, box: Box, corner: Point) -> dict[str, Any]:
     tops = box.tops()
     return {
         **_texts(node),
@@ -298,7 +296,6 @@ def _node(node: Node, box: Box, corner: Point, *, is_moved: bool) -> dict[str, A
         "width": box.width,
         "height": box.height,
         "head": box.head,
-        "moved": is_moved,
         "initial": node.is_initial,
         "ports": [_port(port, tops[port.id]) for port in node.ports],
     }
@@ -377,7 +374,4 @@ def _edge(edge: Edge, line: Line | None, route: Route | None) -> dict[str, Any]:
 
 
 def _findings(findings: tuple[Finding, ...]) -> list[dict[str, str]]:
-    return [
-        {"severity": finding.severity, "rule": finding.rule, "message": finding.message}
-        for finding in findings
-    ]
+    return [{"severity": finding.severity, "message": finding.message} for finding in findings]

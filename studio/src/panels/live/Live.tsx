@@ -14,7 +14,6 @@ const OLD_S = 4;
 
 /** What the running system says of itself: its connections, its components, and the last messages. */
 export function Live() {
-  const project = useStudio((studio) => studio.project);
   const file = useStudio((studio) => studio.file);
   const live = useStudio((studio) => studio.live);
   const recorded = useStudio((studio) => studio.recorded);
@@ -41,8 +40,6 @@ export function Live() {
     return (
       <Quiet>The diagram shows the recording {recorded}: close that to watch what runs.</Quiet>
     );
-  if (project && !project.extras.live)
-    return <Quiet>Watching a system is not possible here.</Quiet>;
   return (
     <section className="live" aria-label="Live">
       <header className="bar">

@@ -9,7 +9,7 @@ const TEXT = "// why\nsystem robot {\n    bridge main {}\n}\n";
 const PROJECT_OF_TEXT = {
   ...PROJECT,
   files: [
-    { path: "robot.ros2jaus", notation: "text" as const, revision: 1, stale: false, dirty: false },
+    { path: "robot.ros2jaus", notation: "text" as const, stale: false, dirty: false },
   ],
   opened: "robot.ros2jaus",
 };

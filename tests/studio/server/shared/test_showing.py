@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING
 import pytest
 from studio_client import RefusedError
 
-from jausml import __version__
-
 if TYPE_CHECKING:
     from studio_client import Page
 
@@ -20,7 +18,6 @@ FILE = "catvehicle.xmi"
 def test_hello_tells_of_the_project(page: Page) -> None:
     assert page.project["name"] == "project"
     assert page.project["opened"] == FILE
-    assert page.project["version"] == __version__
     assert [file["path"] for file in page.project["files"]] == [FILE, "service.xmi"]
 
 
@@ -44,7 +41,6 @@ def test_an_unknown_view_is_refused(page: Page) -> None:
 def test_problems_of_the_example_are_none(page: Page) -> None:
     found = page.ask("problems", file=FILE)
     assert [problem for problem in found["problems"] if problem["severity"] == "error"] == []
-    assert found["files"] == [FILE]
 
 
 def test_the_outline_reaches_what_no_diagram_shows(page: Page) -> None:
