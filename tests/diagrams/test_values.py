@@ -206,12 +206,12 @@ def test_where_parts_stand_is_found_again_only_where_a_size_or_a_place_has_chang
     first = values.settled(shown, {}, standing, place=rows)
     wrong = (Finding("error", "JML1", "is wrong"),)
     marked = replace(shown, nodes=tuple(replace(node, findings=wrong) for node in shown.nodes))
-    values.settled(shown, {}, standing, place=rows)
-    kept = values.settled(marked, {}, standing, place=rows)
-    assert kept.places is standing.last
+    again = values.settled(shown, {}, standing, last=first.places)
+    kept = values.settled(marked, {}, standing, last=again.places)
+    assert kept.places is again.places
     assert kept.places.corners == first.places.corners
-    key = shown.nodes[0].key
-    assert values.settled(marked, {key: (7, 7)}, standing, rows).places is not kept.places
+    moved = {shown.nodes[0].key: (7, 7)}
+    assert values.settled(marked, moved, standing, last=kept.places).places is not kept.places
 
 
 def box(name, kind="component", rows=1, group=""):
@@ -355,7 +355,7 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
     nodes = [box(f"s{n}", KINDS[n % 3], n % 4) for n in range(draw(st.integers(1, 6)))]
     groups = tuple(Group(name, "host", name, "", key=name) for name in "gh")
     edges, moved, standing = [], {}, values.Standing()
-    known = {}
+    known, last = {}, None
     downwards = draw(st.booleans())
     for step in range(draw(st.integers(2, 9))):
         grown = False
@@ -384,8 +384,9 @@ def test_whatever_is_done_boxes_are_apart_and_stay(data):
                 edges += [line(*pair)] if len(pair) == 2 else []
         edges = list({edge.id: edge for edge in edges}.values())
         shown = Graph("system", "s", tuple(nodes), groups, tuple(edges), downwards)
-        forgetful = replace(deepcopy(standing), last=None)
-        found = render(shown, moved, standing, place=rows)
+        forgetful = deepcopy(standing)
+        drawn = values.settled(shown, moved, standing, rows, last)
+        last, found = drawn.places, drawn.values()
         assert found == render(shown, moved, forgetful, place=rows)
         assert_apart(found, moved)
         assert_framed(found)

@@ -35,7 +35,7 @@ def test_a_box_is_a_line(project):
         '{\n  "views": {\n    "system": {\n      "node:driver": [-10, 20],\n'
         '      "node:logger": [30, 40]\n    }\n  }\n}\n'
     )
-    assert project.log[-1].layout
+    assert project.log[-1].files == ("robot.layout.json",)
     project.do([Place("robot.xmi", "system", {"node:driver": None, "node:logger": None})], "forget")
     assert not (project.root / "robot.layout.json").exists()
     assert project.positions("robot.xmi", "system") == {}

@@ -63,8 +63,9 @@ def is_idle(server: Server) -> bool:
 
 
 @pytest.fixture
-def holding(vehicle: Vehicle, commanding: Page) -> Page:  # noqa: ARG001 - it is there
+def holding(vehicle: Vehicle, commanding: Page) -> Page:
     """A page that controls the vehicle, which is Ready."""
     take(commanding)
-    assert commanding.ask("resume", component=VEHICLE)["state"] == "READY"
+    commanding.ask("resume", component=VEHICLE)
+    assert vehicle.status == "READY"
     return commanding

@@ -121,7 +121,7 @@ def test_a_page_that_asks_without_end_is_read_slowly(server: Server) -> None:
 
         def asked() -> int:
             entries = other.ask("journal")["entries"]
-            return sum(entry["who"] == flooding.project["name"] for entry in entries)
+            return sum(entry["who"] == f"page {flooding.project['page']}" for entry in entries)
 
         until(lambda: asked() >= 30)
         assert max(asked() for _ in range(10)) < 60
@@ -229,7 +229,7 @@ def test_a_second_page_does_not_command_and_sees_who_does(server: Server, holdin
             assert refused.value.code == REFUSED
         # Everybody with the right may stop.
         assert second.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
-    assert holding.ask("renew") == {}
+    holding.ask("renew")
 
 
 def test_stop_brings_what_is_controlled_to_standby(holding: Page, vehicle: Vehicle) -> None:
@@ -373,7 +373,8 @@ def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
         stopped = page.ask("stop", components=[VEHICLE])["stopped"]
         assert stopped == [{"component": VEHICLE, "outcome": "EMERGENCY"}]
         assert vehicle.status == "EMERGENCY"
-        assert page.ask("clear", component=VEHICLE)["state"] != "EMERGENCY"
+        page.ask("clear", component=VEHICLE)
+        assert vehicle.status != "EMERGENCY"
 
 
 def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path: Path, port: int) -> None:
@@ -404,7 +405,8 @@ def test_a_terminal_that_takes_nothing_does_not_hold_up_the_stop(
     with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="anna")
         take(page)
-        assert page.ask("resume", component=VEHICLE)["state"] == "READY"
+        page.ask("resume", component=VEHICLE)
+        assert vehicle.status == "READY"
         assert server.process.stderr is not None
         room = fcntl.fcntl(server.process.stderr, fcntl.F_SETPIPE_SZ, 4096)
         with server.page() as other:

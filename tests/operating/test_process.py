@@ -83,6 +83,7 @@ def driving(folder: Path, built: Path, port: int, vehicle: Vehicle) -> Iterator[
         server = Server(process, *addresses)
         with server.connect() as socket:
             page = page_of(socket, server)
+            assert vehicle.status == "READY"
             number = page.ask("stick.begin", component=VEHICLE, message="SetWrenchEffort")["stick"]
             for _ in range(3):
                 fields = {"PropulsiveLinearEffortX": 30.0}
@@ -101,7 +102,7 @@ def page_of(socket: object, server: Server) -> Page:
     page.project = page.ask("hello", token=server.token)
     page.ask("claim", right=server.right, name="anna")
     take(page)
-    assert page.ask("resume", component=VEHICLE)["state"] == "READY"
+    page.ask("resume", component=VEHICLE)
     return page
 
 

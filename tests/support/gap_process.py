@@ -54,9 +54,9 @@ class Measured(serving.Unit):
     """A unit that is measured from when it has begun."""
 
     @asynccontextmanager
-    async def _lifespan(self, app: object) -> AsyncIterator[None]:
+    async def running(self) -> AsyncIterator[None]:
         meters = pages, jaus, learning = Meter(), Meter(), Meter()
-        unit, collections = self.operating.unit, list[object]()
+        unit, collections = self.unit, list[object]()
         following = self.learning._next
 
         def unpickled() -> Knowledge | None:
@@ -67,7 +67,7 @@ class Measured(serving.Unit):
 
         # Unpickling is one call, for as long as which that thread has the interpreter.
         self.learning._next = unpickled  # type: ignore[method-assign]
-        async with super()._lifespan(app):  # type: ignore[arg-type]
+        async with super().running():
             system = unit._system
             while system.running is None:
                 await asyncio.sleep(0.1)

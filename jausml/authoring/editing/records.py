@@ -6,7 +6,6 @@ from dataclasses import dataclass, field, replace
 from time import monotonic
 from typing import Literal
 
-from jausml.authoring.editing.layout import is_layout
 from jausml.authoring.editing.splices import Splice, difference
 from jausml.language.model.diagnostics import Diagnostic
 from jausml.language.model.refs import Ref
@@ -82,11 +81,6 @@ class Entry:
     def files(self) -> tuple[str, ...]:
         """The files that it changes."""
         return tuple(change.file for change in self.changes)
-
-    @property
-    def layout(self) -> bool:
-        """Whether it changes positions, and nothing else."""
-        return all(map(is_layout, self.files))
 
 
 @dataclass(frozen=True, slots=True)

@@ -87,16 +87,16 @@ class Drawings:
         """
         view = self._view(file, graph.view)
         with view.lock:
-            view.settled = None
+            last, view.settled = view.settled, None
             try:
-                settled = self._settled(view, graph, moved)
+                settled = self._settled(view, graph, moved, last)
             except LayoutError:
                 raise
             except Exception:
                 # What is remembered of former pictures must not keep the view from being shown.
                 _LOG.exception("the view %s of %s is drawn anew", graph.view, file)
                 view.standing = values.Standing()
-                settled = self._settled(view, graph, moved)
+                settled = self._settled(view, graph, moved, None)
             view.settled, view.of = settled, of
             self._memory.keep(file, {graph.view: view.standing})
             return settled.values(view.seen(opened))
@@ -115,7 +115,11 @@ class Drawings:
             return view.settled.values(view.seen(opened))
 
     def _settled(
-        self, view: _View, graph: Graph, moved: Mapping[str, tuple[int, int]]
+        self,
+        view: _View,
+        graph: Graph,
+        moved: Mapping[str, tuple[int, int]],
+        last: values.Settled | None,
     ) -> values.Settled:
         standing = view.standing
         if not standing.shown:
@@ -126,7 +130,7 @@ class Drawings:
         for node in shown.nodes:
             if node.element in view.expected:
                 standing.boxes[node.key or node.id] = view.expected.pop(node.element)
-        return values.settled(shown, moved, standing)
+        return values.settled(shown, moved, standing, last=last and last.places)
 
     def expect(self, file: str, name: str, element: str, corner: Point) -> None:
         """Has the box of a new element stand where it was dropped."""

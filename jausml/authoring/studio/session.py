@@ -30,15 +30,13 @@ from jausml.live.serving.rpc import Answering
 from jausml.live.serving.sockets import PACE
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
-    from contextlib import AbstractContextManager
+    from collections.abc import AsyncIterator
     from pathlib import Path
 
     from watchfiles import Change
 
     from jausml.authoring.studio.checking import Verdict
     from jausml.authoring.studio.context import StudioContext
-    from jausml.live.serving.rpc import Request
 
 _MODULES = (showing, editing, modelling, partitioning, stepping, playing)
 _LOG = logging.getLogger(__name__)
@@ -51,6 +49,7 @@ class Session:
     """Answers pages, and tells them what happens."""
 
     urgent = ()
+    pace = PACE
 
     def __init__(self, context: StudioContext) -> None:
         """Begins a session."""
@@ -62,6 +61,7 @@ class Session:
             name: method for module in _MODULES for name, method in module.methods(context).items()
         }
         self._answering = Answering({**methods, **self._live_requests.methods()}, refusal_of)
+        self.answer, self.subscribed = self._answering.answer, context.subscribers.subscribed
         self._checking = Checking(
             context.verdicts, lambda: context.viewed_files.files, self._judged
         )
@@ -76,19 +76,6 @@ class Session:
     def revision(self) -> int:
         """The revision of the project now."""
         return self._context.project.revision
-
-    @property
-    def pace(self) -> float:
-        """Requests each second that a page may go on with."""
-        return PACE
-
-    def subscribed(self, listener: Callable[[str], None]) -> AbstractContextManager[None]:
-        """Tells a listener what happens as long as the context lasts; see `Subscribers`."""
-        return self._context.subscribers.subscribed(listener)
-
-    async def answer(self, request: Request) -> object:
-        """Returns the result of a request."""
-        return await self._answering.answer(request)
 
     @asynccontextmanager
     async def running(self) -> AsyncIterator[None]:

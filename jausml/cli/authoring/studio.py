@@ -71,7 +71,7 @@ def command(
     from jausml.authoring.studio.context import StudioContext
     from jausml.authoring.studio.session import Session
     from jausml.cli.live.network import network_from
-    from jausml.live.serving.server import PageMissingError, require_page
+    from jausml.live.serving.server import PageMissingError, require_page, serve
 
     # Who has no page any more sees faults of the studio here.
     logging.getLogger("jausml").addHandler(logging.StreamHandler())
@@ -82,8 +82,9 @@ def command(
         reason = error.strerror or str(error)
         raise EnvironmentFault(f"{click.format_filename(path)}: {reason}") from error
     context = StudioContext(project, out, watched, given_recordings=recordings)
+    studio = serving.Studio(Session(context))
 
-    def opened(studio: serving.Studio) -> None:
+    def opened() -> None:
         click.echo(f"jausml studio: {studio.address}")
         remark("Ctrl-C ends it.")
         if not no_browser:
@@ -91,7 +92,7 @@ def command(
 
     try:
         require_page(serving.PAGE)
-        serving.serve(Session(context), host, page_port, opened)
+        serve(host, page_port, studio, opened)
     except PageMissingError as error:
         raise EnvironmentFault(str(error)) from error
     except (OSError, ValueError) as error:

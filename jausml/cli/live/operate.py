@@ -30,10 +30,8 @@ from jausml.cli.shared.terminal import remark
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.live.operating.knowledge import Knowledge
-    from jausml.live.operating.serving import Operating, Unit
+    from jausml.live.operating.serving import Unit
     from jausml.live.operating.unit import Powers
-    from jausml.live.peers.network import Network
 
 _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles")
 
@@ -93,9 +91,10 @@ def command(
     missing = next((module for module in _NEEDED if find_spec(module) is None), None)
     if missing is not None:
         raise EnvironmentFault(f"operating needs {missing}: {installing.command('studio')}")
+    from jausml.live.messages import MessageError
     from jausml.live.operating import serving
     from jausml.live.operating.knowledge import Learning, ReadingError
-    from jausml.live.serving.server import PageMissingError, require_page
+    from jausml.live.serving.server import PageMissingError, require_page, serve
 
     powers = _powers(stop_all, lease, stops)
     if powers is not None:
@@ -108,11 +107,12 @@ def command(
         if knowledge.fault:
             # The stops of a model are those of the start: it must be there to be read.
             raise EnvironmentFault(knowledge.fault)
-        operating = _operating(knowledge, watched, powers)
+        try:
+            unit = serving.Unit(knowledge, learning, watched, powers)
+        except (MessageError, ValueError) as error:
+            raise click.UsageError(f"--stop: {error}") from error
         with _logged():
-            serving.serve(
-                operating, learning, host, page_port, lambda unit: _opened(unit, no_browser)
-            )
+            serve(host, page_port, unit, lambda: _opened(unit, no_browser))
     except (PageMissingError, ReadingError) as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
@@ -137,16 +137,6 @@ def _logged() -> Iterator[None]:
     finally:
         logger.removeHandler(handler)
         listener.stop()
-
-
-def _operating(knowledge: Knowledge, network: Network, powers: Powers | None) -> Operating:
-    from jausml.live.messages import MessageError
-    from jausml.live.operating.serving import Operating
-
-    try:
-        return Operating(knowledge, network, powers)
-    except (MessageError, ValueError) as error:
-        raise click.UsageError(f"--stop: {error}") from error
 
 
 def _opened(unit: Unit, no_browser: bool) -> None:

@@ -24,12 +24,12 @@ def offers_of(system: WatchedSystem, sticks: Sticks, target: JausAddress) -> dic
     provided = operator.services(target)
     labels = set(map(label_of, provided))
     commands: dict[str, tuple[str, MessageEntry]] = {}
-    reports: dict[str, str] = {}
+    reports = set()
     for service in operator.catalogue.services.values():
         for owner in service.lineage if service.label in labels else ():
             for entry in owner.inputs:
                 if entry.name.startswith("Query"):
-                    reports.setdefault(entry.name.removeprefix("Query"), owner.name)
+                    reports.add(entry.name.removeprefix("Query"))
                 elif entry.is_command and system.takes(target, entry.name):
                     commands.setdefault(entry.name, (owner.name, entry))
     return {
@@ -43,10 +43,7 @@ def offers_of(system: WatchedSystem, sticks: Sticks, target: JausAddress) -> dic
             }
             for name, (service_name, entry) in sorted(commands.items())
         ],
-        "reports": [
-            {"name": name, "service": service_name}
-            for name, service_name in sorted(reports.items())
-        ],
+        "reports": [{"name": name} for name in sorted(reports)],
     }
 
 

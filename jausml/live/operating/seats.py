@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from jausml.live.operating.unit import OperatorUnit
     from jausml.live.serving import rpc
     from jausml.live.serving.subscribers import Subscribers
+    from jausml.runtime.base.address import JausAddress
 
 LONGEST_NAME = 40
 MOST_POINTS = 2000
@@ -72,15 +73,15 @@ class Seat:
             "claim": self._claim,
             "messages": self._messages,
             "form": self._form,
-            "journal": self._journal,
+            "journal": lambda: {"entries": unit.journal.entries},
             "watch": self._watch,
             "unwatch": self._unwatch,
-            "values": self._values,
+            "values": lambda: {"values": unit.values.last()},
             "history": self._history,
             "picture": self._picture,
         }
         commanding: Mapping[str, Callable[..., object]] = {
-            "renew": self._renew,
+            "renew": lambda: unit.renew(number),
             "take": self._take,
             "release": self._release,
             "resume": self._resume,
@@ -140,13 +141,12 @@ class Seat:
     def _hello(self) -> dict[str, Any]:
         return {
             "page": self._number,
-            "name": self._name,
             "can_command": self._unit.powers is not None,
             "state": self._unit.begin(),
             "word": WORD,
         }
 
-    def _claim(self, right: str, name: str) -> dict[str, Any]:
+    def _claim(self, right: str, name: str) -> None:
         """Takes the right to command, and how others are to call this page."""
         powers = self._unit.powers
         if powers is None:
@@ -158,18 +158,13 @@ class Seat:
         self._name = f"{shown} (page {self._number})" if shown else self._name
         self.may_command = True
         self._unit.journal.note(self._name, "has the right to command")
-        return {"name": self._name}
 
     def _messages(self, component: str) -> dict[str, Any]:
         """Returns the commands that a component takes and the reports that it gives."""
         return self._unit.offers(component_address(component))
 
     def _form(self, component: str, message: str) -> dict[str, Any]:
-        entry = self._unit.operator.find(component_address(component), message)
-        return {"message": entry.name, "fields": form_of(entry)}
-
-    def _journal(self) -> dict[str, Any]:
-        return {"entries": self._unit.journal.entries}
+        return {"fields": form_of(self._unit.operator.find(component_address(component), message))}
 
     def _watch(
         self,
@@ -177,20 +172,14 @@ class Seat:
         report: str,
         rate: float | None = None,
         fields: dict[str, object] | None = None,
-    ) -> dict[str, Any]:
+    ) -> None:
         target = component_address(component)
-        unit = self._unit
         if rate is not None and not 0 < rate <= 50:
             raise Refused(f"{rate:g} Hz is not above 0 and at most 50")
-        name = unit.values.watch(unit.operator, target, report, rate, self._number, fields)
-        return {"report": name}
+        self._unit.values.watch(self._unit.operator, target, report, rate, self._number, fields)
 
-    def _unwatch(self, component: str, report: str) -> dict[str, Any]:
+    def _unwatch(self, component: str, report: str) -> None:
         self._unit.values.unwatch(component, report, self._number)
-        return {}
-
-    def _values(self) -> dict[str, Any]:
-        return {"values": self._unit.values.last()}
 
     def _history(
         self, component: str, report: str, path: str, seconds: float, points: int
@@ -205,25 +194,24 @@ class Seat:
 
     # ---- commanding -------------------------------------------------------------------------
 
-    def _renew(self) -> dict[str, Any]:
-        self._unit.renew(self._number)
-        return {}
+    def _commanded(self, component: str) -> JausAddress:
+        """Returns the address of a component, if this page is the one that commands."""
+        self._unit.require_commander(self._number)
+        return component_address(component)
 
-    def _take(self, component: str, authority: int) -> dict[str, Any]:
+    def _take(self, component: str, authority: int) -> None:
         _check_authority(authority)
         self._unit.take(self._number, self._name, component_address(component), authority)
-        return {}
 
-    def _release(self, component: str) -> dict[str, Any]:
-        target = component_address(component)
-        return {"confirmed": self._unit.release(self._number, self._name, target)}
+    def _release(self, component: str) -> None:
+        self._unit.release(self._name, self._commanded(component))
 
-    def _resume(self, before: int, component: str) -> dict[str, Any]:
+    def _resume(self, before: int, component: str) -> None:
         gate = self._unit.gate.unless_stopped(before)
-        return self._change(component, Resume(), Status.READY, gate)
+        self._change(component, Resume(), Status.READY, gate)
 
-    def _standby(self, component: str) -> dict[str, Any]:
-        return self._change(component, Standby(), Status.STANDBY)
+    def _standby(self, component: str) -> None:
+        self._change(component, Standby(), Status.STANDBY)
 
     def _change(
         self,
@@ -231,26 +219,22 @@ class Seat:
         message: Resume | Standby,
         wanted: Status,
         gate: AbstractContextManager[None] | None = None,
-    ) -> dict[str, Any]:
-        target = component_address(component)
-        self._unit.require_commander(self._number)
+    ) -> None:
+        target = self._commanded(component)
         if not self._unit.operator.controls(target):
             raise Refused(f"{target} is not controlled by us")
         if wanted is Status.STANDBY:
             self._unit.act(target)
         self._unit.journal.note(self._name, f"{message.NAME} to {target}")
-        state = self._unit.operator.change(target, message, wanted, gate=gate)
-        return {"state": state.name if state is not None else ""}
+        self._unit.operator.change(target, message, wanted, gate=gate)
 
     def _send(
         self, before: int, component: str, message: str, fields: dict[str, object]
     ) -> dict[str, Any]:
         """Sends a command, and returns what came back."""
-        target, unit = component_address(component), self._unit
-        unit.require_commander(self._number)
+        target, unit = self._commanded(component), self._unit
         entry = unit.operator.find(target, message)
         completed_fields = entry.completed(fields)
-        entry.encode(completed_fields)
         shown = shown_fields(entry, entry.decode(entry.encode(completed_fields)))
         unit.journal.note(self._name, f"{entry.name} to {target}: {printable(shown)}")
         gate = unit.gate.unless_stopped(before)
@@ -269,78 +253,64 @@ class Seat:
         targets = [component_address(component) for component in components]
         return {"stopped": self._unit.stop_all(self._name, targets)}
 
-    def _clear(self, before: int, component: str) -> dict[str, Any]:
+    def _clear(self, before: int, component: str) -> None:
         target = component_address(component)
         self._unit.act(target)
         self._unit.journal.note(self._name, f"clears our emergency of {target}")
-        state = self._unit.operator.clear(target, self._unit.gate.unless_stopped(before))
-        return {"state": state.name if state is not None else ""}
+        self._unit.operator.clear(target, self._unit.gate.unless_stopped(before))
 
-    def _silence(self, numbers: tuple[int, ...], reason: str) -> dict[str, Any]:
+    def _silence(self, numbers: tuple[int, ...], reason: str) -> None:
         if not reason.strip():
             raise Refused("say why the alarms may be silent")
         if not self._unit.journal.silence(numbers, self._name, printable(reason.strip())[:200]):
             raise Refused("these alarms sound no more")
-        return {}
 
-    def _handoff(self, component: str, authority: int, reason: str) -> dict[str, Any]:
+    def _handoff(self, component: str, authority: int, reason: str) -> None:
         _check_authority(authority)
         target = component_address(component)
         self._unit.request_handoff(self._number, self._name, target, authority, reason)
-        return {}
 
     def _decide(
         self, component: str, number: int, decision: Literal["grant", "deny", "defer"]
-    ) -> dict[str, Any]:
-        self._unit.require_commander(self._number)
-        target = component_address(component)
+    ) -> None:
+        target = self._commanded(component)
         client = self._unit.decide(target, number, _DECISIONS[decision])
         self._unit.journal.note(self._name, f"{decision}: {client} asked for control of {target}")
-        return {"client": client}
 
     # ---- lists ------------------------------------------------------------------------------
 
-    def _set_list(
-        self, before: int, component: str, message: str, elements: Drawn
-    ) -> dict[str, Any]:
-        target, unit = component_address(component), self._unit
-        unit.require_commander(self._number)
-        unit.lists.set(self._name, target, message, elements, unit.gate.unless_stopped(before))
-        return {}
+    def _set_list(self, before: int, component: str, message: str, elements: Drawn) -> None:
+        target, gate = self._commanded(component), self._unit.gate.unless_stopped(before)
+        self._unit.lists.set(self._name, target, message, elements, gate)
 
     def _execute_list(
         self, before: int, component: str, message: str, elements: Drawn, speed: float, first: int
     ) -> dict[str, Any]:
         """Has a component execute what is drawn, which must be what it has."""
-        self._unit.require_commander(self._number)
-        self._unit.lists.check(component_address(component), message, elements)
-        begin = {"time": time.time()}
+        self._unit.lists.check(self._commanded(component), message, elements)
+        begin = time.time()
         fields: dict[str, object] = {"Speed": speed, "ElementUID": first}
-        return begin | self._send(before, component, "ExecuteList", fields)
+        self._send(before, component, "ExecuteList", fields)
+        return {"time": begin}
 
-    def _end_list(self, component: str) -> dict[str, Any]:
-        self._unit.require_commander(self._number)
-        self._unit.lists.end(self._name, component_address(component))
-        return {}
+    def _end_list(self, component: str) -> None:
+        self._unit.lists.end(self._name, self._commanded(component))
 
     # ---- the stick --------------------------------------------------------------------------
 
     def _begin_stick(self, component: str, message: str) -> dict[str, Any]:
-        target = component_address(component)
+        target = self._commanded(component)
         entry = self._unit.operator.find(target, message)
-        self._unit.require_commander(self._number)
         number, timeout = self._unit.sticks.begin(self._name, target, entry)
         return {"stick": number, "timeout": timeout}
 
-    def _move_stick(self, stick: int, fields: dict[str, object]) -> dict[str, Any]:
+    def _move_stick(self, stick: int, fields: dict[str, object]) -> None:
         self._unit.require_commander(self._number)
         self._unit.sticks.move(stick, fields)
-        return {}
 
-    def _end_stick(self, stick: int) -> dict[str, Any]:
+    def _end_stick(self, stick: int) -> None:
         self._unit.require_commander(self._number)
         self._unit.sticks.release(stick)
-        return {}
 
 
 def _check_authority(authority: int) -> None:

@@ -1,4 +1,4 @@
-"""The web application of the operator unit: its page, its sockets, its start and its end."""
+"""The page of the operator unit: its sockets, its start and its end."""
 
 from __future__ import annotations
 
@@ -6,33 +6,26 @@ import asyncio
 import gc
 import sys
 from contextlib import asynccontextmanager, suppress
-from dataclasses import dataclass, field
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from starlette.applications import Starlette
-from starlette.routing import WebSocketRoute
 from starlette.websockets import WebSocketDisconnect
 
 from jausml.live.operating.seats import Seat
 from jausml.live.operating.unit import OperatorUnit
-from jausml.live.serving import server
-from jausml.live.serving.security import Token
-from jausml.live.serving.server import MOST_SOCKETS, TRY_AGAIN_LATER, Sockets, routes_of
+from jausml.live.serving.server import MOST_SOCKETS, TRY_AGAIN_LATER, Site, Sockets
 from jausml.live.serving.sockets import PageSocket
 from jausml.live.serving.subscribers import Subscribers
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 
-    from starlette.types import ASGIApp
     from starlette.websockets import WebSocket
 
     from jausml.live.operating.knowledge import Knowledge, Learning
     from jausml.live.operating.unit import Powers
     from jausml.live.peers.network import Network
-    from jausml.live.serving.security import Served
 
 PAGE = Path(__file__).resolve().parent / "page"
 """Where the built page lies; `make studio` builds it."""
@@ -45,21 +38,6 @@ _SWITCH = 0.001
 
 _SECONDS_TO_CLOSE = 0.5
 """Seconds in which the page that gives way must have taken that it is closed."""
-
-
-class Operating:
-    """The operator unit, and a seat for each page."""
-
-    def __init__(self, knowledge: Knowledge, network: Network, powers: Powers | None) -> None:
-        """Begins with nobody (`ValueError`: a declared stop is none)."""
-        self.powers = powers
-        self.subscribers = Subscribers()
-        self.unit = OperatorUnit(knowledge, network, powers, self.subscribers.notify)
-        self._numbers = count(1)
-
-    def seat(self) -> Seat:
-        """Returns a place for a page."""
-        return Seat(self.unit, self.subscribers, next(self._numbers))
 
 
 class UnitSockets(Sockets):
@@ -86,39 +64,36 @@ class UnitSockets(Sockets):
         return True
 
 
-@dataclass
-class Unit:
-    """The operator unit as an application of a web server."""
+class Unit(Site):
+    """The operator unit with a page, and a seat for each who opens it."""
 
-    operating: Operating
-    learning: Learning
-    served: Served
-    page: Path
-    token: Token = field(default_factory=Token)
-    _sockets: UnitSockets = field(default_factory=UnitSockets)
-
-    @property
-    def address(self) -> str:
-        """The address to look; the token stands where browsers send it to nobody."""
-        return f"http://{self.served.authority}/#token={self.token.text}"
+    def __init__(
+        self, knowledge: Knowledge, learning: Learning, network: Network, powers: Powers | None
+    ) -> None:
+        """Begins with nobody (`ValueError`: a declared stop is none)."""
+        super().__init__(PAGE)
+        self.learning = learning
+        self._subscribers = Subscribers()
+        self.unit = OperatorUnit(knowledge, network, powers, self._subscribers.notify)
+        self._accepting = UnitSockets()
+        self._numbers = count(1)
 
     @property
     def commanding_address(self) -> str:
         """The address of those who may command too; empty where nobody may."""
-        powers = self.operating.powers
+        powers = self.unit.powers
         return f"{self.address}&command={powers.token.text}" if powers is not None else ""
 
-    def app(self) -> ASGIApp:
-        """Returns the application."""
-        index, files = routes_of(self.page)
-        socket = WebSocketRoute("/socket", self._socket)
-        return Starlette(routes=[index, socket, files], lifespan=self._lifespan)
+    @property
+    def sockets(self) -> Mapping[str, Callable[[WebSocket], Awaitable[None]]]:
+        """The socket of the page."""
+        return {"/socket": self._serve_page}
 
     @asynccontextmanager
-    async def _lifespan(self, _: Starlette) -> AsyncIterator[None]:
-        unit = self.operating.unit
-        unit.start()
-        self.learning.follow(unit.learn, self._unlearnt)
+    async def running(self) -> AsyncIterator[None]:
+        """Has the unit go on as long as the context lasts."""
+        self.unit.start()
+        self.learning.follow(self.unit.learn, self._unlearnt)
         # What is there stays, and is looked at no more: a collection of it takes long, and a stop
         # waited for it. `OperatorUnit` collects while nobody commands.
         gc.collect()
@@ -130,43 +105,20 @@ class Unit:
         try:
             yield
         finally:
-            await asyncio.to_thread(unit.stop)
+            await asyncio.to_thread(self.unit.stop)
             sys.setswitchinterval(before)
             gc.unfreeze()
             gc.enable()
 
     def _unlearnt(self) -> None:
-        self.operating.unit.journal.note("unit", "changes of the models are not seen any more")
+        self.unit.journal.note("unit", "changes of the models are not seen any more")
 
-    async def _socket(self, socket: WebSocket) -> None:
-        seat = self._sockets.seats[socket] = self.operating.seat()
+    async def _serve_page(self, socket: WebSocket) -> None:
+        seats = self._accepting.seats
+        seats[socket] = Seat(self.unit, self._subscribers, next(self._numbers))
         try:
-            async with self._sockets.accepted(socket) as is_accepted:
+            async with self._accepting.accepted(socket) as is_accepted:
                 if is_accepted:
-                    await PageSocket(socket, seat).run(self.token)
+                    await PageSocket(socket, seats[socket]).run(self.token)
         finally:
-            del self._sockets.seats[socket]
-
-
-def serve(
-    operating: Operating,
-    learning: Learning,
-    host: str,
-    port: int,
-    opened: Callable[[Unit], None],
-) -> None:
-    """Serves the unit until SIGINT, SIGTERM or SIGHUP comes; the main thread calls it.
-
-    Args:
-        opened: Is called as soon as the addresses can be opened.
-
-    Raises:
-        OSError: The port cannot be had.
-    """
-    units: list[Unit] = []
-
-    def app(served: Served) -> ASGIApp:
-        units.append(Unit(operating, learning, served, PAGE))
-        return units[0].app()
-
-    server.serve(host, port, app, lambda: opened(units[0]))
+            del seats[socket]

@@ -172,7 +172,7 @@ class OperatorUnit:
 
     def content(self) -> dict[str, Any]:
         """Returns what all pages are told of the unit itself."""
-        operator, commander, stick = self._system.running, self._commander, self.sticks.held
+        operator, commander = self._system.running, self._commander
         holds = operator.holds if operator is not None else ()
         waiting = operator.handoffs.waiting if operator is not None else ()
         return {
@@ -183,8 +183,7 @@ class OperatorUnit:
             "stop": self.powers.stop if self.powers is not None else None,
             "lease": self.powers.lease if self.powers is not None else None,
             "commander": commander and {"page": commander.page, "name": commander.name},
-            "stick": stick and {"component": str(stick.target), "message": stick.entry.name},
-            "holds": [_hold(hold) for hold in holds],
+            "holds": [{"component": str(hold.target)} for hold in holds],
             "requests": [
                 {"component": str(request.target), "number": request.number,
                  "client": str(request.client), "authority": request.authority,
@@ -288,9 +287,8 @@ class OperatorUnit:
         if commander is None or not commander.lease.renew():
             raise Refused("the page was silent too long, and commands no more")
 
-    def release(self, page: int, name: str, target: JausAddress) -> bool:
-        """Releases control of a component; tells whether the component confirms it."""
-        self.require_commander(page)
+    def release(self, name: str, target: JausAddress) -> None:
+        """Releases control of a component."""
         self._system.act(target)
         with self._turn:
             self.sticks.end(GIVEN_UP, target)
@@ -299,7 +297,6 @@ class OperatorUnit:
             self._end_commander_without_holds()
         remark = "" if is_confirmed else ", which does not confirm it"
         self.journal.note(name, f"released {target}{remark}")
-        return is_confirmed
 
     def _end_commander_without_holds(self) -> None:
         with self._state:
@@ -396,12 +393,6 @@ class OperatorUnit:
                     operator.release(hold.target)
                     self.journal.note("unit", f"released {hold.target}")
                 self._guard()
-
-
-def _hold(hold: Hold) -> dict[str, Any]:
-    session = hold.session
-    state = session.state.name if session is not None else ""
-    return {"component": str(hold.target), "state": state, "held": hold.is_held}
 
 
 def _components(state: SystemState) -> list[dict[str, Any]]:

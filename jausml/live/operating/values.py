@@ -76,8 +76,8 @@ class Values:
         rate: float | None,
         page: int,
         fields: dict[str, Any] | None = None,
-    ) -> str:
-        """Subscribes to a report for a page, once for all of them; returns its name.
+    ) -> None:
+        """Subscribes to a report for a page, once for all of them.
 
         Args:
             fields: Those of the query, for all that the report may hold if they are absent.
@@ -106,7 +106,6 @@ class Values:
             known.subscription = subscription
             if not known.pages:  # it left meanwhile
                 subscription.cancel()
-        return report.name
 
     def unwatch(self, component: str, report: str, page: int) -> None:
         """Watches a report no more for a page; the last one ends it."""

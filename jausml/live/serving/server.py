@@ -7,22 +7,22 @@ from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING
 
 import uvicorn
+from starlette.applications import Starlette
 from starlette.responses import FileResponse
-from starlette.routing import Mount, Route
+from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 
-from jausml.live.serving.security import Guard, Served
+from jausml.live.serving.security import Guard, Served, Token
 from jausml.live.serving.sockets import LARGEST_MESSAGE
 from jausml.live.signals import ended_by_signals
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+    from contextlib import AbstractAsyncContextManager
     from pathlib import Path
 
     from starlette.requests import Request
     from starlette.responses import Response
-    from starlette.routing import BaseRoute
-    from starlette.types import ASGIApp
     from starlette.websockets import WebSocket
 
 _SECONDS_TO_END = 2
@@ -46,14 +46,50 @@ def require_page(page: Path) -> None:
         )
 
 
-def serve(
-    host: str, port: int, app: Callable[[Served], ASGIApp], opened: Callable[[], None]
-) -> None:
-    """Serves until SIGINT, SIGTERM or SIGHUP comes; the main thread calls it.
+class Site:
+    """A page that is served with its sockets, to whoever has the token of its address.
+
+    Attributes:
+        authority: Host and port of the address; empty before it is served.
+    """
+
+    def __init__(self, page: Path) -> None:
+        """Is served to nobody yet (`page`: where the built page lies)."""
+        self.token = Token()
+        self.authority = ""
+        self._page = page
+
+    @property
+    def address(self) -> str:
+        """The address to open; the token stands where browsers send it to nobody."""
+        return f"http://{self.authority}/#token={self.token.text}"
+
+    @property
+    def sockets(self) -> Mapping[str, Callable[[WebSocket], Awaitable[None]]]:
+        """What serves sockets, by path."""
+        raise NotImplementedError
+
+    def running(self) -> AbstractAsyncContextManager[None]:
+        """Looks after what is served as long as the context lasts."""
+        raise NotImplementedError
+
+    def app(self) -> Starlette:
+        """Returns the application of a web server."""
+
+        async def index(_: Request) -> Response:
+            return FileResponse(self._page / "index.html", headers={"Cache-Control": "no-cache"})
+
+        sockets = [WebSocketRoute(path, serve) for path, serve in self.sockets.items()]
+        files = Mount("/", StaticFiles(directory=self._page))
+        routes = [Route("/", index), *sockets, files]
+        return Starlette(routes=routes, lifespan=lambda _: self.running())
+
+
+def serve(host: str, port: int, site: Site, opened: Callable[[], None]) -> None:
+    """Serves a site until SIGINT, SIGTERM or SIGHUP comes; the main thread calls it.
 
     Args:
-        app: Makes what is served, once it is known where.
-        opened: Is called as soon as the addresses can be opened.
+        opened: Is called as soon as the address can be opened.
 
     Raises:
         OSError: The port cannot be had.
@@ -64,8 +100,9 @@ def serve(
     with socket.create_server((host, port), family=_family(host)) as listener:
         bound, taken = listener.getsockname()[:2]
         served = Served(host, taken, bound)
+        site.authority = served.authority
         config = uvicorn.Config(
-            Guard(app(served), served),
+            Guard(site.app(), served),
             http="h11",
             ws="websockets-sansio",
             ws_max_size=LARGEST_MESSAGE,
@@ -82,15 +119,6 @@ def serve(
         with ended_by_signals(lambda: setattr(server, "should_exit", True)):
             opened()
             server.run(sockets=[listener])
-
-
-def routes_of(page: Path) -> tuple[BaseRoute, BaseRoute]:
-    """Returns the routes of a built page: its beginning, and all else of it as the last one."""
-
-    async def index(_: Request) -> Response:
-        return FileResponse(page / "index.html", headers={"Cache-Control": "no-cache"})
-
-    return Route("/", index), Mount("/", StaticFiles(directory=page))
 
 
 class Sockets:

@@ -259,7 +259,7 @@ function Sending(props: SendingProps) {
     const done = isList
       ? await tried("list.set", { component, message, elements: values })
       : await tried("send", { component, message, fields: values[0] ?? {} });
-    if (!done) return;
+    if (done === undefined) return;
     onDrawing({ sent: JSON.stringify(values), execution: null });
     tell(`${component} has what is drawn.`);
   }
@@ -278,7 +278,7 @@ function Sending(props: SendingProps) {
   }
   async function end() {
     if (!isList) await drive(0);
-    else if (await tried("list.end", { component })) onDrawing({ sent: "" });
+    else if ((await tried("list.end", { component })) !== undefined) onDrawing({ sent: "" });
   }
 
   return (

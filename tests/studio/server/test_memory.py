@@ -58,7 +58,8 @@ def test_what_is_damaged_is_drawn_anew(folder: Path, told: str) -> None:
     before = drawn(opened(folder))
     [kept] = folder.glob(f"{FOLDER}/*.json")
     views = json.loads(kept.read_text(encoding="utf-8"))
-    views["views"][SYSTEM]["shown"][0][2] = float("nan")
+    _, corner = next(iter(views["views"][SYSTEM]["shown"].values()))
+    corner[0] = float("nan")
     kept.write_text(told or json.dumps(views), encoding="utf-8")
     assert drawn(opened(folder)) == before
 

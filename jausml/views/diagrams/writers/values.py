@@ -10,6 +10,7 @@ grows by them.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -17,16 +18,20 @@ from jausml.views.diagrams.folding import CLOSED, folded
 from jausml.views.diagrams.layout import graphviz
 from jausml.views.diagrams.layout.labels import anchored
 from jausml.views.diagrams.layout.settling import area_of, label_area, settle, surrounding
+from jausml.views.diagrams.layout.sheet import (  # noqa: TC001 - `Standing` is read with its types
+    Point,
+    Route,
+)
 from jausml.views.diagrams.ordering import ordered
 from jausml.views.diagrams.writers import shapes
 from jausml.views.diagrams.writers.shapes import cut
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping
+    from collections.abc import Callable, Collection, Iterator, Mapping
 
     from jausml.views.diagrams.graph import Edge, Finding, Graph, Group, Node, Port
     from jausml.views.diagrams.layout.settling import Area
-    from jausml.views.diagrams.layout.sheet import Box, Line, Places, Point, Route, Sheet
+    from jausml.views.diagrams.layout.sheet import Box, Line, Places, Sheet
 
 SIGN_ROOM = 18
 """Room for the sign of a finding at the right end of each line of a box."""
@@ -37,7 +42,7 @@ SYSTEM = "system"
 LIVE_WIDTH = 128
 """Room for what is told of a line while the system runs, above its label: pages cut the rest."""
 
-_Way = tuple[float, ...]
+_Keys = tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -63,19 +68,17 @@ class Standing:
 
     Boxes that are gone are kept: what undo brings back stands where it stood. `rows`: the rows of
     each box by its key, in the order of the model and in that of the picture. `shown`: kinds and
-    corners of the boxes of the last picture by their keys, in its order. `last`: what the last
-    picture was made of; most edits change no size, so that the next one is made of the same.
-    Whether it is crowded, and whether its frames may be closed, is decided when its boxes get their
-    places: no edit moves them.
+    corners of the boxes of the last picture by their keys, in its order. `routes`: ways of lines,
+    by the places of their ends. Whether it is crowded, and whether its frames may be closed, is
+    decided when its boxes get their places: no edit moves them.
     """
 
     boxes: dict[str, Point] = field(default_factory=dict)
     shown: dict[str, tuple[str, Point]] = field(default_factory=dict)
-    routes: dict[_Way, Route] = field(default_factory=dict)
-    rows: dict[str, tuple[list[str], list[str]]] = field(default_factory=dict)
+    routes: dict[str, Route] = field(default_factory=dict)
+    rows: dict[str, tuple[_Keys, _Keys]] = field(default_factory=dict)
     is_crowded: bool = False
     is_large: bool = False
-    last: Placed | None = None
 
 
 @dataclass(frozen=True)
@@ -125,12 +128,14 @@ def settled(
     moved: Mapping[str, tuple[int, int]] | None = None,
     standing: Standing | None = None,
     place: Callable[[Sheet], Places] = graphviz.place,
+    last: Placed | None = None,
 ) -> Settled:
     """Returns a graph with sizes and places.
 
     The layout places what is drawn for the first time. Later what stands stays, and what is new
     comes beside what it is joined with. `standing`: where its parts stood; it is told where they
-    stand now. `place`: the layout.
+    stand now. `place`: the layout. `last`: where its parts stood in the last picture; most edits
+    change no size, so that they stand there again.
     """
     moved = moved or {}
     standing = standing if standing is not None else Standing()
@@ -155,7 +160,11 @@ def settled(
         placed = {n: (round(x), round(y)) for n, (x, y) in drawn.boxes.items()}
         _keep_routes(sheet, placed, routes, standing)
     stood = {**standing.boxes, **moved}
-    places = _placed(sheet, {n: stood[k] for n, k in keys.items() if k in stood}, fixed, standing)
+    known = {name: stood[key] for name, key in keys.items() if key in stood}
+    if last is not None and (last.sheet, last.known, last.fixed) == (sheet, known, fixed):
+        places = last
+    else:
+        places = _placed(sheet, known, fixed, standing)
     corners = places.corners
     # A box that users moved goes back to where it stood when they undo that.
     standing.boxes |= {keys[n]: corner for n, corner in corners.items() if n not in fixed}
@@ -169,18 +178,18 @@ def _with_rows(graph: Graph, arranged: Graph, standing: Standing) -> Graph:
     nodes = []
     for node in graph.nodes:
         ports = {port.key or port.id: port for port in node.ports}
-        own = list(ports)
+        own = tuple(ports)
         before, order = standing.rows.get(node.key or node.id, (own, own))
         if not standing.shown:
-            order = [port.key or port.id for port in first[node.id].ports]
+            order = tuple(port.key or port.id for port in first[node.id].ports)
         elif len(before) == len(own):
             # Names change no order, so that one that is new stands for one that is gone.
             gone = [key for key in before if key not in ports]
             new = [key for key in own if key not in before]
             names = dict(zip(gone, new, strict=True))
-            order = [names.get(key, key) for key in order]
-        order = [key for key in order if key in ports]
-        order += [key for key in own if key not in order]
+            order = tuple(names.get(key, key) for key in order)
+        kept = [key for key in order if key in ports]
+        order = (*kept, *(key for key in own if key not in kept))
         standing.rows[node.key or node.id] = own, order
         nodes.append(replace(node, ports=tuple(ports[key] for key in order)))
     return replace(graph, nodes=tuple(nodes))
@@ -189,13 +198,11 @@ def _with_rows(graph: Graph, arranged: Graph, standing: Standing) -> Graph:
 def _placed(
     sheet: Sheet, known: Mapping[str, Point], fixed: Collection[str], standing: Standing
 ) -> Placed:
-    last = standing.last
-    if last is None or (last.sheet, last.known, last.fixed) != (sheet, known, fixed):
-        corners = settle(sheet, known, fixed)
-        routes = {line.id: standing.routes.get(way) for line, way in _line_ends(sheet, corners)}
-        frames = surrounding(sheet, corners, routes)
-        last = standing.last = Placed(sheet, known, fixed, corners, frames, routes)
-    return last
+    corners = settle(sheet, known, fixed)
+    routes: dict[str, Route | None] = dict.fromkeys(line.id for line in sheet.lines)
+    if standing.routes:
+        routes |= {name: standing.routes.get(way) for name, way in _ways(sheet, corners)}
+    return Placed(sheet, known, fixed, corners, surrounding(sheet, corners, routes), routes)
 
 
 def _sheet(graph: Graph) -> Sheet:
@@ -248,29 +255,27 @@ def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> Non
 def _keep_routes(
     sheet: Sheet, corners: Mapping[str, Point], routes: Mapping[str, Route], standing: Standing
 ) -> None:
-    standing.routes = {
-        way: routes[line.id] for line, way in _line_ends(sheet, corners) if line.id in routes
-    }
+    ways = _ways(sheet, corners) if routes else ()
+    standing.routes = {way: routes[name] for name, way in ways if name in routes}
 
 
-def _line_ends(sheet: Sheet, corners: Mapping[str, Point]) -> list[tuple[Line, _Way]]:
-    """Returns where lines start and end; those that share both are numbered."""
+def _ways(sheet: Sheet, corners: Mapping[str, Point]) -> Iterator[tuple[str, str]]:
+    """Yields lines, and the places of their ends; those that share both are numbered."""
     boxes = {box.id: box for box in sheet.boxes}
     rows = {
         (box.id, name): corners[box.id][1] + down
         for box in sheet.boxes
         for name, down in box.tops().items()
     }
-    counts: dict[_Way, int] = {}
-    numbered_lines = []
+    counts: Counter[str] = Counter()
     for line in sheet.lines:
         way: list[float] = []
         for name, row in (line.source, line.target):
             area = area_of(boxes[name], corners[name])
             way += [area.left, area.right, rows.get((name, row), area.top)]
-        counts[tuple(way)] = counts.get(tuple(way), 0) + 1
-        numbered_lines.append((line, (*way, counts[tuple(way)])))
-    return numbered_lines
+        text = " ".join(f"{number:.9g}" for number in way)
+        counts[text] += 1
+        yield line.id, f"{text} {counts[text]}"
 
 
 def _closed(node: Node, area: Area) -> dict[str, Any]:
