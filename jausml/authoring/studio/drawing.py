@@ -130,7 +130,7 @@ class Drawings:
         for node in shown.nodes:
             if node.element in view.expected:
                 standing.boxes[node.key or node.id] = view.expected.pop(node.element)
-        return values.settled(shown, moved, standing, last=last and last.places)
+        return values.settled(shown, moved, standing, last=last.places if last else None)
 
     def expect(self, file: str, name: str, element: str, corner: Point) -> None:
         """Has the box of a new element stand where it was dropped."""

@@ -12,6 +12,8 @@ from operator import itemgetter
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ordered_set import OrderedSet
+
 from jausml.language.metamodel import FeatureTable, Metamodels
 from jausml.language.metamodel.classes.ecore import EClass, EObject
 from jausml.language.metamodel.filling import contents
@@ -264,7 +266,9 @@ class Model:
 
 
 def _position(owner: EObject, feature: FeatureTable, obj: EObject) -> int:
-    return int(getattr(owner, feature.name).index(obj))
+    values = getattr(owner, feature.name)
+    # To be asked for its index, an ordered set looks first whether it is given several.
+    return int(values.map[obj] if isinstance(values, OrderedSet) else values.index(obj))
 
 
 def _built(node: Node) -> Iterator[EObject]:

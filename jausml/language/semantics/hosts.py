@@ -21,7 +21,7 @@ def host_of(system: System, element: jaus.Component | ros.Node) -> Host | None:
     Where an external component runs is known by its placement alone.
     """
     for placement in system.placements:
-        if element in (*placement.components, *placement.nodes):
+        if element in placement.components or element in placement.nodes:
             return placement.host
     if isinstance(element, jaus.Component) and element.external:
         return None  # it is wherever somebody else has put it

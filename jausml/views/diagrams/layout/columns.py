@@ -50,13 +50,18 @@ class Block:
 
 def in_columns(sheet: Sheet) -> Places:
     """Returns where everything stands."""
-    corners = dict(_Work(sheet).content("").corners)
+    corners = corners_in_columns(sheet)
     lines = routes_in(sheet, corners)
     frames = {
         name: ((area.left, area.top), (area.right, area.bottom))
         for name, area in surrounding(sheet, corners, lines).items()
     }
     return fitted(sheet, Places(0, 0, corners, frames, lines))
+
+
+def corners_in_columns(sheet: Sheet) -> dict[str, Point]:
+    """Returns where boxes stand alone, for who draws the lines himself."""
+    return dict(_Work(sheet).content("").corners)
 
 
 class _Work:

@@ -6,7 +6,7 @@ import os
 from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.language.model.refs import Keys, ref_of
 from jausml.views.diagrams.graph import Edge, End, Finding, Graph, Group, Node, Port
@@ -66,10 +66,13 @@ class Context:
         """Returns the reference to an element, empty for none."""
         return ref_of(element, self.model, self._root)
 
-    def named(self, part: PartT) -> PartT:
-        """Returns a part with its key, and with its element where its id is that of one."""
+    def named(self, part: PartT, **more: Any) -> PartT:
+        """Returns a part with its key, and with its element where its id is that of one.
+
+        `more`: what else of it is another.
+        """
         element = part.element or self.reference(self._elements.get(part.id))
-        return replace(part, element=element, key=part.key or self._key_of(part.id))
+        return replace(part, element=element, key=part.key or self._key_of(part.id), **more)
 
     def _key_of(self, identifier: str) -> str:
         known = ((word, self._elements.get(word)) for word in identifier.split("!"))
@@ -183,7 +186,7 @@ class Builder:
         """
         named = self.context.named
         nodes = tuple(
-            replace(named(node), ports=tuple(named(port) for port in self._ports[node.id].values()))
+            named(node, ports=tuple(map(named, self._ports[node.id].values())))
             for node in self.boxes.values()
         )
         used = {node.group for node in nodes}

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from jausml.views.diagrams.folding import CLOSED, folded
 from jausml.views.diagrams.layout import graphviz
+from jausml.views.diagrams.layout.columns import corners_in_columns
 from jausml.views.diagrams.layout.labels import anchored
 from jausml.views.diagrams.layout.settling import area_of, label_area, settle, surrounding
 from jausml.views.diagrams.layout.sheet import (  # noqa: TC001 - `Standing` is read with its types
@@ -149,16 +150,18 @@ def settled(
         arranged = ordered(graph)
         graph = _with_rows(graph, arranged, standing)
         sheet = _sheet(arranged)
-        drawn = place(sheet)
+        # Of so many lines each page draws those that it shows.
+        drawn = None if graph.is_crowded else place(sheet)
+        exact = corners_in_columns(sheet) if drawn is None else drawn.boxes
+        corners: Mapping[str, Point] = {n: (round(x), round(y)) for n, (x, y) in exact.items()}
         boxes = {box.id: box for box in sheet.boxes}
         sheet = replace(sheet, boxes=tuple(boxes[node.id] for node in graph.nodes))
-        for name, (x, y) in drawn.boxes.items():
-            standing.boxes.setdefault(keys[name], (round(x), round(y)))
-        # Of so many lines each page draws those that it shows. Ways are those between the places of
-        # the engine, where others may be known.
-        routes = {} if graph.is_crowded else drawn.lines
-        placed = {n: (round(x), round(y)) for n, (x, y) in drawn.boxes.items()}
-        _keep_routes(sheet, placed, routes, standing)
+        for name, corner in corners.items():
+            standing.boxes.setdefault(keys[name], corner)
+        # Ways are those between the places of the engine, where others may be known.
+        routes = drawn.lines if drawn is not None else {}
+        ways = _ways(sheet, corners) if routes else ()
+        standing.routes = {way: routes[name] for name, way in ways if name in routes}
     stood = {**standing.boxes, **moved}
     known = {name: stood[key] for name, key in keys.items() if key in stood}
     if last is not None and (last.sheet, last.known, last.fixed) == (sheet, known, fixed):
@@ -207,13 +210,8 @@ def _placed(
 
 def _sheet(graph: Graph) -> Sheet:
     """Returns what is to be placed, of sizes that do not depend on what is wrong."""
-    plain = replace(
-        graph,
-        nodes=tuple(
-            replace(_plain(node), ports=tuple(map(_plain, node.ports))) for node in graph.nodes
-        ),
-        edges=tuple(map(_plain, graph.edges)),
-    )
+    nodes, edges = map(_without_findings, graph.nodes), map(_plain, graph.edges)
+    plain = replace(graph, nodes=tuple(nodes), edges=tuple(edges))
     sheet = shapes.sheet_of(plain, packed=graph.is_crowded)
     return replace(
         sheet,
@@ -233,6 +231,12 @@ def _with_live_text(line: Line) -> Line:
     return replace(line, width=width, height=height)
 
 
+def _without_findings(node: Node) -> Node:
+    """Returns a box without what is wrong with it and its rows."""
+    is_wrong = any(port.findings for port in node.ports)
+    return _plain(replace(node, ports=tuple(map(_plain, node.ports))) if is_wrong else node)
+
+
 def _plain(part: PartT) -> PartT:
     """Returns a part without what is wrong with it."""
     return replace(part, findings=()) if part.findings else part
@@ -250,13 +254,6 @@ def _take_over(graph: Graph, keys: Mapping[str, str], standing: Standing) -> Non
             if before not in new and key not in standing.boxes:
                 standing.boxes[key] = corner
                 standing.rows[key] = standing.rows[before]
-
-
-def _keep_routes(
-    sheet: Sheet, corners: Mapping[str, Point], routes: Mapping[str, Route], standing: Standing
-) -> None:
-    ways = _ways(sheet, corners) if routes else ()
-    standing.routes = {way: routes[name] for name, way in ways if name in routes}
 
 
 def _ways(sheet: Sheet, corners: Mapping[str, Point]) -> Iterator[tuple[str, str]]:
