@@ -11,7 +11,8 @@ from ports import free_domain
 
 needs.ask("rclpy")
 
-from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
+from jausml.authoring.proposals.elements import AnswerError
+from jausml.authoring.studio.live import LiveSystem, Watched
 from jausml.cli.shared.models import open_catalogue
 from jausml.language.model import read_models
 from jausml.live.peers.network import make_network
@@ -117,7 +118,7 @@ def test_the_last_message_on_both_sides_while_somebody_asks(system, page):
     # Nobody asks any more, and the look ends by itself.
     wait_for(lambda: system.ros.node.count_subscribers("/odometry") == before, "end of the look")
     assert "not observable" in page.live.message(DRIVE)["jaus"]
-    with pytest.raises(NotWatchedError):
+    with pytest.raises(AnswerError):
         page.live.message("//@bridges.0/@bridgeConnections.99")
 
 
@@ -133,7 +134,7 @@ def test_nothing_of_it_is_left_when_nobody_looks(system, model):
     wait_for(lambda: not watchers(), "its end")
     page.latest()
     assert page.told.empty()
-    with pytest.raises(NotWatchedError, match="not watched"):
+    with pytest.raises(AnswerError, match="not watched"):
         page.live.message(ODOMETRY)
 
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from pkgutil import iter_modules
 from typing import TYPE_CHECKING, get_type_hints
 
 from jausml.authoring.editing.project import Project
-from jausml.authoring.studio import handlers
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers.showing import LiveRequests
+from jausml.authoring.studio.session import methods_of
 from jausml.live.operating.seats import Seat
 
 if TYPE_CHECKING:
@@ -18,9 +16,7 @@ if TYPE_CHECKING:
 
 def test_types_of_what_the_studio_answers_are_there(tmp_path: Path) -> None:
     context = StudioContext(Project(tmp_path))
-    methods = LiveRequests(context).methods()
-    for module in iter_modules(handlers.__path__, f"{handlers.__name__}."):
-        methods = {**methods, **import_module(module.name).methods(context)}
+    methods = {**methods_of(context), **LiveRequests(context).methods()}
     assert "recording.why" in methods
     for method in methods.values():
         get_type_hints(getattr(method.answer, "func", method.answer))

@@ -85,11 +85,6 @@ class ViewedFiles:
             self.files = (file, *others)[:_MOST_SHOWN]
 
 
-def usual_network() -> Network:
-    """Returns the network of this computer alone."""
-    return make_network(None, DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ())
-
-
 class Faults(logging.Handler):
     """Keeps what is logged of warnings and faults, with their tracebacks."""
 
@@ -137,7 +132,11 @@ class StudioContext:
 
     project: Project
     out: str = ""
-    network: Network = field(default_factory=usual_network)
+    network: Network = field(
+        default_factory=lambda: make_network(
+            None, DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ()
+        )
+    )
     subscribers: Subscribers = field(default_factory=Subscribers)
     viewed_files: ViewedFiles = field(default_factory=ViewedFiles)
     trials: Trials = field(default_factory=Trials)

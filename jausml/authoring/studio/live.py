@@ -9,6 +9,7 @@ from functools import partial
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
+from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.live_places import Places, is_known, machine_boxes, places_of
 from jausml.live.messages.of_project import messages_of
 from jausml.live.systems.declarations import components_of, declarations_of
@@ -170,10 +171,6 @@ GLANCE = 5.0
 _TIMEOUT = 1.0
 
 
-class NotWatchedError(Exception):
-    """Nothing is known of a connection; the text says why."""
-
-
 @dataclass(frozen=True)
 class Watched:
     """What is watched."""
@@ -227,7 +224,7 @@ class LiveSystem(RunningSystem):
         connection, age = self._connection(row)
         with self._lock:
             if self._inspection is None:
-                raise NotWatchedError("the system is not watched yet")
+                raise AnswerError("the system is not watched yet")
             ros, jaus = self._inspection.at(connection)
             self._glanced = time.monotonic()
         return {"ros": "\n".join(ros), "jaus": "\n".join(jaus), "age": age}
@@ -240,7 +237,7 @@ class LiveSystem(RunningSystem):
         for connection in state.connections.values():
             if row_of(connection, places) == row:
                 return connection, state.age_of(connection)
-        raise NotWatchedError("nothing is known of this connection")
+        raise AnswerError("nothing is known of this connection")
 
     # ---- the thread -------------------------------------------------------------------------
 

@@ -9,6 +9,8 @@ from jausml.authoring.editing.commands import EditError
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.views.wording import for_people
 from jausml.live.serving.rpc import REFUSED, RpcError, TypedError, typed
+from jausml.views.diagrams.layout.sheet import LayoutError
+from jausml.views.diagrams.views import UnknownViewError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -86,4 +88,5 @@ def refusal_of(error: Exception) -> RpcError | None:
     """Returns what a page is told of an error; None for a fault of ours."""
     if isinstance(error, EditError):
         return RpcError(REFUSED, for_people(str(error)), {"conflict": error.conflict})
-    return RpcError(REFUSED, for_people(str(error))) if isinstance(error, AnswerError) else None
+    refusals = (AnswerError, LayoutError, UnknownViewError)
+    return RpcError(REFUSED, for_people(str(error))) if isinstance(error, refusals) else None

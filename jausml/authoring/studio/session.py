@@ -26,7 +26,7 @@ from jausml.authoring.studio.handlers.showing import LiveRequests
 from jausml.authoring.studio.rpc import refusal_of
 from jausml.language.metamodel import load_metamodels
 from jausml.language.model.project import is_model_file
-from jausml.live.serving.rpc import Answering
+from jausml.live.serving.rpc import Answering, Method
 from jausml.live.serving.sockets import PACE
 
 if TYPE_CHECKING:
@@ -45,6 +45,17 @@ DEBOUNCE_MS, STEP_MS = 50, 10
 """Milliseconds: what changes within them is told at once; how long it must have been quiet."""
 
 
+def methods_of(context: StudioContext) -> dict[str, Method]:
+    """Returns what answers requests about a project, by their names."""
+    methods = {
+        name: Method(partial(answer, context))
+        for module in _MODULES
+        for name, answer in module.METHODS.items()
+    }
+    changes = editing.CHANGES.items()
+    return methods | {name: Method(partial(do, context), in_turn=True) for name, do in changes}
+
+
 class Session:
     """Answers pages, and tells them what happens."""
 
@@ -57,10 +68,8 @@ class Session:
         self._context = context
         self._live_requests = LiveRequests(context)
         context.subscribers.left = self._live_requests.leave
-        methods = {
-            name: method for module in _MODULES for name, method in module.methods(context).items()
-        }
-        self._answering = Answering({**methods, **self._live_requests.methods()}, refusal_of)
+        methods = {**methods_of(context), **self._live_requests.methods()}
+        self._answering = Answering(methods, refusal_of)
         self.answer, self.subscribed = self._answering.answer, context.subscribers.subscribed
         self._checking = Checking(
             context.verdicts, lambda: context.viewed_files.files, self._judged

@@ -10,15 +10,15 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 from jausml.language import wire
-from jausml.live.messages.entries import parts
 from jausml.live.peers.query_client import Refused
-from jausml.live.peers.rendering import field_texts
+from jausml.live.peers.rendering import field_texts, leaves
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from jausml.live.messages import MessageEntry
     from jausml.live.peers.operator import Operator
+    from jausml.live.peers.rendering import Leaf
     from jausml.runtime import EventSubscription
     from jausml.runtime.base.address import JausAddress
 
@@ -166,16 +166,16 @@ class Values:
     def _take(self, key: tuple[str, str], entry: MessageEntry, fields: dict[str, Any]) -> None:
         now = time.time()
         texts = [(path, _short(text)) for path, text in field_texts(entry.record, fields)]
-        leaves = list(_leaves(entry.record, fields))
-        numbers_by_path = dict(_numbers(leaves))
+        values = list(leaves(entry.record, fields))
+        numbers_by_path = dict(_numbers(values))
         with self._lock:
             known = self._watched.get(key)
             if known is None:
                 return
             if known.last_heard and now > known.last_heard:
                 numbers_by_path[RATE] = 1 / (now - known.last_heard)
-            known.last_heard, known.texts, known.pictures = now, texts, dict(_pictures(leaves))
-            known.urls = tuple(_urls(leaves))
+            known.last_heard, known.texts, known.pictures = now, texts, dict(_pictures(values))
+            known.urls = tuple(_urls(values))
             known.count += 1
             for path, value in numbers_by_path.items():
                 if path in known.history or len(known.history) < MOST_FIELDS:
@@ -183,25 +183,8 @@ class Values:
                     kept.append((now, value))
 
 
-Leaf = tuple[str, wire.Kind, Any]
-"""The path that `field_texts` gives a value, its kind, and the value."""
-
-
-def _leaves(kind: wire.Kind, value: Any, path: str = "") -> Iterator[Leaf]:
-    """Yields the values of a report that have no parts."""
-    match kind:
-        case wire.Record() | wire.List() | wire.Array() | wire.Variant():
-            outermost = isinstance(kind, wire.Record) and len(kind.members) == 1 and not path
-            for name, inner, part in parts(kind, value):
-                step = "" if outermost and isinstance(inner, wire.Record) else name
-                dot = "." if path and step and not step.startswith("[") else ""
-                yield from _leaves(inner, part, f"{path}{dot}{step}")
-        case _:
-            yield path, kind, value
-
-
-def _numbers(leaves: Iterable[Leaf]) -> Iterator[tuple[str, float]]:
-    for path, kind, value in leaves:
+def _numbers(values: Iterable[Leaf]) -> Iterator[tuple[str, float]]:
+    for path, kind, value in values:
         match kind:
             case wire.VariableNumber():
                 yield path, float(value["value"])
@@ -209,15 +192,15 @@ def _numbers(leaves: Iterable[Leaf]) -> Iterator[tuple[str, float]]:
                 yield path, float(int(value) if isinstance(kind, wire.Integer) else value)
 
 
-def _pictures(leaves: Iterable[Leaf]) -> Iterator[tuple[str, str]]:
+def _pictures(values: Iterable[Leaf]) -> Iterator[tuple[str, str]]:
     """Yields what may be a picture: bytes with a format, which hold no message."""
-    for path, kind, value in leaves:
+    for path, kind, value in values:
         if isinstance(kind, wire.FormattedOctets) and value.get("hex"):
             yield path, value["hex"]
 
 
-def _urls(leaves: Iterable[Leaf]) -> Iterator[str]:
-    for path, kind, value in leaves:
+def _urls(values: Iterable[Leaf]) -> Iterator[str]:
+    for path, kind, value in values:
         if isinstance(kind, wire.Text) and path.rpartition(".")[2] == "ServerURL":
             yield str(value)
 

@@ -34,24 +34,35 @@ def shown_fields(entry: MessageEntry, fields: dict[str, Any]) -> str:
     return "  ".join(f"{path}={text}" for path, text in pairs) or "(no fields)"
 
 
-def field_texts(kind: wire.Kind, value: Any, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yields the path and the text of each value; the outermost record is not named."""
-    match kind:
-        case wire.List() | wire.Array() if not value:
-            yield path, "[]"
-        case wire.Variant(options=()):
-            yield _joined(path, TAG), str(value[TAG])
-        case wire.BitField():
-            yield from _bit_texts(kind, value, path)
-        case wire.Octets() | wire.FormattedOctets() if MESSAGE in value:
-            yield from _message_texts(value[MESSAGE], path)
-        case wire.Record() | wire.List() | wire.Array() | wire.Variant():
-            outermost = isinstance(kind, wire.Record) and len(kind.members) == 1 and not path
-            for name, inner, part in parts(kind, value):
-                step = "" if outermost and isinstance(inner, wire.Record) else name
-                yield from field_texts(inner, part, _joined(path, step))
-        case _:
-            yield path, _leaf(kind, value)
+Leaf = tuple[str, wire.Kind, Any]
+"""The path of a value, its kind, and the value."""
+
+
+def leaves(kind: wire.Kind, value: Any, path: str = "") -> Iterator[Leaf]:
+    """Yields the values that have no parts, also empty lists; the outermost record is not named."""
+    inside = list(parts(kind, value))
+    if not inside and not isinstance(kind, wire.Record):
+        yield path, kind, value
+    outermost = isinstance(kind, wire.Record) and len(kind.members) == 1 and not path
+    for name, inner, part in inside:
+        step = "" if outermost and isinstance(inner, wire.Record) else name
+        yield from leaves(inner, part, _joined(path, step))
+
+
+def field_texts(kind: wire.Kind, value: Any) -> Iterator[tuple[str, str]]:
+    """Yields the path and the text of each value."""
+    for path, leaf, inner in leaves(kind, value):
+        match leaf:
+            case wire.List() | wire.Array():
+                yield path, "[]"
+            case wire.Variant():
+                yield _joined(path, TAG), str(inner[TAG])
+            case wire.BitField():
+                yield from _bit_texts(leaf, inner, path)
+            case wire.Octets() | wire.FormattedOctets() if MESSAGE in inner:
+                yield from _message_texts(inner[MESSAGE], path)
+            case _:
+                yield path, _leaf(leaf, inner)
 
 
 def _message_texts(embedded: EmbeddedMessage, path: str) -> Iterator[tuple[str, str]]:
@@ -78,7 +89,7 @@ def _clock(value: dict[str, int]) -> str:
     return f"{day}{value['Hour']:02}:{value['Minutes']:02}:{seconds}"
 
 
-def _leaf(kind: wire.Leaf, value: Any) -> str:
+def _leaf(kind: wire.Kind, value: Any) -> str:
     match kind:
         case wire.VariableNumber():
             return _leaf(kind.by_index[value["index"]], value["value"])

@@ -183,7 +183,7 @@ test("a box that is dropped stands where it was dropped, by one edit", async () 
   const server = serveGraph();
   await actions.drop(ITEM, [10.4, 20.6]);
   const at = { file: "robot.xmi", view: "system", x: 10, y: 21 };
-  expect(server.params("edit")).toMatchObject([{ commands: ITEM.drop.commands, at }]);
+  expect(server.params("edit")).toMatchObject([{ commands: ITEM.commands, at }]);
 });
 
 test("what was copied is pasted into what is chosen", async () => {
@@ -393,7 +393,7 @@ const ITEM = {
   label: "Waypoints",
   note: "",
   documentation: "",
-  drop: { commands: [{ kind: "remove" as const, element: "of the system" }] },
+  commands: [{ kind: "remove" as const, element: "of the system" }],
   label_of_edit: "add Waypoints",
   onto: "",
 };
@@ -403,15 +403,15 @@ test("what is dropped on a box goes on it, as the server says", async () => {
   const onBox = {
     ...ITEM,
     onto: "ocu",
-    drop: { commands: [{ kind: "remove" as const, element: "on ocu" }] },
+    commands: [{ kind: "remove" as const, element: "on ocu" }],
   };
   server.answer("palette", ({ onto }) => ({ items: onto ? [onBox, ITEM] : [ITEM] }));
   await actions.drop(ITEM, null, "robot.xmi#ocu");
   expect(server.params("palette")[0]).toMatchObject({ query: "Waypoints", onto: "robot.xmi#ocu" });
-  expect(server.params("edit").at(-1)?.commands).toEqual(onBox.drop.commands);
+  expect(server.params("edit").at(-1)?.commands).toEqual(onBox.commands);
   // What was offered for the choice goes into the system where it is dropped on nothing.
   await actions.drop(onBox);
-  expect(server.params("edit").at(-1)?.commands).toEqual(ITEM.drop.commands);
+  expect(server.params("edit").at(-1)?.commands).toEqual(ITEM.commands);
 });
 
 test("a box that is dragged into a host runs there, in one edit with its place", async () => {

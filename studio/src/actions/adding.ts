@@ -24,7 +24,7 @@ export async function drop(
   const { item: chosen, base } = meant;
   const { file, view } = state();
   const corner = at && { file, view, x: Math.round(at[0]), y: Math.round(at[1]) };
-  await edit(chosen.drop.commands, chosen.label_of_edit, base, corner ?? undefined);
+  await edit(chosen.commands, chosen.label_of_edit, base, corner ?? undefined);
 }
 
 /**

@@ -158,7 +158,7 @@ test("a filter fades what does not fit, and Enter goes from one to the next", as
 
 test("an item of the palette that is dropped is added", async () => {
   render(<Canvas />);
-  const item = { drop: { commands: [{ kind: "remove", element: "x" }] }, label_of_edit: "Add it" };
+  const item = { commands: [{ kind: "remove", element: "x" }], label_of_edit: "Add it" };
   fireEvent.drop(diagram(), { dataTransfer: { getData: () => JSON.stringify(item) } });
   await waitFor(() => expect(server.params("edit")).toHaveLength(1));
   expect(server.params("edit")[0]).toMatchObject({ label: "Add it" });

@@ -74,7 +74,7 @@ export interface PaletteItem {
   label: string;
   note: string;
   documentation: string;
-  drop: { commands: Command[] };
+  commands: Command[];
   label_of_edit: string;
   /** What it is added to, empty for the system. */
   onto: string;

@@ -22,7 +22,7 @@ from jausml.authoring.editing.project import Project
 from jausml.authoring.editing.reading import can_be_parsed
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.studio.context import StudioContext
-from jausml.authoring.studio.handlers import editing, showing
+from jausml.authoring.studio.session import methods_of
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
@@ -65,11 +65,7 @@ class Studio:
         """Begins anew, as after a kill: what only the process knew is gone."""
         self.context = StudioContext(Project(self.root))
         self.late.clear()
-        self.methods = {
-            name: method
-            for module in (showing, editing)
-            for name, method in module.methods(self.context).items()
-        }
+        self.methods = methods_of(self.context)
         self.first = (self.root / FILE).read_bytes()
         self.look()
 

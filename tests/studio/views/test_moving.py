@@ -100,9 +100,9 @@ def test_a_machine_gets_a_new_internal_event_of_its_service(editor):
     for onto in (machine, next(iter(machine.states))):
         items = palette(editor.scope, "event", onto=editor.scope.ref(onto))
         [item] = [item for item in items if item.label == "internal event"]
-        [add] = item.drop.commands
+        [add] = item.commands
         assert (add.owner, add.feature) == (editor.scope.ref(service), "events")
-    editor.project.do(item.drop.commands, item.label_of_edit)
+    editor.project.do(item.commands, item.label_of_edit)
     found = editor.lead(f"{READY}.Locked", f"{READY}.Idle")
     assert "transition on Event" in [option.label for option in found.options]
 

@@ -55,7 +55,7 @@ def test_kinds_and_limits_are_kept():
 def test_a_component_gets_a_free_name_and_address():
     scope = scope_of(CAR)
     [item] = [e for e in palette(scope, "component", ["elements"]) if e.label == "component"]
-    [add] = item.drop.commands
+    [add] = item.commands
     assert isinstance(add, Add)
     assert (add.kind, add.feature) == ("jaus.Component", "components")
     assert scope.find(add.owner) is scope.model.root
@@ -69,7 +69,7 @@ def test_what_is_dropped_on_a_node_becomes_an_end_of_it():
     onto = named(scope, ros.Node, "catvehicle.logger")
     [publisher, subscription] = palette(scope, "std_msgs/Float64", ["ros types"], 2, onto)
     assert {publisher.note, subscription.note} == {"publisher", "subscription"}
-    [add] = subscription.drop.commands
+    [add] = subscription.commands
     assert add.owner == onto
     assert add.values["topic"] == add.values["name"]
     assert scope.find(add.values["type"][0]).name == "Float64"
@@ -81,7 +81,7 @@ def test_a_service_dropped_on_a_component_is_provided_or_used():
     found = palette(scope, "GlobalPoseSensor", ["services"], 9, onto)
     notes = {palette_item.note.partition(",")[0]: palette_item for palette_item in found}
     assert set(notes) == {"provides", "uses"}
-    [command] = notes["provides"].drop.commands
+    [command] = notes["provides"].commands
     assert isinstance(command, Set)
     provided = [scope.find(value).name for value in command.values]
     assert provided[-1] == "GlobalPoseSensor"
@@ -98,7 +98,7 @@ def test_nothing_is_offered_that_cannot_be_dropped():
 def test_every_model_has_a_palette_whose_references_are_known(name):
     scope = scope_of(name)
     for palette_item in palette(scope, "pose", limit=20):
-        for command in palette_item.drop.commands:
+        for command in palette_item.commands:
             if isinstance(command, Add):
                 assert command.owner.startswith("new:") or scope.find(command.owner)
                 for value in command.values.get("map", command.values.get("provides", ())):
@@ -124,7 +124,7 @@ def test_what_moves_comes_before_what_every_component_has_and_new_before_old():
 
 def test_an_external_component_says_that_it_exists_already():
     [item] = palette(scope_of(CAR), "external component", ["components"])
-    [add] = item.drop.commands
+    [add] = item.commands
     assert add.values["external"] == ("true",)
     assert "exists already" in item.documentation
 
@@ -141,7 +141,7 @@ def test_what_fits_the_chosen_element_comes_first_and_leaves_room_for_the_rest()
     )
     assert {"component", "bridge"} <= set(labels([e for e in found if not e.onto], "elements"))
     for palette_item in found:
-        owner = palette_item.drop.commands[0]
+        owner = palette_item.commands[0]
         if palette_item.onto and isinstance(owner, Add):
             assert owner.owner == onto
 

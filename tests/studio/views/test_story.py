@@ -28,7 +28,7 @@ class Editor:
 
     def add(self, query, group, note=""):
         item = next(e for e in palette(self.scope, query, [group]) if note in e.note)
-        self.project.do(item.drop.commands, item.label_of_edit)
+        self.project.do(item.commands, item.label_of_edit)
 
     def one(self, kind, name):
         found = self.scope.model.instances(kind, library=False)

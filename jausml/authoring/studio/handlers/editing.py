@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
+from collections.abc import Callable, Mapping  # noqa: TC003 - parameters are typed at run time
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ from jausml.authoring.projects.starting import STARTING_POINTS
 from jausml.authoring.projects.texts import ProjectError, metamodels_for
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.new_elements import free_address
-from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
+from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers import showing
 from jausml.authoring.studio.rpc import command, entry_as_json
 from jausml.authoring.studio.views.planning import Planned, diff, execute, out_folder, plan
@@ -22,7 +21,6 @@ from jausml.authoring.studio.views.wording import for_people
 from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.names import system_name
 from jausml.language.text.notation import SUFFIX
-from jausml.live.serving.rpc import Method
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -45,28 +43,6 @@ class Dropped:
     view: str
     x: int
     y: int
-
-
-def methods(context: StudioContext) -> Mapping[str, Method]:
-    """Returns the methods by name."""
-    return {
-        "edit": Method(partial(_edit, context), in_turn=True),
-        "kept": Method(partial(_kept, context)),
-        "kept.again": Method(partial(_again, context), in_turn=True),
-        "kept.discard": Method(context.discard, in_turn=True),
-        "starting_points": Method(_starting_points),
-        "create": Method(partial(_create, context), in_turn=True),
-        "copy": Method(partial(_copy, context)),
-        "paste": Method(partial(_paste, context), in_turn=True),
-        "undo": Method(partial(_undo, context), in_turn=True),
-        "redo": Method(partial(_redo, context), in_turn=True),
-        "log": Method(partial(_log, context)),
-        "write": Method(partial(_write, context), in_turn=True),
-        "arrange": Method(partial(_arrange, context), in_turn=True),
-        "plan": Method(partial(_plan, context)),
-        "diff": Method(partial(_diff, context)),
-        "generate": Method(partial(_generate, context), in_turn=True),
-    }
 
 
 def _edit(
@@ -271,3 +247,28 @@ def _generate(
     context.refresh()
     report = _report(context, file)
     return execute(report, _out(context, file, out), digest, force=force)
+
+
+METHODS: Mapping[str, Callable[..., object]] = {
+    "kept": _kept,
+    "starting_points": _starting_points,
+    "copy": _copy,
+    "log": _log,
+    "plan": _plan,
+    "diff": _diff,
+}
+"""What answers questions, by their names."""
+
+CHANGES: Mapping[str, Callable[..., object]] = {
+    "edit": _edit,
+    "kept.again": _again,
+    "kept.discard": StudioContext.discard,
+    "create": _create,
+    "paste": _paste,
+    "undo": _undo,
+    "redo": _redo,
+    "write": _write,
+    "arrange": _arrange,
+    "generate": _generate,
+}
+"""What answers requests that change something, in turn."""

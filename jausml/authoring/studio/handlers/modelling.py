@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
+from collections.abc import Callable, Mapping  # noqa: TC003 - parameters are typed at run time
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 from jausml.authoring.proposals.elements import AnswerError, Options, Scope, label_of
@@ -30,7 +29,6 @@ from jausml.authoring.studio.views.spots import (
 from jausml.authoring.studio.views.trying import inputs
 from jausml.language.metamodel.classes import jaus, system
 from jausml.language.model import refs
-from jausml.live.serving.rpc import Method
 from jausml.views.diagrams.views import graph_of
 from jausml.views.diagrams.views.context import Context
 
@@ -47,23 +45,6 @@ class Port:
 
     node: str
     port: str = ""
-
-
-def methods(context: StudioContext) -> Mapping[str, Method]:
-    """Returns the methods by name."""
-    return {
-        "form": Method(partial(_form, context)),
-        "choices": Method(partial(_choices, context)),
-        "palette": Method(partial(_palette, context)),
-        "connect": Method(partial(_connect, context)),
-        "ends": Method(partial(_ends, context)),
-        "unlink": Method(partial(_unlink, context)),
-        "host": Method(partial(_host, context)),
-        "tried": Method(partial(_inputs, context)),
-        "fill": Method(partial(_fill, context)),
-        "fill_map": Method(partial(_fill_map, context)),
-        "try": Method(partial(_try, context)),
-    }
 
 
 def _form(context: StudioContext, element: str) -> object:
@@ -200,3 +181,19 @@ def _try(
     scope = context.scope_of(file)
     to_ros = direction == "to_ros"
     return context.trials.run(scope, map_named(scope, map), values, to_ros=to_ros)
+
+
+METHODS: Mapping[str, Callable[..., object]] = {
+    "form": _form,
+    "choices": _choices,
+    "palette": _palette,
+    "connect": _connect,
+    "ends": _ends,
+    "unlink": _unlink,
+    "host": _host,
+    "tried": _inputs,
+    "fill": _fill,
+    "fill_map": _fill_map,
+    "try": _try,
+}
+"""What answers questions, by their names."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
-from functools import partial
+from collections.abc import Callable, Mapping  # noqa: TC003 - parameters are typed at run time
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.projects.adding import check_name
@@ -13,7 +12,6 @@ from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.partition import commands_of, taken_over
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
 from jausml.language.model.names import name_of
-from jausml.live.serving.rpc import Method
 from jausml.views.analysis.formats.plan import named, plain
 from jausml.views.analysis.formats.text import number
 from jausml.views.analysis.partition.plans import Planner
@@ -26,15 +24,6 @@ if TYPE_CHECKING:
 
 _MOST_WEIGHED = 400
 """Connections that are weighed after each edit: each takes a thousandth of a second."""
-
-
-def methods(context: StudioContext) -> Mapping[str, Method]:
-    """Returns the methods by name."""
-    return {
-        "partition": Method(partial(_partition, context)),
-        "carry": Method(partial(_carry, context)),
-        "loads": Method(partial(_loads, context)),
-    }
 
 
 def _partition(
@@ -108,3 +97,11 @@ def _planner(context: StudioContext, file: str) -> tuple[Scope, Planner]:
     if context.verdicts.of(file).report.has_errors:
         raise AnswerError("the model has errors, so nobody knows what its bridges cost")
     return scope, Planner(whole, Assumptions())
+
+
+METHODS: Mapping[str, Callable[..., object]] = {
+    "partition": _partition,
+    "carry": _carry,
+    "loads": _loads,
+}
+"""What answers questions, by their names."""

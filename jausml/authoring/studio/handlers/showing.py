@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import threading
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.editing.commands import EditError
@@ -13,7 +12,7 @@ from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
 from jausml.authoring.studio.drawing import difference
-from jausml.authoring.studio.live import LiveSystem, NotWatchedError, Watched
+from jausml.authoring.studio.live import LiveSystem, Watched
 from jausml.authoring.studio.rpc import files_as_json, freshness_as_json, log_as_json
 from jausml.authoring.studio.views.outline import outline, search
 from jausml.authoring.studio.views.spots import element_at, map_shown, source
@@ -21,7 +20,7 @@ from jausml.language.model import refs
 from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
-from jausml.live.serving.rpc import REFUSED, Method, RpcError
+from jausml.live.serving.rpc import Method
 from jausml.views.diagrams.folding import MOST_SHOWN
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import SYSTEM, UnknownViewError, graph_of, maps, view_names
@@ -30,7 +29,7 @@ from jausml.views.diagrams.views.system import participants
 from jausml.views.diagrams.writers import svg
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping
+    from collections.abc import Callable, Iterable, Iterator, Mapping
 
     from jausml.authoring.studio.checking import Verdict
     from jausml.language.model import Document
@@ -41,24 +40,6 @@ _LOG = logging.getLogger(__name__)
 
 _MOST_CURED = 200
 """Findings for which quick fixes are looked for: each takes a while, and nobody reads so many."""
-
-
-def methods(context: StudioContext) -> Mapping[str, Method]:
-    """Returns the methods by name."""
-    return {
-        "hello": Method(partial(_hello, context)),
-        "views": Method(partial(_views, context)),
-        "view": Method(partial(view, context)),
-        "picture": Method(partial(_picture, context)),
-        "where": Method(partial(_where, context)),
-        "faults": Method(partial(_faults, context)),
-        "problems": Method(partial(_problems_of, context)),
-        "text": Method(partial(_text, context)),
-        "source": Method(partial(_source, context)),
-        "at": Method(partial(_at, context)),
-        "outline": Method(partial(_outline, context)),
-        "members": Method(partial(_members, context)),
-    }
 
 
 def _hello(context: StudioContext, token: str = "") -> dict[str, Any]:  # noqa: ARG001
@@ -104,8 +85,8 @@ def view(
     key = file, view
     try:
         answer = _drawn(context, file, view, opened)
-    except (UnknownViewError, LayoutError) as error:
-        raise RpcError(REFUSED, str(error)) from error
+    except (UnknownViewError, LayoutError):
+        raise
     except Exception as error:
         kept = context.pictures.get(key)
         if kept is None:
@@ -161,11 +142,8 @@ def _picture(context: StudioContext, file: str, view: str) -> dict[str, Any]:
     """Returns the whole view as `jausml diagram` draws it."""
     verdict = context.verdicts.of(file)
     diagnostics = verdict.report.diagnostics
-    try:
-        graph = graph_of(verdict.result.model, view, diagnostics, context.project.root)
-        return {"picture": svg.render(graph)}
-    except (UnknownViewError, LayoutError) as error:
-        raise RpcError(REFUSED, str(error)) from error
+    graph = graph_of(verdict.result.model, view, diagnostics, context.project.root)
+    return {"picture": svg.render(graph)}
 
 
 def _where(context: StudioContext, file: str, view: str, element: str) -> dict[str, Any]:
@@ -312,6 +290,23 @@ def _rows(members: Iterable[Member]) -> Iterator[dict[str, Any]]:
         yield from _rows(member.inner)
 
 
+METHODS: Mapping[str, Callable[..., object]] = {
+    "hello": _hello,
+    "views": _views,
+    "view": view,
+    "picture": _picture,
+    "where": _where,
+    "faults": _faults,
+    "problems": _problems_of,
+    "text": _text,
+    "source": _source,
+    "at": _at,
+    "outline": _outline,
+    "members": _members,
+}
+"""What answers questions, by their names."""
+
+
 class LiveRequests:
     """The one system that is watched, if any."""
 
@@ -355,12 +350,9 @@ class LiveRequests:
         """Returns the last message of a connection, by the id of its row, on both sides."""
         with self._lock:
             live = self._live
-        try:
-            if live is None:
-                raise NotWatchedError("no system is watched")
-            return live.message(connection)
-        except NotWatchedError as error:
-            raise RpcError(REFUSED, str(error)) from error
+        if live is None:
+            raise AnswerError("no system is watched")
+        return live.message(connection)
 
     def changed(self) -> None:
         """Goes on with the model as it is after a change of the project."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping  # noqa: TC003 - parameters are typed at run time
-from functools import partial
+from collections.abc import Callable, Mapping  # noqa: TC003 - parameters are typed at run time
 from typing import TYPE_CHECKING, Any
 
 from jausml.authoring.proposals.elements import AnswerError
@@ -11,7 +10,6 @@ from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as ab
 from jausml.authoring.studio.views.spots import element_shown
 from jausml.language.attributes.guards import GuardError
 from jausml.language.metamodel.classes import jaus
-from jausml.live.serving.rpc import Method
 from jausml.model_checking.stepping import (
     Chosen,
     SteppingError,
@@ -27,14 +25,6 @@ if TYPE_CHECKING:
     from jausml.model_checking.stepping import Choice, SteppedMachine
 
 _MOST_STEPS = 1000
-
-
-def methods(context: StudioContext) -> Mapping[str, Method]:
-    """Returns the methods by name."""
-    return {
-        "step": Method(partial(_step, context)),
-        "step.test": Method(partial(_test, context)),
-    }
 
 
 def _step(
@@ -106,3 +96,10 @@ def _machine(
     if machine is None:
         raise AnswerError(f"{view} is no view of a machine of a service")
     return scope.model, machine
+
+
+METHODS: Mapping[str, Callable[..., object]] = {
+    "step": _step,
+    "step.test": _test,
+}
+"""What answers questions, by their names."""

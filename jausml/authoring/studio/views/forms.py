@@ -121,19 +121,13 @@ class Form:
 
 
 @dataclass(frozen=True, slots=True)
-class Drop:
-    """The commands that add something, whose owner is filled in."""
-
-    commands: Sequence[Command]
-
-
-@dataclass(frozen=True, slots=True)
 class PaletteItem:
     """Something that can be added.
 
     Attributes:
         id: Its id, the same while the library is.
         group: `components`, `services`, `ros types`, `ready maps` or `elements`.
+        commands: Those that add it, whose owner is filled in.
         onto: What it is added to, as people name it; empty for the system.
     """
 
@@ -142,7 +136,7 @@ class PaletteItem:
     label: str
     note: str
     documentation: str
-    drop: Drop
+    commands: Sequence[Command]
     label_of_edit: str
     onto: str = ""
 

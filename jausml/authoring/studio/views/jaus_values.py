@@ -12,18 +12,18 @@ from jausml.language.semantics.jaus.services import is_group
 from jausml.live.messages import MessageEntry, MessageError
 from jausml.live.messages.codec import TAG
 from jausml.live.messages.defined import DefinedMessage
-from jausml.live.messages.entries import as_it_is, parts
+from jausml.live.messages.entries import as_it_is
 from jausml.live.messages.text import sample
+from jausml.live.peers.rendering import field_texts
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     from jausml.language.metamodel.classes import jaus
 
 _STEP = re.compile(r"(.+?)((?:\[\d{1,4}\])*)")
 _PRESENCE = "_pv"
 _TIME = ("Milliseconds", "Seconds", "Minutes", "Hour", "Day")
-_SHOWN = 8
 
 
 def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
@@ -45,14 +45,12 @@ def payload(message: jaus.MessageDef, values: Mapping[str, str]) -> bytes:
 
 
 def rows(message: jaus.MessageDef, data: bytes) -> list[tuple[str, str]]:
-    """Returns the values of a message by path."""
+    """Returns the values of a message by path, with their units."""
     entry = _entry(message)
     try:
-        fields = entry.decode(data)
+        return list(field_texts(entry.record, entry.decode(data)))
     except MessageError as error:
         raise AnswerError(str(error)) from error
-    kind, value = _body(message, entry, fields)
-    return list(_rows(kind, value, ""))
 
 
 def moment(text: str) -> datetime:
@@ -179,44 +177,3 @@ def _split(step: str) -> tuple[str, list[int]]:
     if match is None:
         return step, []
     return match[1], [int(occurrence) for occurrence in re.findall(r"\d+", match[2])]
-
-
-def _rows(kind: wire.Kind, value: Any, before: str) -> Iterator[tuple[str, str]]:
-    """Yields the values below a place; of long lists the first."""
-    few = value[:_SHOWN] if isinstance(kind, wire.List | wire.Array) else value
-    for step, inner, part in parts(kind, few):
-        joint = "." if before and not step.startswith("[") else ""
-        yield from _rows(inner, part, f"{before}{joint}{step}")
-    match kind:
-        case wire.List() | wire.Array() if len(value) > _SHOWN:
-            yield before, f"... ({len(value)} elements)"
-        case wire.BitField():
-            yield from _bits(kind, value, before)
-        case wire.VariableNumber():
-            yield before, _text(value["value"])
-        case wire.Octets() | wire.FormattedOctets():
-            yield before, str(value["hex"])
-        case wire.Integer():
-            yield before, _named(value, kind.legal.names)
-        case wire.Real() | wire.Scaled() | wire.FixedText() | wire.Text():
-            yield before, _text(value)
-        case _:
-            pass  # nothing beside its parts
-
-
-def _bits(kind: wire.BitField, value: Mapping[str, int], before: str) -> Iterator[tuple[str, str]]:
-    if {group.name for group in kind.groups} == set(_TIME):
-        clock = f"{value['Hour']:02}:{value['Minutes']:02}:{value['Seconds']:02}"
-        yield before, f"day {value['Day']}, {clock}.{value['Milliseconds']:03}"
-        return
-    for group in kind.groups:
-        yield f"{before}.{group.name}", _named(value[group.name], group.legal.names)
-
-
-def _named(value: Any, names: Mapping[int, str]) -> str:
-    name = names.get(int(value))
-    return f"{int(value)} {name}" if name else _text(value)
-
-
-def _text(value: Any) -> str:
-    return f"{value:.9g}" if isinstance(value, float) else str(value)

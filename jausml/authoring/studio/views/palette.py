@@ -17,7 +17,7 @@ from jausml.authoring.proposals.new_elements import (
     participant_name,
     usual_values,
 )
-from jausml.authoring.studio.views.forms import Drop, PaletteItem, kinds_of
+from jausml.authoring.studio.views.forms import PaletteItem, kinds_of
 from jausml.authoring.studio.views.service_lines import inherit
 from jausml.language.metamodel import documentation
 from jausml.language.metamodel.classes import bridge, jaus, ros, system
@@ -147,7 +147,7 @@ def _items(scope: Scope, entries: Iterable[Entry], target: EObject | None) -> It
                 entry.label,
                 entry.note,
                 entry.documentation,
-                Drop(commands),
+                commands,
                 f"add {entry.label}",
                 onto,
             )

@@ -71,11 +71,11 @@ class Input:
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A value that came out."""
+    """A value that came out; those of JAUS have their unit in them."""
 
     path: str
     value: str
-    unit: str
+    unit: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -290,10 +290,13 @@ def _tried(used: bridge.AttributeMap, answer: Mapping[str, Any], *, to_ros: bool
     if answer.get("error"):
         return Tried(error=_error(answer))
     data = str(answer["bytes"])
-    pairs = answer.get("values") or jaus_values.rows(used.message, bytes.fromhex(data))
-    place = outer_scope(used, to_ros=to_ros).target
-    values = tuple(Row(str(path), str(value), _unit(place, path)) for path, value in pairs)
-    return Tried(values, data, notes=tuple(answer.get("notes", ())))
+    if to_ros:
+        place = outer_scope(used, to_ros=True).target
+        rows = [Row(path, value, _unit(place, path)) for path, value in answer["values"]]
+    else:
+        pairs = jaus_values.rows(used.message, bytes.fromhex(data))
+        rows = [Row(path, text) for path, text in pairs]
+    return Tried(tuple(rows), data, notes=tuple(answer.get("notes", ())))
 
 
 def _error(answer: Mapping[str, Any]) -> str:
@@ -305,5 +308,5 @@ def _error(answer: Mapping[str, Any]) -> str:
 
 def _unit(place: PathPlace, path: str) -> str:
     inner_place = place.follow(path)
-    unit = inner_place.attribute().units if isinstance(inner_place, JausPlace | RosPlace) else ""
+    unit = inner_place.attribute().units if isinstance(inner_place, RosPlace) else ""
     return "" if unit == "one" else unit

@@ -14,7 +14,7 @@ function item(id: string, group: PaletteItem["group"], label: string): PaletteIt
     label,
     note: `note of ${label}`,
     documentation: `What ${label} is.`,
-    drop: { commands: [{ kind: "remove", element: id }] },
+    commands: [{ kind: "remove", element: id }],
     label_of_edit: `Add ${label}`,
     onto: "",
   };

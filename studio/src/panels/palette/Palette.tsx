@@ -58,10 +58,10 @@ export function Palette() {
     attempt(async () => {
       const seen = revision;
       await idle();
-      const isNow = item.drop && useStudio.getState().project?.revision === seen;
+      const isNow = item.commands && useStudio.getState().project?.revision === seen;
       const whole = isNow ? (item as PaletteItem) : await lookUp(file, item, onto);
       const base = isNow ? value?.revision : undefined;
-      await change(whole.drop.commands, whole.label_of_edit, base);
+      await change(whole.commands, whole.label_of_edit, base);
       setKept(remember(localStorage, whole));
     });
 
@@ -155,7 +155,7 @@ function Row({ id, offer: { item, group }, isFirst, isActive, onPoint, onAdd }: 
         role="option"
         aria-selected={isActive}
         className="offer"
-        draggable={item.drop !== undefined}
+        draggable={item.commands !== undefined}
         title={item.documentation}
         ref={(element) => {
           if (isActive && element) scrollInList(element);

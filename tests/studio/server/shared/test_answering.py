@@ -38,7 +38,7 @@ def test_the_picture_is_that_of_the_command_line(page: Page) -> None:
 def test_the_palette_offers_commands_that_can_be_carried_out(page: Page) -> None:
     items = page.ask("palette", file=FILE, query="node", limit=50)["items"]
     added = next(item for item in items if item["group"] == "elements")
-    done = page.ask("edit", commands=added["drop"]["commands"], label=added["label_of_edit"])
+    done = page.ask("edit", commands=added["commands"], label=added["label_of_edit"])
     assert done["created"]
     assert page.ask("form", element=done["created"][0])["element"] == done["created"][0]
 
