@@ -182,7 +182,7 @@ def test_a_join_may_have_a_name_that_is_none_of_a_parameter(trials, tmp_path, jo
     given |= {f"{join}.orientation.z": "1", f"{join}.orientation.w": "0"}
     found = shown(trials.run(scope, map_of(scope, "global_pose"), given, to_ros=False))
     assert number(found["Latitude"]) == pytest.approx(48, abs=1e-6)
-    assert number(found["Yaw"]) == pytest.approx(-1.5708, abs=1e-3)  # the attitude of the joined one
+    assert number(found["Yaw"]) == pytest.approx(-1.5708, abs=1e-3)  # of the joined one
 
 
 @pytest.mark.parametrize(
