@@ -12,7 +12,7 @@ from ports import free_domain
 needs.ask("rclpy")
 
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.live import LiveSystem, Watched
+from jausml.authoring.studio.live import LiveSystem
 from jausml.cli.shared.models import open_catalogue
 from jausml.language.model import read_models
 from jausml.live.peers.network import make_network
@@ -55,9 +55,8 @@ class Page:
     def __init__(self, model, port):
         self.told = queue.SimpleQueue()
         self.state = {}
-        watched = Watched("model.xmi", MODEL, ROOT, model)
         network = make_network(None, "127.0.0.1", port, "239.255.0.1", [])
-        self.live = LiveSystem(watched, network, self.told.put)
+        self.live = LiveSystem(MODEL, ROOT, model, network, self.told.put)
         self.live.start()
 
     def latest(self):
@@ -173,9 +172,8 @@ def test_jaus_alone_where_there_is_no_ros(system, model, monkeypatch):
 def test_ros_alone_where_jaus_has_no_network(system, model):
     page = Page(model, system.port)
     page.live.stop()
-    watched = Watched("model.xmi", MODEL, ROOT, model)
     network = make_network(None, "203.0.113.7", system.port, "239.255.0.1", [])
-    page.live = LiveSystem(watched, network, page.told.put)
+    page.live = LiveSystem(MODEL, ROOT, model, network, page.told.put)
     page.live.start()
     try:
         page.becomes("edges", ODOMETRY, level="ok")

@@ -91,14 +91,11 @@ class Faults(logging.Handler):
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
         self._records: deque[dict[str, Any]] = deque(maxlen=_MOST_FAULTS)
-        self._lock = threading.Lock()
-        self._format = logging.Formatter("%(message)s")
 
     @property
     def all(self) -> list[dict[str, Any]]:
         """The latest, the last one first."""
-        with self._lock:
-            return list(reversed(self._records))
+        return list(self._records.copy())[::-1]
 
     @contextmanager
     def kept(self) -> Iterator[None]:
@@ -112,14 +109,14 @@ class Faults(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Keeps a record."""
+        formatted = logging.Formatter().formatException
         entry = {
             "time": record.created,
             "level": record.levelname.lower(),
             "text": record.getMessage(),
-            "details": self._format.formatException(record.exc_info) if record.exc_info else "",
+            "details": formatted(record.exc_info) if record.exc_info else "",
         }
-        with self._lock:
-            self._records.append(entry)
+        self._records.append(entry)
 
 
 @dataclass
@@ -173,6 +170,10 @@ class StudioContext:
         """Returns the model of a file as answers see it, with the rest of the project."""
         model = self.project.model(file).model if model is None else model
         return Scope(model, self.project.root, lambda: self.project.beside(file))
+
+    def scope_of_library(self, element: str) -> Scope:
+        """Returns the model of an element of the library, given by its ref."""
+        return Scope(self.project.find(element)[1], self.project.root)
 
     def keep(self, commands: Sequence[Command], label: str, base: int, why: str) -> bool:
         """Keeps an edit that met a change beneath it; tells whether there was room for it."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections import Counter, defaultdict
-from dataclasses import dataclass
 from functools import partial
 from threading import Lock
 from typing import TYPE_CHECKING, Any
@@ -171,33 +170,28 @@ GLANCE = 5.0
 _TIMEOUT = 1.0
 
 
-@dataclass(frozen=True)
-class Watched:
-    """What is watched."""
-
-    file: str
-    path: Path
-    root: Path
-    model: Model
-
-
 class LiveSystem(RunningSystem):
     """One running system, from `start` to `stop`. Its methods may be called by any thread."""
 
     def __init__(
-        self, watched: Watched, network: Network, notify: Callable[[dict[str, Any]], None]
+        self,
+        path: Path,
+        root: Path,
+        model: Model,
+        network: Network,
+        notify: Callable[[dict[str, Any]], None],
     ) -> None:
         """Watches nothing before `start`.
 
-        `notify`: takes the state as values for the page, on another thread: if it has changed, at
-        most once in `PERIOD`, else once in `LONGEST`.
+        `path`: the file of the model. `root`: the folder with what it refers to. `notify`: takes
+        the state as values for the page, on another thread: if it has changed, at most once in
+        `PERIOD`, else once in `LONGEST`.
         """
-        known = partial(messages_of, watched.path, watched.root)
-        declared, named = declarations_of(watched.model), components_of(watched.model)
+        known = partial(messages_of, path, root)
+        declared, named = declarations_of(model), components_of(model)
         super().__init__(network, declared, named, known, _TIMEOUT)
-        self.file = watched.file
         self._notify = notify
-        self._places = places_of(watched.model)
+        self._places = places_of(model)
         self._changed: Model | None = None
         self._is_wanted = False
         self._sent = 0.0

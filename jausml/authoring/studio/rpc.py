@@ -74,14 +74,8 @@ def freshness_as_json(freshness: Freshness) -> dict[str, Any]:
 
 def entry_as_json(entry: Entry | None) -> dict[str, Any] | None:
     """Returns an entry of the log; None for none."""
-    if entry is None:
-        return None
-    return {
-        "number": entry.number,
-        "label": entry.label,
-        "files": entry.files,
-        "created": entry.created,
-    }
+    names = ("number", "label", "files", "created")
+    return None if entry is None else {name: getattr(entry, name) for name in names}
 
 
 def refusal_of(error: Exception) -> RpcError | None:

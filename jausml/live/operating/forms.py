@@ -85,8 +85,7 @@ def _kind(kind: wire.Kind) -> dict[str, Any]:
         case wire.Record():
             return {"kind": "group", "members": [_field(member) for member in kind.members]}
         case wire.List():
-            ends = {"least": kind.count.lower, "most": kind.count.upper}
-            return {"kind": "list", **ends, "element": _field(kind.element)}
+            return {"kind": "list", **_span(kind.count), "element": _field(kind.element)}
         case wire.Array():
             ends = {"least": kind.length, "most": kind.length}
             return {"kind": "list", **ends, "element": _field(kind.element)}
@@ -113,16 +112,19 @@ def _leaf(
         case wire.FixedText():
             return {"kind": "text", "least": 0, "most": kind.length}
         case wire.Text():
-            return {"kind": "text", "least": kind.count.lower, "most": kind.count.upper}
+            return {"kind": "text", **_span(kind.count)}
         case wire.Octets():
-            return {"kind": "octets", "least": kind.count.lower, "most": kind.count.upper}
+            return {"kind": "octets", **_span(kind.count)}
         case _:
             formats = [
                 {"index": wire_format.index, "name": wire_format.name}
                 for wire_format in kind.formats
             ]
-            ends = {"least": kind.count.lower, "most": kind.count.upper}
-            return {"kind": "formatted", **ends, "formats": formats}
+            return {"kind": "formatted", **_span(kind.count), "formats": formats}
+
+
+def _span(count: wire.Count) -> dict[str, Any]:
+    return {"least": count.lower, "most": count.upper}
 
 
 def _number(kind: wire.Number) -> dict[str, Any]:

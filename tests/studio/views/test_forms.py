@@ -7,7 +7,7 @@ from for_each import for_each
 from scope_support import CAR, SHIPPED, named, scope_of
 
 from jausml.authoring.proposals.elements import AnswerError
-from jausml.authoring.studio.views.forms import choices, form, form_of
+from jausml.authoring.studio.views.forms import choices, form_of
 from jausml.language.metamodel import FeatureKind, documentation, load_metamodels
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import Diagnostic, Severity
@@ -19,6 +19,11 @@ CONCRETE = sorted(
     if not class_table.abstract
 )
 KINDS = {"text", "multiline", "number", "integer", "boolean", "choice", "reference"}
+
+
+def form_at(scope, ref, diagnostics=()):
+    """The form of what a reference names."""
+    return form_of(scope, scope.find(ref), diagnostics)
 
 
 @for_each("name", CONCRETE)
@@ -63,7 +68,7 @@ def test_every_class_has_a_form(name):
 
 def test_a_ros_field_lists_what_its_markers_say():
     scope = scope_of("library/ros/sensor_msgs.xmi")
-    found = form(scope, named(scope, ros.Field, "NavSatFix.altitude"))
+    found = form_at(scope, named(scope, ros.Field, "NavSatFix.altitude"))
     (markers,) = (child for child in found.children if child.feature == "markers")
     assert markers.elements[0].label.startswith("unknown if value != value, written NaN (NavSatFix")
 
@@ -72,7 +77,7 @@ def test_a_ros_field_lists_what_its_markers_say():
 def test_every_shipped_element_has_a_form(name):
     scope = scope_of(name)
     for element in scope.model.elements_of(scope.model.documents[0]):
-        found = form(scope, scope.ref(element))
+        found = form_at(scope, scope.ref(element))
         assert found.title
         for field in found.fields:
             if field.kind == "reference" and field.values:
@@ -86,7 +91,7 @@ def test_every_shipped_element_has_a_form(name):
 
 def test_a_connection_tells_values_defaults_units_and_targets():
     scope = scope_of(CAR)
-    found = form(scope, named(scope, bridge.Connection, "bridge.speed_command"))
+    found = form_at(scope, named(scope, bridge.Connection, "bridge.speed_command"))
     fields = {field.feature: field for field in found.fields}
     assert next(iter(fields)) == "name"
     assert list(fields)[-1] == "documentation"
@@ -109,7 +114,7 @@ def test_a_connection_tells_values_defaults_units_and_targets():
 
 def test_fields_of_a_connection_stand_in_groups():
     scope = scope_of(CAR)
-    found = form(scope, named(scope, bridge.Connection, "bridge.speed_command"))
+    found = form_at(scope, named(scope, bridge.Connection, "bridge.speed_command"))
     groups = [field.group for field in found.fields]
     runs = [group for at, group in enumerate(groups) if at == 0 or groups[at - 1] != group]
     assert runs == ["", "rates and limits", "silence and stops", "trust and control", ""]
@@ -186,14 +191,14 @@ def test_fields_tell_what_is_wrong_with_them():
     scope_ref = scope.ref(first)
     place, fragment = scope.model.location(first, "map"), scope.model.fragment(first)
     finding = Diagnostic("JML411", Severity.ERROR, place, "wrong", fragment=fragment)
-    fields = {field.feature: field for field in form(scope, scope_ref, [finding]).fields}
+    fields = {field.feature: field for field in form_at(scope, scope_ref, [finding]).fields}
     assert fields["map"].problems == ("wrong",)
     assert fields["rate"].problems == ()
 
 
 def test_what_is_gone_is_told():
     with pytest.raises(AnswerError, match="no element"):
-        form(scope_of(CAR), "catvehicle/catvehicle.xmi#//@bridges.7")
+        form_at(scope_of(CAR), "catvehicle/catvehicle.xmi#//@bridges.7")
 
 
 def test_lists_show_what_matters_of_each_element_and_begin_with_what_is_usual():

@@ -54,7 +54,8 @@ def _edit(
     at: Dropped | None = None,
 ) -> dict[str, Any]:
     """Carries out commands, all or none; dry, tells what they would do."""
-    meant, project = _commands(commands), context.project
+    meant = [command(words, f"commands[{index}]") for index, words in enumerate(commands)]
+    project = context.project
     if dry:
         seen = project.preview(meant, base)
         return {
@@ -64,10 +65,6 @@ def _edit(
             "referrers": seen.referrers,
         }
     return _carried_out(context, meant, label, project.revision if base is None else base, at=at)
-
-
-def _commands(descriptions: tuple[Mapping[str, object], ...]) -> list[Command]:
-    return [command(description, f"commands[{i}]") for i, description in enumerate(descriptions)]
 
 
 def _carried_out(

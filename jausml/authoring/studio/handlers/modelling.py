@@ -12,7 +12,7 @@ from jausml.authoring.proposals.mapping.assignments import clock, constant, igno
 from jausml.authoring.proposals.mapping.filling import fill_map
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - as above
 from jausml.authoring.studio.views.connecting import connect, ends, hosted
-from jausml.authoring.studio.views.forms import choices, form
+from jausml.authoring.studio.views.forms import choices, form_of
 from jausml.authoring.studio.views.palette import MOST, palette
 from jausml.authoring.studio.views.service_lines import cut, heritage, join, lead
 from jausml.authoring.studio.views.spots import (
@@ -49,20 +49,20 @@ class Port:
 
 def _form(context: StudioContext, element: str) -> object:
     file, _ = refs.split(element)
-    if not file.startswith(refs.LIBRARY):
-        report = context.verdicts.of(file).report
-        return form(context.scope_of(file, report.model), element, report.diagnostics)
-    _, model = context.project.find(element)
-    return form(Scope(model, context.project.root), element)
+    if file.startswith(refs.LIBRARY):
+        scope = context.scope_of_library(element)
+        return form_of(scope, scope.find(element))
+    report = context.verdicts.of(file).report
+    scope = context.scope_of(file, report.model)
+    return form_of(scope, scope.find(element), report.diagnostics)
 
 
 def _choices(context: StudioContext, element: str, feature: str, query: str = "") -> object:
     """Returns what a reference of an element may lead to, searched by a query."""
     file, _ = refs.split(element)
-    if file.startswith(refs.LIBRARY):
-        _, model = context.project.find(element)
-        return choices(Scope(model, context.project.root), element, feature, query)
-    return choices(context.scope_of(file), element, feature, query)
+    is_library = file.startswith(refs.LIBRARY)
+    scope = context.scope_of_library(element) if is_library else context.scope_of(file)
+    return choices(scope, element, feature, query)
 
 
 def _palette(

@@ -12,7 +12,7 @@ from jausml.authoring.proposals.elements import AnswerError, Scope
 from jausml.authoring.proposals.quick_fixes.fixes import quick_fixes
 from jausml.authoring.studio.context import StudioContext  # noqa: TC001 - typed at run time
 from jausml.authoring.studio.drawing import difference
-from jausml.authoring.studio.live import LiveSystem, Watched
+from jausml.authoring.studio.live import LiveSystem
 from jausml.authoring.studio.rpc import files_as_json, freshness_as_json, log_as_json
 from jausml.authoring.studio.views.outline import outline, search
 from jausml.authoring.studio.views.spots import element_at, map_shown, source
@@ -234,10 +234,8 @@ def _library_text(file: str) -> str:
 
 def _source(context: StudioContext, element: str) -> dict[str, Any]:
     file, _ = refs.split(element)
-    if file.startswith(refs.LIBRARY):
-        scope = Scope(context.project.find(element)[1], context.project.root)
-    else:
-        scope = context.scope_of(file)
+    is_library = file.startswith(refs.LIBRARY)
+    scope = context.scope_of_library(element) if is_library else context.scope_of(file)
     location = source(scope, element)
     # A file that cannot be read as it is was shown as it was, where places are others.
     start, end = (0, 0) if _is_stale(context, file) else (location.start, location.end)
@@ -313,6 +311,7 @@ class LiveRequests:
     def __init__(self, context: StudioContext) -> None:
         self._context = context
         self._live: LiveSystem | None = None
+        self._file = ""
         self._lock = threading.Lock()
 
     def methods(self) -> Mapping[str, Method]:
@@ -323,24 +322,23 @@ class LiveRequests:
             "live.message": Method(self.message),
         }
 
-    def start(self, file: str) -> dict[str, Any]:
+    def start(self, file: str) -> None:
         """Watches the system of a file, in the place of the one before."""
         project = self._context.project
-        watched = Watched(file, project.root / file, project.root, project.model(file).model)
+        root, model, network = project.root, project.model(file).model, self._context.network
         with self._lock:
-            if self._live is None or self._live.file != file:
+            if self._live is None or self._file != file:
                 self._stop()
-                self._live = LiveSystem(watched, self._context.network, self._notify)
+                self._file = file
+                self._live = LiveSystem(root / file, root, model, network, self._notify)
                 self._live.start()
             else:
                 self._live.tell_again()
-        return {}
 
-    def stop(self) -> dict[str, Any]:
+    def stop(self) -> None:
         """Watches nothing any more."""
         with self._lock:
             self._stop()
-        return {}
 
     def leave(self) -> None:
         """Watches nothing any more; who calls does not wait for it."""
@@ -360,7 +358,7 @@ class LiveRequests:
             if self._live is None:
                 return
             try:
-                self._live.follow(self._context.project.model(self._live.file).model)
+                self._live.follow(self._context.project.model(self._file).model)
             except EditError:  # the file is gone
                 self._stop()
 

@@ -167,11 +167,6 @@ _OWN_UNIT = frozenset({"value", "minimum", "maximum"})
 """Features that are in the unit that their element states."""
 
 
-def form(scope: Scope, ref: str, diagnostics: Iterable[Diagnostic] = ()) -> Form:
-    """Returns the form of an element."""
-    return form_of(scope, scope.find(ref), diagnostics)
-
-
 def form_of(scope: Scope, element: EObject, diagnostics: Iterable[Diagnostic] = ()) -> Form:
     """Returns the form of an element."""
     ref = scope.ref(element)

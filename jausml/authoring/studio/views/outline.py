@@ -48,7 +48,8 @@ def _rows(
 ) -> Iterator[OutlineRow]:
     ref, inner = scope.ref(element), scope.model.owned(element)
     is_open = bool(inner) and (depth == 0 or ref in opened)
-    yield _row(scope, element, depth, len(inner), is_open=is_open)
+    label, kind = label_of(element), _kind(element)
+    yield OutlineRow(ref, label, kind, depth, len(inner), is_open)
     if not is_open:
         return
     for child in inner[:_MOST_INNER]:
@@ -70,25 +71,19 @@ def search(scope: Scope, query: str) -> list[OutlineRow]:
             others.append(element)
     hits = [*named, *others]
     rows = [
-        _row(scope, hit, 0, len(scope.model.owned(hit)), note=_path(hit))
+        OutlineRow(
+            scope.ref(hit),
+            label_of(hit),
+            _kind(hit),
+            0,
+            len(scope.model.owned(hit)),
+            note=_path(hit),
+        )
         for hit in hits[:_MOST_FOUND]
     ]
     if len(hits) > _MOST_FOUND:
         rows.append(OutlineRow("", f"{len(hits) - _MOST_FOUND} more: type more of it", "", 0))
     return rows
-
-
-def _row(
-    scope: Scope,
-    element: EObject,
-    depth: int,
-    inner: int,
-    *,
-    is_open: bool = False,
-    note: str = "",
-) -> OutlineRow:
-    ref, label = scope.ref(element), label_of(element)
-    return OutlineRow(ref, label, _kind(element), depth, inner, is_open, note)
 
 
 def _kind(element: EObject) -> str:

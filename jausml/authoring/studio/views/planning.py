@@ -95,12 +95,9 @@ def out_folder(root: Path, file: str, out: str = "", chosen: str = "") -> Path:
 
 def plan(report: Report, out: Path, *, force: bool = False) -> Planned:
     """Returns what generating from a model into a folder would do; nothing is written."""
-    problems = _problems(report)
-    if problems:
-        return Planned(str(out), problems=problems)
     try:
-        result = _result(report, out, force=force)
-    except GenerationError as error:
+        result = _checked(report, out, force=force)
+    except AnswerError as error:
         return Planned(str(out), problems=str(error))
     return Planned(
         str(out),
@@ -168,23 +165,19 @@ def _checked(report: Report, out: Path, *, force: bool) -> Result:
     problems = _problems(report)
     if problems:
         raise AnswerError(problems)
+    selection = select(load_targets())
     try:
-        return _result(report, out, force=force)
+        return generate(
+            report.model,
+            selection.targets,
+            out,
+            kept=selection.kept,
+            renewed=selection.renewed,
+            force=force,
+            write=False,
+        )
     except GenerationError as error:
         raise AnswerError(str(error)) from error
-
-
-def _result(report: Report, out: Path, *, force: bool) -> Result:
-    selection = select(load_targets())
-    return generate(
-        report.model,
-        selection.targets,
-        out,
-        kept=selection.kept,
-        renewed=selection.renewed,
-        force=force,
-        write=False,
-    )
 
 
 def _problems(report: Report) -> str:

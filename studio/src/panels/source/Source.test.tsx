@@ -8,9 +8,7 @@ import { Source } from "./Source";
 const TEXT = "// why\nsystem robot {\n    bridge main {}\n}\n";
 const PROJECT_OF_TEXT = {
   ...PROJECT,
-  files: [
-    { path: "robot.ros2jaus", notation: "text" as const, stale: false, dirty: false },
-  ],
+  files: [{ path: "robot.ros2jaus", notation: "text" as const, stale: false, dirty: false }],
   opened: "robot.ros2jaus",
 };
 
