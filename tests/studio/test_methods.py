@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, get_type_hints
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
-from jausml.authoring.studio.handlers.showing import LiveRequests
-from jausml.authoring.studio.session import methods_of
+from jausml.authoring.studio.session import Session
 from jausml.live.operating.seats import Seat
 
 if TYPE_CHECKING:
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
 def test_types_of_what_the_studio_answers_are_there(tmp_path: Path) -> None:
     context = StudioContext(Project(tmp_path))
-    methods = {**methods_of(context), **LiveRequests(context).methods()}
+    methods = Session(context)._answering._methods
     assert "recording.why" in methods
     for method in methods.values():
         get_type_hints(getattr(method.answer, "func", method.answer))

@@ -7,6 +7,7 @@ import threading
 from collections import deque
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import count
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -68,8 +69,6 @@ _MOST_SHOWN = 8
 
 _MOST_FAULTS = 100
 
-_LOGGER = "jausml"
-
 
 class ViewedFiles:
     """The files that someone looks at: those that were asked for last, the latest first."""
@@ -100,7 +99,7 @@ class Faults(logging.Handler):
     @contextmanager
     def kept(self) -> Iterator[None]:
         """Keeps what is logged as long as the context lasts."""
-        logger = logging.getLogger(_LOGGER)
+        logger = logging.getLogger("jausml")
         logger.addHandler(self)
         try:
             yield
@@ -119,6 +118,10 @@ class Faults(logging.Handler):
         self._records.append(entry)
 
 
+_USUAL = (DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ())
+"""The network of this computer alone."""
+
+
 @dataclass
 class StudioContext:
     """What request handlers work with.
@@ -129,11 +132,7 @@ class StudioContext:
 
     project: Project
     out: str = ""
-    network: Network = field(
-        default_factory=lambda: make_network(
-            None, DEFAULT_INTERFACE, DEFAULT_PORT, DEFAULT_GROUP, ()
-        )
-    )
+    network: Network = field(default_factory=partial(make_network, None, *_USUAL))
     subscribers: Subscribers = field(default_factory=Subscribers)
     viewed_files: ViewedFiles = field(default_factory=ViewedFiles)
     trials: Trials = field(default_factory=Trials)

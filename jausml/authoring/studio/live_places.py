@@ -103,10 +103,6 @@ class MachineView:
     start: str
     paths: tuple[str, ...]
 
-    def box(self, path: str) -> str:
-        """Returns the id of the box or frame of a state."""
-        return f"{self.start}!{path}"
-
 
 Key = tuple[str, str]
 """URN of a service and name of its machine."""
@@ -141,7 +137,7 @@ def machine_boxes(
         for path in view.paths:
             box = _box(path, instances)
             if box is not None:
-                boxes[view.box(path)] = box
+                boxes[f"{view.start}!{path}"] = box
     return boxes
 
 

@@ -70,13 +70,10 @@ class Recordings:
         """Opens nothing yet."""
         self._root = root.resolve()
         self._named_files = _named(self._root, paths)
+        self.given = tuple(self._named_files)
+        """Names of those that were named at the start."""
         self._opened: OrderedDict[tuple[str, int, int], OpenedRecording] = OrderedDict()
         self._lock = threading.Lock()
-
-    @property
-    def given(self) -> tuple[str, ...]:
-        """Names of those that were named at the start."""
-        return tuple(self._named_files)
 
     def files(self) -> list[str]:
         """Returns the names of those that may be opened."""

@@ -66,15 +66,19 @@ class Session:
         """Begins a session."""
         load_metamodels()  # now, for threads that ask at once would load them twice
         self._context = context
-        self._live_requests = LiveRequests(context)
-        context.subscribers.left = self._live_requests.leave
-        methods = {**methods_of(context), **self._live_requests.methods()}
+        live = self._live = LiveRequests(context)
+        context.subscribers.left = live.leave
+        methods = methods_of(context) | {
+            "live.start": Method(live.start),
+            "live.stop": Method(live.stop),
+            "live.message": Method(live.message),
+        }
         self._answering = Answering(methods, refusal_of)
         self.answer, self.subscribed = self._answering.answer, context.subscribers.subscribed
         self._checking = Checking(
             context.verdicts, lambda: context.viewed_files.files, self._judged
         )
-        context.followers.extend((self._checking.begin, self._live_requests.changed))
+        context.followers.extend((self._checking.begin, self._live.changed))
 
     @property
     def root(self) -> Path:
@@ -101,7 +105,7 @@ class Session:
             self._checking.close()
             await watched  # it may wait for its turn among the changes
             self._answering.close()
-            await asyncio.to_thread(self._live_requests.stop)
+            await asyncio.to_thread(self._live.stop)
             await asyncio.to_thread(self._context.recordings.close)
             await asyncio.to_thread(self._context.trials.close)
 

@@ -9,7 +9,6 @@ import * as actions from "./index";
 const VIEWS = [{ name: "system", kind: "system" as const, title: "", library: false }];
 const DONE: EditResult = {
   revision: 2,
-  entry: { number: 1, label: "", files: [], created: [] },
   created: [],
 };
 

@@ -17,7 +17,6 @@ beforeEach(() => {
     view: () => ({ revision: 1, graph }),
     edit: ({ label, dry }) => ({
       revision: 1,
-      entry: null,
       created: [],
       ...(dry && { diff: `+connect ${label}` }),
     }),

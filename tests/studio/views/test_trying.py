@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import tempfile
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,7 +32,7 @@ BUSY = 60.0
 
 @pytest.fixture(scope="module")
 def trials():
-    with Trials(BUSY) as made:
+    with closing(Trials(BUSY)) as made:
         yield made
 
 
@@ -107,7 +108,7 @@ def test_what_does_not_fit_is_told(trials):
 def test_the_process_stays_until_the_code_changes():
     scope = scope_of(CAR)
     used = map_of(scope, "steering_command")
-    with Trials(BUSY) as trials:
+    with closing(Trials(BUSY)) as trials:
         assert not trials.run(scope, used, {"data": "0"}, to_ros=False).error
         [first] = trials._processes.values()
         assert not trials.run(scope, used, {"data": "0.1"}, to_ros=False).error
@@ -155,7 +156,7 @@ def test_a_map_is_tried_as_its_bridge_has_it(trials, tmp_path):
 
 def test_a_translation_that_takes_too_long_is_ended():
     scope = scope_of(CAR)
-    with Trials(0.0) as trials:
+    with closing(Trials(0.0)) as trials:
         found = trials.run(scope, map_of(scope, "steering_command"), {}, to_ros=False)
         assert found.error == "the translation took longer than 0 s"
         [process] = trials._processes.values()
@@ -246,7 +247,7 @@ def test_every_ready_map_can_be_tried(name, monkeypatch):
     monkeypatch.setattr(trying, "_Process", InThisProcess)
     monkeypatch.setattr(trying, "_MOST_PROCESSES", 1)  # all have packages of the same names
     scope = scope_of(name)
-    with Trials(BUSY) as trials:
+    with closing(Trials(BUSY)) as trials:
         for used in scope.model.instances(bridge.AttributeMap):
             for to_ros, assignments in ((True, used.toRos), (False, used.toJaus)):
                 if not assignments or scope.model.document_of(used) is not scope.model.documents[0]:

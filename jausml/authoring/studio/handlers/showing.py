@@ -20,7 +20,6 @@ from jausml.language.model import refs
 from jausml.language.model.library import library_root
 from jausml.language.model.refs import file_of
 from jausml.language.text.notation import SUFFIX
-from jausml.live.serving.rpc import Method
 from jausml.views.diagrams.folding import MOST_SHOWN
 from jausml.views.diagrams.layout.sheet import LayoutError
 from jausml.views.diagrams.views import SYSTEM, UnknownViewError, graph_of, maps, view_names
@@ -313,14 +312,6 @@ class LiveRequests:
         self._live: LiveSystem | None = None
         self._file = ""
         self._lock = threading.Lock()
-
-    def methods(self) -> Mapping[str, Method]:
-        """Returns the methods by name."""
-        return {
-            "live.start": Method(self.start),
-            "live.stop": Method(self.stop),
-            "live.message": Method(self.message),
-        }
 
     def start(self, file: str) -> None:
         """Watches the system of a file, in the place of the one before."""

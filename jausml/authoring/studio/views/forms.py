@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, field, replace
 from functools import cache
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import (
@@ -195,7 +196,10 @@ def form_of(scope: Scope, element: EObject, diagnostics: Iterable[Diagnostic] = 
 
 def kinds_of(target: ClassTable) -> tuple[Kind, ...]:
     """Returns the classes whose elements can stand where one of a class is owned."""
-    concrete = sorted((subtype for subtype in target.subtypes if not subtype.abstract), key=_name)
+    concrete = sorted(
+        (subtype for subtype in target.subtypes if not subtype.abstract),
+        key=attrgetter("qualified_name"),
+    )
     first = [class_table for class_table in concrete if class_table is target]
     return tuple(
         Kind(
@@ -205,11 +209,6 @@ def kinds_of(target: ClassTable) -> tuple[Kind, ...]:
         )
         for class_table in (*first, *(subtype for subtype in concrete if subtype is not target))
     )
-
-
-@cache
-def _name(table: ClassTable) -> str:
-    return table.qualified_name
 
 
 def _shown(table: ClassTable) -> list[FeatureTable]:

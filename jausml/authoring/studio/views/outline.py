@@ -70,17 +70,11 @@ def search(scope: Scope, query: str) -> list[OutlineRow]:
         elif all(word in f"{name} {_kind(element)}" for word in words):
             others.append(element)
     hits = [*named, *others]
-    rows = [
-        OutlineRow(
-            scope.ref(hit),
-            label_of(hit),
-            _kind(hit),
-            0,
-            len(scope.model.owned(hit)),
-            note=_path(hit),
-        )
-        for hit in hits[:_MOST_FOUND]
-    ]
+    rows = []
+    for hit in hits[:_MOST_FOUND]:
+        inner, owner = len(scope.model.owned(hit)), hit.eContainer()
+        note = label_of(owner) if owner is not None else ""
+        rows.append(OutlineRow(scope.ref(hit), label_of(hit), _kind(hit), 0, inner, note=note))
     if len(hits) > _MOST_FOUND:
         rows.append(OutlineRow("", f"{len(hits) - _MOST_FOUND} more: type more of it", "", 0))
     return rows
@@ -88,8 +82,3 @@ def search(scope: Scope, query: str) -> list[OutlineRow]:
 
 def _kind(element: EObject) -> str:
     return in_words(element.eClass.name)
-
-
-def _path(element: EObject) -> str:
-    owner = element.eContainer()
-    return label_of(owner) if owner is not None else ""

@@ -28,7 +28,6 @@ _WORDS = {
     ActionKind.ORPHAN: "keep",
     ActionKind.REFUSE: "refuse",
 }
-_UNCHANGED = "unchanged"
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +191,7 @@ def _problems(report: Report) -> str:
 
 
 def _file(action: Action) -> PlannedFile:
-    word = _WORDS.get(action.kind, "same" if action.reason == _UNCHANGED else "keep")
+    word = _WORDS.get(action.kind, "same" if action.reason == "unchanged" else "keep")
     return PlannedFile(action.path, word, action.reason)
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from jausml.authoring.proposals.elements import AnswerError
 from jausml.authoring.proposals.mapping.members import member
-from jausml.authoring.studio.views.xml_places import XmlPlaces
+from jausml.authoring.studio.views.places import TextPlaces, XmlPlaces, character, flat, units
 from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.model import refs
 from jausml.language.text.reading.document import TextDocument
@@ -23,10 +22,6 @@ if TYPE_CHECKING:
     from jausml.language.metamodel.classes.ecore import EObject
     from jausml.language.model import Document, Model
     from jausml.language.model.xmi.parsing import Node
-    from jausml.language.text.tree import Span
-
-    _LineAndColumn: TypeAlias = tuple[int, int]
-    _Spanned: TypeAlias = tuple[_LineAndColumn, _LineAndColumn, EObject]
 
 _MARK = "!"
 
@@ -130,7 +125,6 @@ def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Mem
 
 
 XMI, TEXT = "xmi", "text"
-_LINE_END = re.compile(r"\r\n?|\n")
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,39 +151,19 @@ def source(scope: Scope, ref: str) -> Located:
     document = model.document_of(element)
     if document is None:
         return Located(file, XMI, "", 0, 0)
-    if isinstance(document.written, TextDocument):
-        return _in_text(document, document.written, model, element, file)
-    return _in_xmi(document, model, element, file)
+    places = _places(document)
+    spans = (places.element(node) for node in _nodes(model, element))
+    start, end = next(filter(None, spans), (0, 0))
+    text = places.text
+    notation = TEXT if isinstance(places, TextPlaces) else XMI
+    return Located(file, notation, flat(text), units(text[:start]), units(text[:end]))
 
 
-def _in_xmi(document: Document, model: Model, element: EObject, file: str) -> Located:
-    whole = XmlPlaces(document)
-    node = next(_nodes(model, element), None)
-    start = end = 0
-    if node is not None:
-        start, end = whole.element(node)
-    return _located(file, XMI, whole.text, start, end)
-
-
-def _in_text(
-    document: Document, written: TextDocument, model: Model, element: EObject, file: str
-) -> Located:
-    text = document.data.decode("utf-8-sig", "replace")
-    span = _span(written, model, element)
-    start = end = 0
-    if span is not None:
-        start = _characters(text, (span.line, span.column))
-        end = _characters(text, (span.end_line, span.end_column))
-    return _located(file, TEXT, text, start, end)
-
-
-def _span(written: TextDocument, model: Model, element: EObject) -> Span | None:
-    """Returns what is written of an element, or of the nearest of its owners."""
-    for node in _nodes(model, element):
-        text_source = written.source_of(node)
-        if text_source is not None:
-            return text_source.span
-    return None
+def _places(document: Document) -> TextPlaces | XmlPlaces:
+    written = document.written
+    return (
+        TextPlaces(document, written) if isinstance(written, TextDocument) else XmlPlaces(document)
+    )
 
 
 def _nodes(model: Model, element: EObject) -> Iterator[Node]:
@@ -202,17 +176,6 @@ def _nodes(model: Model, element: EObject) -> Iterator[Node]:
         around = around.eContainer()
 
 
-def _located(file: str, notation: str, text: str, start: int, end: int) -> Located:
-    flat = _LINE_END.sub("\n", text)
-    return Located(file, notation, flat, _units(text[:start]), _units(text[:end]))
-
-
-def _units(text: str) -> int:
-    """Returns the units of UTF-16 of a text, in which an end of a line is one."""
-    flat = _LINE_END.sub("\n", text)
-    return len(flat.encode("utf-16-le", "surrogatepass")) // 2
-
-
 def element_at(model: Model, offset: int) -> EObject | None:
     """Returns the innermost element that is written at a place, None where there is none.
 
@@ -221,57 +184,18 @@ def element_at(model: Model, offset: int) -> EObject | None:
     document = model.documents[0]
     if not document.readable:
         return None
-    if isinstance(document.written, TextDocument):
-        spans = _spans_in_text(document, document.written)
-        place = _place(document.data.decode("utf-8-sig", "replace"), offset)
-    else:
-        places = XmlPlaces(document)
-        place = _place(places.text, offset)
-        spans = _spans_in_xmi(document, places, _characters(places.text, place))
-    around = [(start, obj) for start, end, obj in spans if start <= place <= end]
-    # Of two that touch, the one that begins last; of two that begin together, the inner one.
-    latest = max((start for start, _ in around), default=None)
-    return next((obj for start, obj in reversed(around) if start == latest), None)
-
-
-def _spans_in_text(document: Document, written: TextDocument) -> Iterator[_Spanned]:
-    # What follows from something else stands nowhere, and what it owns may stand anywhere.
+    places = _places(document)
+    at = character(places.text, offset)
+    around: list[tuple[int, EObject]] = []
     waiting = list(reversed(document.root_nodes))
     while waiting:
         node = waiting.pop()
-        waiting += reversed(node.children)
-        item = written.source_of(node)
-        if item is not None and node.obj is not None:
-            span = item.span
-            yield (span.line, span.column), (span.end_line, span.end_column), node.obj
-
-
-def _spans_in_xmi(document: Document, places: XmlPlaces, at: int) -> Iterator[_Spanned]:
-    """Yields the elements around a place, which is given in characters."""
-    waiting = list(document.root_nodes)
-    while waiting:
-        node = waiting.pop()
-        start, end = places.element(node)
-        if start <= at <= end:
-            waiting += node.children
-            if node.obj is not None:
-                yield _of(places.text, start), _of(places.text, end), node.obj
-
-
-def _place(text: str, offset: int) -> _LineAndColumn:
-    """Returns line and column of a place, counted from 1 in characters."""
-    flat = _LINE_END.sub("\n", text).encode("utf-16-le", "surrogatepass")
-    before = flat[: 2 * offset].decode("utf-16-le", "replace")
-    return before.count("\n") + 1, len(before) - before.rfind("\n")
-
-
-def _of(text: str, at: int) -> _LineAndColumn:
-    """Returns line and column of a character."""
-    before = _LINE_END.sub("\n", text[:at])
-    return before.count("\n") + 1, len(before) - before.rfind("\n")
-
-
-def _characters(text: str, place: _LineAndColumn) -> int:
-    """Returns the character at a line and column."""
-    starts = [0, *(match.end() for match in _LINE_END.finditer(text))]
-    return starts[place[0] - 1] + place[1] - 1
+        start, end = places.element(node) or (at + 1, at)
+        # In text, what an element owns may stand anywhere.
+        if start <= at <= end or isinstance(places, TextPlaces):
+            waiting += reversed(node.children)
+        if start <= at <= end and node.obj is not None:
+            around.append((start, node.obj))
+    # Of two that touch, the one that begins last; of two that begin together, the inner one.
+    latest = max((start for start, _ in around), default=None)
+    return next((obj for start, obj in reversed(around) if start == latest), None)

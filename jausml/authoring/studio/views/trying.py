@@ -36,8 +36,6 @@ from jausml_generators.bridge.views import bridge_views
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from typing_extensions import Self
-
     from jausml.authoring.proposals.elements import Scope
     from jausml.language.semantics.paths.scopes import PathScope
     from jausml.language.semantics.paths.wholes import PathPlace
@@ -154,12 +152,6 @@ class Trials:
         self._seconds = seconds
         self._lock = threading.Lock()
         self._processes: OrderedDict[tuple[str, bool], _Process] = OrderedDict()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
 
     def close(self) -> None:
         """Ends all processes."""

@@ -1,7 +1,8 @@
-"""Places of the elements of an XMI file, in characters of its text."""
+"""Places of the elements of a file, in characters of its text, and as browsers count them."""
 
 from __future__ import annotations
 
+import re
 from bisect import bisect_right
 from functools import cached_property
 from itertools import accumulate
@@ -12,6 +13,47 @@ from jausml.language.model.xmi.parsing import element_ends
 if TYPE_CHECKING:
     from jausml.language.model.documents import Document
     from jausml.language.model.xmi.parsing import Node
+    from jausml.language.text.reading.document import TextDocument
+
+_LINE_END = re.compile(r"\r\n?|\n")
+
+
+def flat(text: str) -> str:
+    """Returns a text in which an end of a line is one character, as pages have it."""
+    return _LINE_END.sub("\n", text)
+
+
+def units(text: str) -> int:
+    """Returns the units of UTF-16 of a text, in which an end of a line is one."""
+    return len(flat(text).encode("utf-16-le", "surrogatepass")) // 2
+
+
+def character(text: str, offset: int) -> int:
+    """Returns the character of a text at an offset as pages count."""
+    before = flat(text).encode("utf-16-le", "surrogatepass")[: 2 * offset]
+    *lines, last = before.decode("utf-16-le", "replace").split("\n")
+    return _line_starts(text)[len(lines)] + len(last)
+
+
+def _line_starts(text: str) -> list[int]:
+    return [0, *(match.end() for match in _LINE_END.finditer(text))]
+
+
+class TextPlaces:
+    """Where the elements of a document in the text notation stand."""
+
+    def __init__(self, document: Document, written: TextDocument) -> None:
+        self.text = document.data.decode("utf-8-sig", "replace")
+        self._written, self._starts = written, _line_starts(self.text)
+
+    def element(self, node: Node) -> tuple[int, int] | None:
+        """Returns where an element begins and ends, None where it follows from something else."""
+        source = self._written.source_of(node)
+        if source is None:
+            return None
+        span = source.span
+        start = self._starts[span.line - 1] + span.column - 1
+        return start, self._starts[span.end_line - 1] + span.end_column - 1
 
 
 class XmlPlaces:
