@@ -12,7 +12,7 @@ from sweeps import sweep
 
 from jausml.views.diagrams.bundling import is_crowded
 from jausml.views.diagrams.layout.graphviz import place
-from jausml.views.diagrams.layout.labels import Ground, _crosses
+from jausml.views.diagrams.layout.labels import Ground, _crosses, hidden
 from jausml.views.diagrams.layout.parallel import APART, nearness
 from jausml.views.diagrams.layout.settling import Area, area_of, chain
 from jausml.views.diagrams.layout.sheet import samples
@@ -51,7 +51,7 @@ def _known(view, graph):
     return graph.title if view == "system" else view
 
 
-def hidden(sheet, places):
+def hidden_within(sheet, places):
     """Returns how much labels hide: the number of lines and borders where it is no text.
 
     No label is cut by the borders of the picture.
@@ -61,7 +61,7 @@ def hidden(sheet, places):
     assert min((min(area.left, area.top) for area in areas), default=0) >= 0
     assert max((area.right for area in areas), default=0) <= places.width
     assert max((area.bottom for area in areas), default=0) <= places.height
-    return sum(ground.hidden(line, middle) for line, middle in ground.labels.items())
+    return hidden(sheet, places)
 
 
 def assert_ways_are_clear(sheet, corners, frames, lines):
@@ -94,7 +94,7 @@ def test_labels_and_ways_of_shipped_models_lie_on_nothing(name):
         graph = graph_of(model, view)
         if not is_crowded(graph):
             sheet, places = placed(graph)
-            assert hidden(sheet, places) == HIDING.get(_known(view, graph), 0), view
+            assert hidden_within(sheet, places) == HIDING.get(_known(view, graph), 0), view
             frames = {name: Area(*one, *other) for name, (one, other) in places.frames.items()}
             assert_ways_are_clear(sheet, places.boxes, frames, places.lines)
 
@@ -150,7 +150,7 @@ def five_groups(tmp_path_factory):
 
 def test_groups_stand_beside_each_other_and_their_labels_lie_on_nothing(five_groups):
     sheet, places = placed(five_groups)
-    assert hidden(sheet, places) == 0
+    assert hidden_within(sheet, places) == 0
     assert places.width > places.height
 
 

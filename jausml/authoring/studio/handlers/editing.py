@@ -137,7 +137,7 @@ def _create(context: StudioContext, file: str, origin: str) -> dict[str, Any]:
     return _told(context, context.project.add_file(file, data, f"Create {file}"))
 
 
-def _starting_points() -> dict[str, Any]:
+def _starting_points(_: StudioContext) -> dict[str, Any]:
     return {"points": STARTING_POINTS}
 
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 from jausml import installing
 from jausml.views.diagrams.graph import nested
 from jausml.views.diagrams.layout.columns import in_columns
-from jausml.views.diagrams.layout.labels import cleared
-from jausml.views.diagrams.layout.settling import FRAME_MARGIN, chain
+from jausml.views.diagrams.layout.labels import cleared, hidden
+from jausml.views.diagrams.layout.settling import chain
 from jausml.views.diagrams.layout.sheet import LayoutError, Places, Route
 from jausml.views.diagrams.layout.ways import spaced
 
@@ -33,8 +33,8 @@ MISSING = f"pictures need {PACKAGE}: {installing.command('diagram')}"
 LONGEST = 120
 """Seconds that a layout may take."""
 
-_BORDER = 2 * FRAME_MARGIN + 2
-"""Room beside a label for the border of each frame that its line leaves or enters."""
+_ROOMS = (0, 26, 48)
+"""Pixels beside the label of a line for each border that it crosses, as they are tried."""
 
 _TABLE = '<table fixedsize="true" border="0" cellborder="0" cellspacing="0" cellpadding="0"'
 
@@ -52,12 +52,21 @@ def program() -> Path | None:
 def place(sheet: Sheet) -> Places:
     """Returns where everything stands, the same for the same sheet.
 
-    What needs no search is placed without Graphviz, which has a process of its own.
+    What needs no search is placed without Graphviz, which has a process of its own. Where a label
+    comes to lie on something, as on the border of a frame, it is asked again with more room there.
     """
     if not sheet.downwards:
         places = in_columns(sheet)
         return cleared(sheet, places) if any(line.width for line in sheet.lines) else places
-    (layout,) = _run("\n".join(_graph(sheet)))
+    tried = (_downwards(sheet, room) for room in _ROOMS)
+    best = next(tried)
+    while (least := hidden(sheet, best)) and (other := next(tried, None)) is not None:
+        best = other if hidden(sheet, other) < least else best
+    return best
+
+
+def _downwards(sheet: Sheet, room: int) -> Places:
+    (layout,) = _run("\n".join(_graph(sheet, room)))
     return cleared(sheet, spaced(sheet, _places(sheet, layout)))
 
 
@@ -94,7 +103,7 @@ def _layouts(text: str) -> Iterator[dict[str, Any]]:
         yield layout
 
 
-def _graph(sheet: Sheet) -> Iterator[str]:
+def _graph(sheet: Sheet, room: int) -> Iterator[str]:
     yield "digraph {"
     yield '  graph [rankdir="TB", nodesep=0.4, ranksep=0.5]'
     yield "  node [shape=plain]"
@@ -110,7 +119,7 @@ def _graph(sheet: Sheet) -> Iterator[str]:
                 yield f"  subgraph cluster_{number} {{ label={label}; labeljust=l; margin=12"
             case "end":
                 yield "  }"
-    yield from _lines(sheet)
+    yield from _lines(sheet, room)
     yield "}"
 
 
@@ -118,7 +127,7 @@ def _cell(width: int, height: int) -> str:
     return f'<{_TABLE} width="{width}" height="{height}"><tr><td></td></tr></table>>'
 
 
-def _lines(sheet: Sheet) -> Iterator[str]:
+def _lines(sheet: Sheet, room: int) -> Iterator[str]:
     names = {box.id: f"b{number}" for number, box in enumerate(sheet.boxes)}
     first = {box.id for box in sheet.boxes if box.column == 0}
     parents = {frame.id: frame.parent for frame in sheet.frames}
@@ -128,8 +137,8 @@ def _lines(sheet: Sheet) -> Iterator[str]:
         if line.target[0] in first:
             ends.reverse()
         if line.width:
-            room = _BORDER * len(around[line.source[0]] ^ around[line.target[0]])
-            options.append(f"label={_cell(line.width + room, line.height)}")
+            crossed = len(around[line.source[0]] ^ around[line.target[0]])
+            options.append(f"label={_cell(line.width + room * crossed, line.height)}")
         if line.course == "left":
             ends.reverse()
         start, end = (names[name] for name, _ in ends)

@@ -58,6 +58,12 @@ def cleared(sheet: Sheet, places: Places) -> Places:
     return fitted(sheet, replace(places, lines=lines))
 
 
+def hidden(sheet: Sheet, places: Places) -> int:
+    """Returns how much all labels hide, or come too near to, as `Ground.hidden` counts it."""
+    ground = Ground(sheet, places)
+    return sum(ground.hidden(line, middle) for line, middle in ground.labels.items())
+
+
 class Ground:
     """What labels may lie on: boxes, borders and titles of frames, lines, and other labels."""
 
