@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from inspect import signature
 from typing import TYPE_CHECKING, get_type_hints
 
 from jausml.authoring.editing.project import Project
@@ -18,6 +19,7 @@ def test_types_of_what_the_studio_answers_are_there(tmp_path: Path) -> None:
     methods = Session(context)._answering._methods
     assert "recording.why" in methods
     for method in methods.values():
+        signature(method.answer)
         get_type_hints(getattr(method.answer, "func", method.answer))
 
 

@@ -160,8 +160,8 @@ def settled(
             standing.boxes.setdefault(keys[name], corner)
         # Ways are those between the places of the engine, where others may be known.
         routes = drawn.lines if drawn is not None else {}
-        ways = _ways(sheet, corners) if routes else ()
-        standing.routes = {way: routes[name] for name, way in ways if name in routes}
+        ends = _ways(sheet, corners) if routes else ()
+        standing.routes = {way: routes[name] for name, way in ends if name in routes}
     stood = {**standing.boxes, **moved}
     known = {name: stood[key] for name, key in keys.items() if key in stood}
     if last is not None and (last.sheet, last.known, last.fixed) == (sheet, known, fixed):
