@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from jausml.authoring.editing.commands import EditError
 from jausml.authoring.editing.reading import Disk
-from jausml.live.serving.rpc import TypedError, as_json, typed
+from jausml.live.serving.rpc import TypedError, typed
 from jausml.views.diagrams.writers.values import Standing
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ class Memory:
         """Keeps where the parts of views of a file stand; those of other views stay as they are."""
         with self._lock:
             before = self._views.get(file, {})
-            now = before | as_json(standings)
+            now = before | json.loads(json.dumps(standings, default=vars))
             if now == before:
                 return
             self._views[file] = now

@@ -75,6 +75,8 @@ class Context:
         return replace(part, element=element, key=part.key or self._key_of(part.id), **more)
 
     def _key_of(self, identifier: str) -> str:
+        if identifier in self._elements:
+            return self.key(self._elements[identifier])
         known = ((word, self._elements.get(word)) for word in identifier.split("!"))
         return "!".join(word if element is None else self.key(element) for word, element in known)
 
