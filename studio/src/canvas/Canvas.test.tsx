@@ -16,7 +16,7 @@ beforeEach(() => {
   server = serve({
     views: () => ({ views: [] }),
     view: () => ({ revision: 2, graph }),
-    edit: () => ({ revision: 1, entry: null, created: [] }),
+    edit: () => ({ revision: 1, created: [] }),
   });
   update({ graph, revision: 1 });
 });
@@ -117,6 +117,22 @@ test("F2 renames in place, Escape leaves it, Enter keeps it", async () => {
     { kind: "rename", element: "robot.xmi#ocu", name: "dr" },
   ]);
   await waitFor(() => expect(diagram()).toHaveFocus());
+});
+
+test("a label stands at the side of its room where its line is", () => {
+  const graph = smallGraph();
+  const route: [number, number][] = [
+    [0, 0],
+    [9, 0],
+    [9, 9],
+    [0, 9],
+  ];
+  Object.assign(graph.edges[0]!, { route, label: [20, 5], anchor: "start", labels: ["controls"] });
+  update({ graph });
+  render(<Canvas />);
+  const text = part(edgeKey("e1"))!.querySelector("text")!;
+  expect(text).toHaveAttribute("text-anchor", "start");
+  expect(text.querySelector("tspan")).toHaveAttribute("x", "20");
 });
 
 test("what is watched stands out by shape and word, not by colour alone", () => {

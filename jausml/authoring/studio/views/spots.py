@@ -154,8 +154,7 @@ def source(scope: Scope, ref: str) -> Located:
     places = _places(document)
     spans = (places.element(node) for node in _nodes(model, element))
     start, end = next(filter(None, spans), (0, 0))
-    text = places.text
-    notation = TEXT if isinstance(places, TextPlaces) else XMI
+    text, notation = places.text, TEXT if isinstance(places, TextPlaces) else XMI
     return Located(file, notation, flat(text), units(text[:start]), units(text[:end]))
 
 
