@@ -64,6 +64,9 @@ class Page:
             self.state = self.told.get()
         return self.state
 
+    def is_controlled_by(self, address):
+        wait_for(lambda: self.controller_of("vehicle") == address, f"control by {address}", 40.0)
+
     def controller_of(self, name):
         told = self.latest().get("components", ())
         return next(
@@ -90,7 +93,7 @@ def test_rates_states_controllers_and_losses_by_ids_of_the_view(system, page):
     page.becomes("edges", ODOMETRY, level="ok")
     wait_for(lambda: " of 20 Hz" in page.latest()["edges"][ODOMETRY]["text"], "rate")
     page.becomes("boxes", "vehicle", text="READY", level="ok")
-    wait_for(lambda: page.controller_of("vehicle") == "10.1.9", "controller")
+    page.is_controlled_by("10.1.9")
     page.becomes("boxes", "trailer", level="not heard")
     page.becomes("edges", "operator!controls.0", text="controlled by nobody")
     system.vehicle.kill()
@@ -99,7 +102,7 @@ def test_rates_states_controllers_and_losses_by_ids_of_the_view(system, page):
     system.vehicle = system.start_vehicle()
     page.becomes("edges", ODOMETRY, level="ok")
     page.becomes("boxes", "vehicle", level="ok")
-    wait_for(lambda: page.controller_of("vehicle") == "10.1.9", "controller")
+    page.is_controlled_by("10.1.9")
 
 
 def test_the_last_message_on_both_sides_while_somebody_asks(system, page):
@@ -138,11 +141,11 @@ def test_nothing_of_it_is_left_when_nobody_looks(system, model):
 
 
 def test_no_control_is_taken(system, page):
-    page.becomes("boxes", "vehicle", controller="10.1.9")
+    page.is_controlled_by("10.1.9")
     with running_operator(system.network(), open_catalogue(())) as operator:
         operator.control(JausAddress(10, 1, 1), 255)
-        page.becomes("boxes", "vehicle", controller="65000.1.77")
-    page.becomes("boxes", "vehicle", controller="10.1.9")
+        page.is_controlled_by("65000.1.77")
+    page.is_controlled_by("10.1.9")
 
 
 def test_an_edit_while_it_runs_keeps_what_is_heard(page, tmp_path):
@@ -160,7 +163,7 @@ def test_jaus_alone_where_there_is_no_ros(system, model, monkeypatch):
     monkeypatch.setitem(sys.modules, "rclpy", None)
     page = Page(model, system.port)
     try:
-        page.becomes("boxes", "vehicle", state="READY")
+        page.becomes("boxes", "vehicle", text="READY")
         page.becomes("edges", ODOMETRY, level="unknown")
         assert "no ROS here" in page.latest()["sources"]["ROS"]
         assert page.live.message(ODOMETRY)["ros"] == "there is no ROS here"
