@@ -86,8 +86,8 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_setupnodes(config: pytest.Config, specs: list[execnet.XSpec]) -> None:
-    """Makes workers forks of one process, but where what they import is to be measured."""
-    if not config.pluginmanager.hasplugin("_cov"):
+    """Makes workers forks of one process, but where they are to rewrite what they import."""
+    if config.option.assertmode == "plain":
         line = shlex.join(warm.python())
         specs[:] = [execnet.XSpec(f"popen//python={line}") for _ in specs]
 
