@@ -43,12 +43,16 @@ _ABOVE_BMP = re.compile("[\U00010000-\U0010ffff]")
 
 def printable(text: str) -> str:
     """Returns the text with every kind of line end as LF and without control characters."""
+    if text.isascii() and text.isprintable():
+        return text
     return _UNPRINTABLE.sub(lambda m: " " if m.group() == "\t" else "", _LINE_ENDS.sub("\n", text))
 
 
 def python_string(value: object) -> str:
     r"""Returns an ASCII Python string literal, in the quotes that ruff's formatter would choose."""
     text = str(value)
+    if '"' not in text and "'" not in text:
+        return f'"{ascii(text)[1:-1]}"'
     quote = "'" if text.count('"') > text.count("'") else '"'
     # ascii() is free in its choice of quotes; a text with no quotes at all leaves it no choice.
     pieces = (ascii(piece)[1:-1] for piece in re.split("['\"]", text))

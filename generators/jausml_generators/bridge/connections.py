@@ -87,12 +87,12 @@ class ConnectionView:
         """Name of its ROS message class in the generated modules."""
         return self.translated.ros_name
 
-    @property
+    @functools.cached_property
     def to_ros(self) -> bool:
         """True from JAUS to ROS."""
         return bool(self.connection.direction.name == "jausToRos")
 
-    @property
+    @functools.cached_property
     def exchange(self) -> str:
         """Literal of Exchange."""
         return str(self.connection.exchange.name)
@@ -135,7 +135,7 @@ class ConnectionView:
         """Class of the message that is made."""
         return self.ros_name if self.to_ros else self.message_name
 
-    @property
+    @functools.cached_property
     def kind(self) -> str:
         """Class of the runtime that carries it."""
         if self.to_ros:
@@ -373,12 +373,12 @@ class ConnectionView:
         moments = f"{lost}, and {silence}" if silence else lost
         return f"Stops what was commanded.\n\nSent once {moments}."
 
-    @property
+    @functools.cached_property
     def is_command(self) -> bool:
         """Whether it carries commands, which set something in motion."""
         return stops.carries_commands(self.connection)
 
-    @property
+    @functools.cached_property
     def silence_timeout(self) -> float:
         """Seconds of silence that count as a loss of the source; 0 is never."""
         return stops.silence_timeout(self.connection)
@@ -388,7 +388,7 @@ class ConnectionView:
         """Seconds without a message after which a source is lost or a report is stale."""
         return self.silence_timeout or freshness_of(self.connection)
 
-    @property
+    @functools.cached_property
     def has_safe_value(self) -> bool:
         """Whether the model says what is sent when the source is lost, and it can be lost."""
         can_be_lost = self.is_command or self.silence_timeout > 0

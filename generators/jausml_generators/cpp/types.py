@@ -330,10 +330,11 @@ class Places:
         root = place.root
         slot = self.root(root) if isinstance(root, str) else self.locals[root]
         for at, step in enumerate(place.steps):
-            # Behind a test for an option, its place is that option.
-            option = self.options.get(replace(place, steps=place.steps[:at]))
-            if isinstance(slot.type, Choice) and option is not None:
-                slot = Found(f"std::get<{option.cpp}>({slot.value})", option)
+            if isinstance(slot.type, Choice):
+                # Behind a test for an option, its place is that option.
+                option = self.options.get(replace(place, steps=place.steps[:at]))
+                if option is not None:
+                    slot = Found(f"std::get<{option.cpp}>({slot.value})", option)
             slot = self._inner(slot, step)
         return slot
 

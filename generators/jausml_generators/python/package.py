@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 import jausml
 from jausml.generation import native
 from jausml.generation.artifact import Kind
-from jausml.generation.literals import python_string
+from jausml.generation.literals import LINE_WIDTH, python_string
 from jausml.generation.python import Imports, Origin, layout, offered
 from jausml.generation.target import FileTask, Task, TextFile, TextTask, templates_beside
 from jausml_generators.python.names import Scope, class_name, package_name
@@ -291,6 +291,8 @@ def program_tasks(
 
 def laid_out(stub: str) -> str:
     """Returns a method that users may paste, laid out as it stands in its class."""
+    if all(len(line) <= LINE_WIDTH for line in stub.split("\n")):
+        return stub
     return layout(f"class _:\n{stub}").partition("\n")[2]
 
 

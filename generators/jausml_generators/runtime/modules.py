@@ -160,9 +160,11 @@ def _importing(text: str) -> Iterable[ast.stmt]:
     Those that begin a line are parsed alone, as there are few of them. Where a line cannot be read
     so (it goes on, or stands in a string), the whole is parsed.
     """
-    if not _IMPORT_IN_LINE.search(text):
+    last = text.rfind("import")
+    head = text[:last] + text[last:].partition("\n\n")[0]
+    if not _IMPORT_IN_LINE.search(head):
         with suppress(*CANNOT_PARSE):
-            return ast.parse("\n".join(_IMPORT.findall(text))).body
+            return ast.parse("\n".join(_IMPORT.findall(head))).body
     return _statements(ast.parse(text))
 
 

@@ -11,8 +11,10 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
+from typing import NamedTuple
 
 from jausml.generation.artifact import CANNOT_PARSE
+from jausml.generation.literals import LINE_WIDTH
 from jausml.generation.python.layout import lay_out_statement, layout
 
 MARKER = "from __future__ import annotations\n"
@@ -70,8 +72,7 @@ class Imports:
         return replace(self, names={**self.names, **names})
 
 
-@dataclass(frozen=True)
-class Names:
+class Names(NamedTuple):
     """The names in some statements."""
 
     running: Collection[str]
@@ -128,8 +129,8 @@ def import_lines(names: Names, imports: Imports) -> str:
         running.add("TYPE_CHECKING")
     blocks = _sections(running, origins, imports.own)
     if only_typing:
-        inner = "\n\n".join(_sections(only_typing, origins, imports.own))
-        blocks.append("if TYPE_CHECKING:\n" + re.sub("^(?=.)", "    ", inner, flags=re.MULTILINE))
+        inner = "\n\n".join(_sections(only_typing, origins, imports.own, " " * 4))
+        blocks.append(f"if TYPE_CHECKING:\n{inner}")
     return "\n".join(f"{block}\n" for block in blocks)
 
 
@@ -141,20 +142,22 @@ def _defined(node: ast.AST) -> list[str]:
     return [node.name] if isinstance(node, _NAMED) and node.name else []
 
 
-def _sections(names: Iterable[str], origins: Mapping[str, Origin], own: str) -> list[str]:
+def _sections(
+    names: Iterable[str], origins: Mapping[str, Origin], own: str, indent: str = ""
+) -> list[str]:
     """Returns the import statements of the standard library, of others and of the package."""
     sections: dict[int, dict[str, Origin]] = defaultdict(dict)
     for name in names:
         top = origins[name].module.partition(".")[0]
         number = 2 if top in {"", own} else int(top not in sys.stdlib_module_names)
         sections[number][name] = origins[name]
-    return ["\n".join(statements(sections[number])) for number in sorted(sections)]
+    return ["\n".join(statements(sections[number], indent)) for number in sorted(sections)]
 
 
-def statements(origins: Mapping[str, Origin]) -> Iterator[str]:
-    """Yields the import statements for names, in ruff's order."""
+def statements(origins: Mapping[str, Origin], indent: str = "") -> Iterator[str]:
+    """Yields the import statements for names, in ruff's order and layout."""
     modules = [name for name, origin in origins.items() if not origin.name]
-    yield from (f"import {origins[name].module}" for name in sorted(modules, key=_natural))
+    yield from (f"{indent}import {origins[name].module}" for name in sorted(modules, key=_natural))
     members: dict[tuple[str, str], set[str]] = defaultdict(set)
     for name, origin in origins.items():
         if origin.name == name:
@@ -163,7 +166,11 @@ def statements(origins: Mapping[str, Origin]) -> Iterator[str]:
             members[origin.module, name].add(f"{origin.name} as {name}")
     lines = [(module, sorted(group, key=_rank)) for (module, _), group in members.items()]
     for module, group in sorted(lines, key=lambda line: (_natural(line[0]), _rank(line[1][0]))):
-        yield f"from {module} import {', '.join(group)}"
+        line = f"{indent}from {module} import {', '.join(group)}"
+        if len(line) > LINE_WIDTH:
+            inner = "".join(f"{indent}    {name},\n" for name in group)
+            line = f"{indent}from {module} import (\n{inner}{indent})"
+        yield line
 
 
 def _rank(name: str) -> tuple[int, str, str]:
@@ -188,28 +195,29 @@ _LONGER = {
 }
 """Those in a longer word, whose parts underscores join: there they do not."""
 _HIDDEN, _NO_CODE = "\u01c0", "0x0000"
-_OWN = re.compile(r'("\w+"|\b0x[0-9A-F]{4}\b)', re.ASCII)
+_OWN = re.compile(r'("\w+"|0x(?<!\w0x)[0-9A-F]{4}\b)', re.ASCII)
 """Strings and codes, of which nothing but their length counts."""
 _HIDDEN_OWN = re.compile(rf"({_HIDDEN}+|\b{_NO_CODE}\b)")
 
 
-@dataclass(frozen=True)
-class _Piece:
-    """A piece of a module: what is its own, and after each of it a hidden string or code."""
+class _Piece(NamedTuple):
+    """A piece of a module.
+
+    Attributes:
+        parts: What is its own, and after each of it a hidden string or code.
+        names: Those that run, annotate and are defined, each in a line.
+    """
 
     parts: Sequence[str]
-    names: Names
+    names: tuple[str, str, str]
 
     def under(self, words: Mapping[str, str], hidden: str) -> _Piece:
         """Returns the piece with words, strings and codes for what stands in for them."""
         parts, letters = list(self.parts), StringIO(hidden)
         # The layout may have joined strings.
         parts[1::2] = [letters.read(len(stand_in)) for stand_in in self.parts[1::2]]
-        text = "".join(parts)
-        names = self.names
-        groups = (names.running, names.annotating, names.defined)
-        name_sets = ({_with_words(name, words) for name in group} for group in groups)
-        return _Piece([_with_words(text, words)], Names(*name_sets))
+        running, annotating, defined = (_with_words(names, words) for names in self.names)
+        return _Piece([_with_words("".join(parts), words)], (running, annotating, defined))
 
 
 class Modules:
@@ -243,9 +251,11 @@ class Modules:
             if imports is None:
                 return laid_out
             lines = import_lines(_joined(pieces), imports)
-            return laid_out.replace(MARKER, f"{MARKER}\n{layout(lines)}" if lines else MARKER, 1)
+            return laid_out.replace(MARKER, f"{MARKER}\n{lines}" if lines else MARKER, 1)
 
     def _piece(self, text: str, words: Collection[str]) -> _Piece:
+        if text in self._pieces:
+            return self._pieces[text]
         known, alike = _without_words(text, words if _HIDDEN not in text else ())
         hidden = ""
         if known:
@@ -261,7 +271,7 @@ class Modules:
                     raise
                 return self._worked_on(text)
             if hidden:
-                piece = replace(piece, parts=_HIDDEN_OWN.split("".join(piece.parts)))
+                piece = _Piece(_HIDDEN_OWN.split("".join(piece.parts)), piece.names)
             self._pieces[alike] = piece
         piece = self._pieces[alike]
         return piece.under(known, hidden) if known else piece
@@ -274,7 +284,12 @@ class Modules:
         # The formatter is trusted for layout alone: what it made must still be Python.
         if laid_out != whole:
             ast.parse(laid_out)
-        return _Piece([laid_out.partition("\n")[2] if is_member else laid_out], names_in(module))
+        names = names_in(module)
+        running, annotating, defined = map("\n".join, names)
+        return _Piece(
+            [laid_out.partition("\n")[2] if is_member else laid_out],
+            (running, annotating, defined),
+        )
 
     def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
         """Lays out a statement, once however often it stands in the modules."""
@@ -285,11 +300,8 @@ class Modules:
 
 
 def _joined(pieces: Sequence[_Piece]) -> Names:
-    return Names(
-        {name for piece in pieces for name in piece.names.running},
-        {name for piece in pieces for name in piece.names.annotating},
-        {name for piece in pieces for name in piece.names.defined},
-    )
+    groups = zip(*(piece.names for piece in pieces), strict=True)
+    return Names(*({*"\n".join(group).split("\n")} - {""} for group in groups))
 
 
 def _hidden(own: str) -> str:
@@ -322,8 +334,12 @@ def _without_word(text: str, word: str, stand_in: str) -> str:
 
 def _words_in(text: str, words: Collection[str]) -> Iterator[str]:
     """Yields the words in the names of classes, functions, methods and attributes."""
-    known = set[str]()
-    for name in dict.fromkeys(_HEAD.findall(text)):
+    names, known = set[str](), set[str]()
+    for match in _HEAD.finditer(text):
+        name = match[1]
+        if name in names:
+            continue
+        names.add(name)
         word = _word_in(name, words)
         # A word such as "f" before a string would change what the string is.
         if word and word not in known and not _PREFIX.fullmatch(word):

@@ -216,7 +216,7 @@ def items(bracket: Bracket) -> list[tuple[Part, ...]]:
             arguments_of_lambda += 1
         elif isinstance(part, Token) and part.text == ":" and arguments_of_lambda:
             arguments_of_lambda -= 1
-        if part == Token(",") and not arguments_of_lambda:
+        if is_word(part, ",") and not arguments_of_lambda:
             elements.append(tuple(current))
             current = []
         else:

@@ -50,9 +50,9 @@ class Check:
     parameters: tuple[str, ...] = ()
 
     @property
-    def body(self) -> tuple[str, ...]:
-        """The statements as single lines."""
-        return tuple(line for text in self.lines for line in text.split("\n"))
+    def body(self) -> str:
+        """The statements, each on lines of its own."""
+        return "\n".join(self.lines)
 
     def of(self, connection: str, class_name: str, frames: Iterable[str]) -> Check:
         """Returns the check with the names of a connection, its message and its frames."""
@@ -68,7 +68,7 @@ class Check:
             self,
             name=named(self.name),
             documentation=named(self.documentation),
-            lines=tuple(map(named, self.lines)),
+            lines=(named(self.body),),
         )
 
 

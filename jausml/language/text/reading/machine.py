@@ -22,12 +22,11 @@ if TYPE_CHECKING:
 
     from lark import Token
 
-BLANK = "BLANK"
 NOT_PARSED = ("COMMENT", "OPEN_COMMENT", "OPEN_TEXT", "OPEN_NAME", "WRONG_NUMBER", "WRONG")
 """Tokens of the grammar that no rule has."""
 END = "$END"
 
-_WORD = "WORD"
+_WORD, _BLANK = "WORD", "BLANK"
 
 Rule: TypeAlias = "tuple[int, str, Callable[[list[Any]], Any]]"
 """Of how many parts something consists, what it is, and what makes it of them."""
@@ -38,7 +37,8 @@ class Grammar:
     """What texts are scanned and parsed by.
 
     Attributes:
-        pattern: One token, or what stands between two; its last group is named for the kind.
+        pattern: The next token and the blanks before it; the last group is named for the kind,
+            and there is none at the end of the text.
         keywords: Kinds of the words that are no names.
         states: What comes by each symbol in each state: the next state, or a rule that is complete.
     """
@@ -79,18 +79,19 @@ def grammar() -> Grammar:
         for name, pattern in literals.items()
         if isinstance(pattern, PatternStr) and word.fullmatch(pattern.value)
     }
-    # What nothing else begins with first, then as lark does: the longest that may be meant.
+    # As lark does: the longest that may be meant.
+    no_tokens = {_BLANK, *keywords.values()}
     tokens = sorted(
-        (terminal for terminal in parser.terminals if terminal.name not in keywords.values()),
+        (terminal for terminal in parser.terminals if terminal.name not in no_tokens),
         key=lambda terminal: (
-            terminal.name != BLANK,
             -terminal.priority,
             -terminal.pattern.max_width,
             -len(terminal.pattern.value),
             terminal.name,
         ),
     )
-    pattern = "|".join(f"(?P<{token.name}>{token.pattern.to_regexp()})" for token in tokens)
+    kinds = "|".join(f"(?P<{token.name}>{token.pattern.to_regexp()})" for token in tokens)
+    pattern = rf"\s*(?:{kinds}|\Z)"
     tables: Any = parser.parse_interactive().parser_state.parse_conf  # Any: it has no types
     states = {
         state: {

@@ -149,8 +149,9 @@ class _Run:
 
     def _stands_alone(self, position: int) -> bool:
         """Tells whether a word in a block has a line of its own, before an element with its own."""
-        words = self._tokens[position : position + 3]
-        if len(words) < 3 or not (words[0].type == words[1].type == words[2].type == "WORD"):
+        if not self._tokens[position].type == self._type(position + 1) == "WORD":
+            return False
+        if self._type(position + 2) != "WORD":
             return False
         breaks = [self._begins_line(number) for number in range(position, position + 3)]
         if breaks != [True, True, False]:
@@ -159,13 +160,10 @@ class _Run:
 
     def _lacks_comma(self, position: int) -> bool:
         """Tells whether a token that follows a value is a further value: no item begins there."""
-        if len(self._values) < 2:
-            return False
-        mark, value = self._values[-2:]
-        if _kind(mark) not in ("COLON", "COMMA") or not isinstance(value, Token):
+        if len(self._values) < 2 or _kind(self._values[-1]) not in _VALUES:
             return False
         following = self._type(position + 1)
-        if value.type not in _VALUES or following in _ITEM_GOES_ON:
+        if _kind(self._values[-2]) not in ("COLON", "COMMA") or following in _ITEM_GOES_ON:
             return False
         if following == "COMMA":
             # Several sources of an assignment, or the rest of the values.

@@ -15,9 +15,10 @@ from lark import Token
 
 from jausml.language.model.values import nearest
 from jausml.language.text import tree
-from jausml.language.text.reading.machine import BLANK, NOT_PARSED, grammar
+from jausml.language.text.reading.machine import NOT_PARSED, grammar
 from jausml.language.text.reading.shaping import Items, span_of
 
+_LINE_FEED = re.compile("\n")
 _LONE_RETURN = re.compile(r"\r(?!\n)")
 _BAD_ESCAPE = re.compile(r"""\\(?:u(?![0-9a-fA-F]{4})|[^"`\\ntru])""")
 _LONE_SURROGATE = re.compile(
@@ -75,21 +76,26 @@ def scan(text: str) -> Scan:
     text = with_line_feeds(text)
     keywords = grammar().keywords
     result = Scan()
-    line, begin = 1, 0
+    # Where lines begin: that of a token is the last one that is not behind its start.
+    begins = [0, *(match.end() for match in _LINE_FEED.finditer(text)), len(text)]
+    line = end_line = 1
     before: Token | None = None
     for match in grammar().pattern.finditer(text):
-        kind, (start, end) = match.lastgroup or BLANK, match.span()
-        value, at = match.group(), line
-        column = start - begin + 1
-        if "\n" in value:
-            line += value.count("\n")
-            begin = start + value.rindex("\n") + 1
-        if kind == BLANK:
-            continue
+        kind = match.lastgroup
+        if kind is None:
+            break
+        start, end = match.span(kind)
+        value = match[kind]
+        while begins[line] <= start:
+            line += 1
+        end_line = line
+        while begins[end_line] < end:
+            end_line += 1
         token: Token = str.__new__(Token, value)  # lark's own way takes twice as long
         token.type, token.value = keywords.get(value, kind), value
-        token.start_pos, token.line, token.column = start, at, column
-        token.end_pos, token.end_line, token.end_column = end, line, end - begin + 1
+        token.start_pos, token.line, token.column = start, line, start - begins[line - 1] + 1
+        token.end_pos, token.end_line = end, end_line
+        token.end_column = end - begins[end_line - 1] + 1
         if kind == "COMMENT":
             result.comments.append(token)
         elif kind in NOT_PARSED:
@@ -260,7 +266,7 @@ class _Body:
 
 
 def attach(document: tree.SyntaxTree, comments: Sequence[Token]) -> None:
-    """Puts comments to the items of a document, and tells items that stand behind an empty line."""
+    """Puts comments to the items of a document."""
     far = (1 << 60, 0)
     _distribute(_Body(document.items, document.closing, (1, 1), far), list(comments))
 
@@ -285,6 +291,8 @@ def _distribute(body: _Body, comments: list[Token]) -> list[Token]:
     Returns:
         Those that the list has no place for.
     """
+    if not comments:
+        return comments
     pending = list(reversed(comments))
     line = 0  # of the end of the item before
     for item in body.items:
@@ -347,6 +355,8 @@ def _within(item: tree.Item, comments: list[Token]) -> list[Token]:
     Returns:
         Those that stand between its parts.
     """
+    if not comments:
+        return comments
     # From the first list to the last, so that what is behind one is left for the next.
     for body in _bodies(item):
         before = [comment for comment in comments if _position(comment) < body.start]

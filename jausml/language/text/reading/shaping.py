@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, TypeVar
 
 from lark import Token
@@ -60,19 +60,21 @@ def span_of(token: Token) -> tree.Span:
 
 def _around(children: Sequence[Any]) -> tree.Span:
     """Returns the stretch from the first to the last of what a rule consists of."""
-    # Parts without a place, such as empty lists, say nothing of the stretch.
-    first = next(filter(None, map(_span, children)))
-    last = next(filter(None, map(_span, reversed(children))))
-    return tree.Span(first.line, first.column, last.end_line, last.end_column)
+    first, last = _placed(children), _placed(reversed(children))
+    return tree.Span(first.line or 1, first.column or 1, last.end_line or 1, last.end_column or 1)
 
 
-def _span(child: Any) -> tree.Span | None:
-    if isinstance(child, Token):
-        return span_of(child)
-    if isinstance(child, list):
-        return _around(child) if child and not isinstance(child, Items) else None
-    span: tree.Span = child.span
-    return span
+def _placed(children: Iterable[Any]) -> Token | tree.Span:
+    """Returns the first of some parts that has a place: empty lists, for one, have none."""
+    for child in children:
+        if isinstance(child, Token):
+            return child
+        if not isinstance(child, list):
+            span: tree.Span = child.span
+            return span
+        if child and not isinstance(child, Items):
+            return _around(child)
+    raise ValueError("nothing has a place")
 
 
 def _name(token: Token) -> tree.Name:
@@ -107,9 +109,11 @@ class Shaper:
         return Items()
 
     def next_item(self, children: list[Any]) -> Items[Any]:
-        items: Items[Any] = children[0]
+        items: Items[Any]
+        items, item = children
+        item.spaced = bool(items) and item.span.line > items[-1].span.end_line + 1
         # The list grows in place: a new one for each item would be quadratic.
-        items.append(children[1])
+        items.append(item)
         return items
 
     def same_items(self, children: list[Any]) -> Items[Any]:
