@@ -79,4 +79,5 @@ def __getattr__(name: str) -> Any:
     home = _HOMES.get(name)
     if home is None:
         raise AttributeError(f"module 'jausml.language.wire' has no attribute {name!r}")
-    return getattr(import_module(f"jausml.language.wire.{home}"), name)
+    value = globals()[name] = getattr(import_module(f"jausml.language.wire.{home}"), name)
+    return value

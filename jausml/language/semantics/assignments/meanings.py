@@ -15,7 +15,7 @@ from jausml.language.semantics.assignments.units import (
     source_range,
 )
 from jausml.language.semantics.conversions import NoValueError
-from jausml.language.semantics.names import words
+from jausml.language.semantics.names import parts, words
 from jausml.language.semantics.paths.attributes import (
     BOOL,
     NUMBER,
@@ -145,9 +145,11 @@ def turns_unseen(placed: Placed[bridge.FieldAssignment]) -> bool:
         if step.conversion.frames or step.sign is None:
             return False
         sign *= step.sign
+    if sign > 0:
+        return False
     ends = (*placed.source_attributes, *placed.target_attributes)
     is_seen = (_has_axes(placed) and _is_followed(placed)) or any(map(_is_geodetic, ends))
-    return sign < 0 and not is_seen
+    return not is_seen
 
 
 def crossed(placed: Placed[bridge.FieldAssignment]) -> tuple[str, str] | None:
@@ -164,7 +166,7 @@ def crossed(placed: Placed[bridge.FieldAssignment]) -> tuple[str, str] | None:
     ((path, source),), ((other, target),) = ends
     if not isinstance(source, Attribute) or not isinstance(target, Attribute):
         return None
-    if _name(path) == _name(other) or axis_of(source) or axis_of(target):
+    if axis_of(source) or axis_of(target) or _name(path) == _name(other):
         return None
     scope = placed.scope
     there = _namesake(scope.find_target(_owner(other)), _name(path), target)
@@ -177,7 +179,7 @@ def _owner(path: str) -> str:
 
 
 def _name(path: str) -> str:
-    return "".join(word.casefold() for word in words(path.rpartition(".")[2]))
+    return "".join(parts(path.rpartition(".")[2])).casefold()
 
 
 def _namesake(owner: FoundPlace, name: str, like: Attribute) -> str:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, Generic, TypeAlias, TypeGuard, TypeVar, overload
 
-from jausml.language.metamodel.classes import bridge, jaus
+from jausml.language.metamodel.classes import bridge, jaus, ros
 from jausml.language.semantics.paths.attributes import COUNT, NUMBER, Attribute, Found, PathFault
 from jausml.language.semantics.paths.jaus_paths import JausPlace, message_place
 from jausml.language.semantics.paths.ros_paths import RosPlace
@@ -37,6 +37,11 @@ def _followed(way: tuple[PathPlace, str]) -> FoundPlace:
     """Returns the place that a path leads to: those of one type are the same in each map."""
     start, path = way
     return start.follow(path)
+
+
+@remembered
+def _type_place(type_: ros.MessageType | None) -> RosPlace:
+    return RosPlace(type=type_)
 
 
 @remembered
@@ -144,7 +149,7 @@ def _source(scope: PathScope, path: str) -> Found:
 
 def outer_scope(attribute_map: bridge.AttributeMap, *, to_ros: bool) -> PathScope:
     """Returns the scope of the assignments of a map."""
-    ends = message_place(attribute_map.message), RosPlace(type=attribute_map.type)
+    ends = message_place(attribute_map.message), _type_place(attribute_map.type)
     source, target = ends if to_ros else reversed(ends)
     return PathScope(attribute_map, to_ros, source, target)
 

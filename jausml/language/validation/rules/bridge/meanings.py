@@ -62,10 +62,15 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
     for direction in scopes.directions_of(subject, used):
         if direction.owner is not used:
             continue
-        unknown = dict(unknown_targets(used, to_ros=direction.to_ros))
-        for placed in direction.of_kind(bridge.FieldAssignment):
+        doubtful = [
+            placed
+            for placed in direction.of_kind(bridge.FieldAssignment)
+            if turns_unseen(placed) or by_table(placed)
+        ]
+        unknown = dict(unknown_targets(used, to_ros=direction.to_ros)) if doubtful else {}
+        for placed in doubtful:
             lacks = [path for path in scopes.target_paths(placed.assignment) if path in unknown]
-            if lacks and (turns_unseen(placed) or by_table(placed)):
+            if lacks:
                 does = "turns the sign" if turns_unseen(placed) else "looks up a table"
                 message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
                 hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
