@@ -75,7 +75,10 @@ class TestModule:
         """The tests in the order of the connections, under names of their own."""
         names = Scope()
         checks = list(self._checks()) or [self._connections()]
-        return tuple(replace(check, name=names.claim(check.name)) for check in checks)
+        claimed = [(check, names.claim(check.name)) for check in checks]
+        return tuple(
+            check if name == check.name else replace(check, name=name) for check, name in claimed
+        )
 
     @property
     def dependencies(self) -> tuple[str, ...]:

@@ -59,6 +59,9 @@ class MessageView:
     # Services may define one message with other words: the class counts.
     layout: wire.Message = field(compare=False)
 
+    def __hash__(self) -> int:
+        return hash((self.jaus_name, self.code))
+
     @property
     def class_name(self) -> str:
         """Name of the class."""

@@ -53,6 +53,9 @@ class JausPlace:
     optional: bool = False
     may_lack: bool = False
 
+    def __hash__(self) -> int:
+        return hash((self.message, self.field, self.label))
+
     def follow(self, path: str) -> JausPlace | PathFault | None:
         """Returns the place that a path leads to; None when a part of it was not read."""
         place: JausPlace | PathFault | None = self
@@ -116,21 +119,22 @@ class JausPlace:
         target = wire.target_of(part)
         if part is None or target is None:
             return None
-        frames = [part.frame.name, target.frame.name]
-        return replace(
-            self._part(target, where),
-            frame=next((frame for frame in frames if frame != UNSTATED), self.frame),
+        frames = (part.frame.name, target.frame.name, self.frame)
+        return JausPlace(
+            where,
+            field=target,
+            units=_own_units(target) or self.units,
+            frame=next((frame for frame in frames if frame != UNSTATED), UNSTATED),
             label=part.name or self.label,
             optional=part.optional,
             may_lack=self.may_lack or part.optional or self._is_choice(),
         )
 
     def _part(self, part: JausPart, where: str) -> JausPlace:
-        own = part.units if isinstance(part, (jaus.FixedField, jaus.Alternative)) else None
         return JausPlace(
             where,
             field=part,
-            units=own or self.units,
+            units=_own_units(part) or self.units,
             frame=self.frame,
             label=self.label,
             may_lack=self.may_lack,
@@ -165,6 +169,10 @@ class JausPlace:
 
     def _is_choice(self) -> bool:
         return isinstance(self.field, jaus.Variant) and len(self.field.options) > 1
+
+
+def _own_units(part: JausPart) -> str | None:
+    return part.units if isinstance(part, (jaus.FixedField, jaus.Alternative)) else None
 
 
 @remembered

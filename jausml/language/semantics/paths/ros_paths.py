@@ -46,6 +46,9 @@ class RosPlace:
     may_lack: bool = False
     says_unknown: bool = False
 
+    def __hash__(self) -> int:
+        return hash((self.type, self.field, self.is_array, self.is_count))
+
     def follow(self, path: str) -> RosPlace | attributes.PathFault | None:
         """Returns the place that a path leads to; None when a part of it was not read."""
         place: RosPlace | attributes.PathFault | None = self
