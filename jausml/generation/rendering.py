@@ -209,7 +209,7 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
 
     def _module(self, task: FileTask[Any], text: str, view: Any) -> str:
         imports = task.imports(view) if task.imports is not None else None
-        words = task.words(view) if task.words is not None else frozenset()
+        words = task.words(view) if task.words is not None else ()
         try:
             return self.modules.finished(text, imports, words)
         except CANNOT_PARSE as error:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path, PurePath
@@ -51,7 +51,7 @@ class FileTask(Generic[ViewT]):
     executable: bool = False
     contract: Callable[[ViewT], SkeletonContract] | None = None
     imports: Callable[[ViewT], Imports] | None = None
-    words: Callable[[ViewT], frozenset[str]] | None = None
+    words: Callable[[ViewT], Collection[str]] | None = None
 
     def label(self, view: ViewT) -> str:
         """Returns what an error names when no template line is known."""

@@ -147,10 +147,25 @@ def test_each_piece_is_parsed_once_and_again_where_it_was_broken(parses):
     assert len(parses) <= 2 * len(names) * 2 + 3
 
 
+def test_statements_of_a_constructor_that_differ_in_a_word_are_parsed_once(parses):
+    statement = """        self.{0} = Topics(
+            "{0}",
+            self.translate_{0},
+        )
+"""
+    names = [f"c{number}" for number in range(10, 90)]
+    made = "".join(statement.format(name) for name in names)
+    text = f"class Base:\n    def __init__(self) -> None:\n{made}        self.last = 1\n"
+
+    assert Modules().finished(text, None, names) == text
+    assert len(parses) < 5
+
+
 @pytest.mark.parametrize("quotes", ['"""', "'''"])
-def test_what_looks_like_a_function_in_a_string_is_none(quotes):
-    function = "def c1():\n    pass\n"
-    text = f"{HEAD}\n\nTEXT = {quotes}It says:\n\n{function}{quotes}\n\n\n{function}"
+@pytest.mark.parametrize("looks", ["\ndef c1():\n    pass\n", "        self.c1 = C(\n        )\n"])
+def test_what_looks_like_a_piece_in_a_string_is_none(quotes, looks):
+    function = "\n\n\ndef c1():\n    pass\n"
+    text = f"{HEAD}\n\nTEXT = {quotes}It says:\n{looks}{quotes}{function}"
 
     assert Modules().finished(text, Imports({}), ["c1"]) == text
 

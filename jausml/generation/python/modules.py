@@ -190,8 +190,7 @@ _START = re.compile(
 _AROUND = {"    ": "class _:\n", "        ": "class _:\n    def _():\n"}
 """What is put around a piece to parse it, by its indentation."""
 _NAME = re.compile(r"\w+")
-_HEAD = re.compile(r"\bdef (\w+)")
-_PREFIX = re.compile("[bfrtu]{0,2}")
+_PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
 _STAND_INS = "\u01c2\u01c3"
 """Letters that no rendered word has; as many of one as a word has letters stand in for it."""
@@ -234,7 +233,7 @@ class Modules:
         self._statements: dict[str, list[str]] = {}
 
     def finished(
-        self, text: str, imports: Imports | None = None, words: frozenset[str] = frozenset()
+        self, text: str, imports: Imports | None = None, words: Collection[str] = ()
     ) -> str:
         """Returns a module as it is to stand in its file.
 
@@ -259,10 +258,10 @@ class Modules:
             lines = import_lines(_joined(pieces), imports)
             return laid_out.replace(MARKER, f"{MARKER}\n{lines}" if lines else MARKER, 1)
 
-    def _piece(self, text: str, words: frozenset[str]) -> _Piece:
+    def _piece(self, text: str, words: Collection[str]) -> _Piece:
         if text in self._pieces:
             return self._pieces[text]
-        known, alike = _without_words(text, words if _HIDDEN not in text else frozenset())
+        known, alike = _without_words(text, words if _HIDDEN not in text else ())
         hidden = ""
         if known:
             parts = _OWN.split(alike)
@@ -282,7 +281,7 @@ class Modules:
         piece = self._pieces[alike]
         return piece.under(known, hidden) if known else piece
 
-    def _worked_on(self, text: str, words: frozenset[str] = frozenset()) -> _Piece:
+    def _worked_on(self, text: str, words: Collection[str] = ()) -> _Piece:
         code = text.lstrip("\n ")
         around = _AROUND.get(text[: -len(code)].lstrip("\n"), "")
         whole = around + text
@@ -298,7 +297,7 @@ class Modules:
             (running, annotating, defined),
         )
 
-    def _statement(self, lines: Sequence[str], words: frozenset[str]) -> list[str]:
+    def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
         """Lays out a statement, once however often it stands in the modules."""
         known, alike = _without_words("\n".join(lines), words)
         if alike not in self._statements:
@@ -321,7 +320,7 @@ def _with_words(text: str, words: Mapping[str, str]) -> str:
     return text
 
 
-def _without_words(text: str, words: frozenset[str]) -> tuple[dict[str, str], str]:
+def _without_words(text: str, words: Collection[str]) -> tuple[dict[str, str], str]:
     """Returns words that a text is about by what stands in for them, and the text without them."""
     known: dict[str, str] = {}
     if not words or any(letter in text for letter in _STAND_INS):
@@ -339,23 +338,21 @@ def _without_word(text: str, word: str, stand_in: str) -> str:
     return _LONGER[stand_in[0]].sub(lambda match: match[0].replace(stand_in, word), alike)
 
 
-def _words_in(text: str, words: frozenset[str]) -> Iterator[str]:
-    """Yields the word in the name of a function or method, and those that are names."""
-    head = _HEAD.search(text)
-    found = [_word_in(head[1], words)] if head else []
-    yield from filter(_is_replaceable, found)
+def _words_in(text: str, words: Collection[str]) -> Iterator[str]:
+    """Yields the words that are names or in names, as they come."""
+    names, known = set[str](), set[str]()
     for match in _NAME.finditer(text):
-        if (name := match[0]) in words and name not in found and _is_replaceable(name):
-            found.append(name)
-            yield name
+        if (name := match[0]) in names:
+            continue
+        names.add(name)
+        word = name if name in words else _word_in(name, words) if "_" in name else ""
+        # A word such as "f" before a string would change what the string is.
+        if word and word not in known and not _PREFIX.fullmatch(word):
+            known.add(word)
+            yield word
 
 
-def _is_replaceable(word: str) -> bool:
-    # A word such as "f" before a string would change what the string is.
-    return not _PREFIX.fullmatch(word)
-
-
-def _word_in(name: str, words: frozenset[str]) -> str:
+def _word_in(name: str, words: Collection[str]) -> str:
     """Returns the first of some words in a name whose parts underscores join."""
     parts = name.split("_")
     for start in range(len(parts)):
