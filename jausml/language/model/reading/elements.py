@@ -30,6 +30,7 @@ from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.printing import XSI
 
 _TRUE = ("true", "1")
+_NIL = f"{XSI} nil"
 
 
 @dataclass(slots=True)
@@ -382,7 +383,8 @@ def _class(node: Node) -> str:
 
 
 def _is_nil(node: Node) -> bool:
-    return (node.get(f"{XSI} nil") or "").strip() in _TRUE
+    value = node.get(_NIL)
+    return value is not None and value.strip() in _TRUE
 
 
 def _idref(node: Node) -> tuple[XmlAttribute, str] | None:
