@@ -68,7 +68,7 @@ class Check:
             self,
             name=named(self.name),
             documentation=named(self.documentation),
-            lines=(named(self.body),),
+            lines=tuple(named(self.body).split("\n")),
         )
 
 
