@@ -7,7 +7,6 @@ laid out here. Quotes, spaces within a line and blank lines stay as they are.
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Callable, Iterator, Sequence
 
 from jausml.generation.literals import LINE_WIDTH
@@ -25,10 +24,6 @@ from jausml.generation.python.tokens import (
 )
 
 _STEP = " " * 4
-_LISTED = re.compile(
-    rf"( *)(?:[\w.]+ = \[|from [\w.]+ import \()\n(?:\1{_STEP}[\"\w.]+,\n)+\1[\])]"
-)
-"""Names on lines of their own, which stand as they are to be."""
 _KEYWORDS = {"if", "elif", "while", "return", "assert", "raise", "yield", "await", "del", "except"}
 _PRAGMAS = ("# noqa", "# type:", "# pragma:", "# fmt:")
 _ASSIGNMENTS = {"=", "+=", "-=", "*=", "/=", "//=", "%=", "@=", "&=", "|=", "^=", ">>=", "<<="}
@@ -107,8 +102,6 @@ def _end_of_head(first: ast.stmt, lines: Sequence[str]) -> int | None:
 
 def lay_out_statement(lines: Sequence[str]) -> list[str]:
     """Returns the lines of one statement as they are to be."""
-    if _LISTED.fullmatch("\n".join(lines)):
-        return list(lines)
     code = lines[0].lstrip()
     indent = lines[0][: len(lines[0]) - len(code)]
     statement = read("\n".join([code, *lines[1:]]))

@@ -290,12 +290,8 @@ class Modules:
         # The formatter is trusted for layout alone: what it made must still be Python.
         if laid_out != whole:
             ast.parse(laid_out)
-        names = names_in(module)
-        running, annotating, defined = map("\n".join, names)
-        return _Piece(
-            [laid_out[len(around) :]],
-            (running, annotating, defined),
-        )
+        running, annotating, defined = map("\n".join, names_in(module))
+        return _Piece([laid_out[len(around) :]], (running, annotating, defined))
 
     def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
         """Lays out a statement, once however often it stands in the modules."""

@@ -124,8 +124,6 @@ class Subject:
 
     def is_intact(self, *elements: EObject | None) -> bool:
         """Tells whether elements are there and were read without an error, contents included."""
-        if not self._damaged:
-            return None not in elements
         return all(element is not None and element not in self._damaged for element in elements)
 
     def severity(self, element: EObject) -> Severity | None:

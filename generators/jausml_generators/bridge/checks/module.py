@@ -75,10 +75,7 @@ class TestModule:
         """The tests in the order of the connections, under names of their own."""
         names = Scope()
         checks = list(self._checks()) or [self._connections()]
-        claimed = [(check, names.claim(check.name)) for check in checks]
-        return tuple(
-            check if name == check.name else replace(check, name=name) for check, name in claimed
-        )
+        return tuple(replace(check, name=names.claim(check.name)) for check in checks)
 
     @property
     def dependencies(self) -> tuple[str, ...]:

@@ -30,7 +30,6 @@ from jausml.language.model.xmi.parsing import Node
 from jausml.language.model.xmi.printing import XSI
 
 _TRUE = ("true", "1")
-_NIL = f"{XSI} nil"
 
 
 @dataclass(slots=True)
@@ -383,8 +382,7 @@ def _class(node: Node) -> str:
 
 
 def _is_nil(node: Node) -> bool:
-    value = node.get(_NIL)
-    return value is not None and value.strip() in _TRUE
+    return (node.get(f"{XSI} nil") or "").strip() in _TRUE
 
 
 def _idref(node: Node) -> tuple[XmlAttribute, str] | None:

@@ -124,10 +124,6 @@ def _is_zero(assignment: bridge.Assignment) -> bool:
     return is_real(value) and not float(value)
 
 
-def _is_other_than_zero(value: str) -> bool:
-    return is_real(value) and bool(float(value))
-
-
 def _is_quantity(attribute: Attribute) -> bool:
     return attribute.kind == NUMBER and (not attribute.integral or bool(attribute.units))
 
@@ -151,17 +147,14 @@ def moving_values(connection: bridge.Connection) -> list[tuple[str, str]]:
     of brakes excepted; a value that a ROS type gives a member by default counts as well.
     """
     scope = outer_scope(connection.map, to_ros=_goes_to_ros(connection))
-    stated: dict[str, str] = {}
+    values, units = _defaults_and_units(connection.map, scope)
     for assignment in stop_assignments(connection):
         # What the clock gives is no number, and takes the place of a default.
         value = str(assignment.value) if isinstance(assignment, bridge.ConstantAssignment) else ""
-        stated.update(dict.fromkeys(target_paths(assignment), value))
+        values.update(dict.fromkeys(target_paths(assignment), value))
     moving: list[tuple[str, str]] = []
-    if not scope.to_ros and not any(map(_is_other_than_zero, stated.values())):
-        return moving
-    values, units = _defaults_and_units(connection.map, scope)
-    for path, value in {**values, **stated}.items():
-        if not _is_other_than_zero(value):
+    for path, value in values.items():
+        if not is_real(value) or not float(value):
             continue
         target = attribute_at(scope.find_target(path))
         if isinstance(target, Attribute) and _moves(target, units.get(path, target.units)):

@@ -149,9 +149,9 @@ class _Run:
 
     def _stands_alone(self, position: int) -> bool:
         """Tells whether a word in a block has a line of its own, before an element with its own."""
-        if not self._tokens[position].type == self._type(position + 1) == "WORD":
+        if self._type(position + 1) != "WORD" or self._type(position + 2) != "WORD":
             return False
-        if self._type(position + 2) != "WORD":
+        if self._tokens[position].type != "WORD":
             return False
         breaks = [self._begins_line(number) for number in range(position, position + 3)]
         if breaks != [True, True, False]:

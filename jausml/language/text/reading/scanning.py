@@ -18,7 +18,6 @@ from jausml.language.text import tree
 from jausml.language.text.reading.machine import NOT_PARSED, grammar
 from jausml.language.text.reading.shaping import Items, span_of
 
-_LINE_FEED = re.compile("\n")
 _LONE_RETURN = re.compile(r"\r(?!\n)")
 _BAD_ESCAPE = re.compile(r"""\\(?:u(?![0-9a-fA-F]{4})|[^"`\\ntru])""")
 _LONE_SURROGATE = re.compile(
@@ -77,8 +76,8 @@ def scan(text: str) -> Scan:
     keywords = grammar().keywords
     result = Scan()
     # Where lines begin: that of a token is the last one that is not behind its start.
-    begins = [0, *(match.end() for match in _LINE_FEED.finditer(text)), len(text)]
-    line = end_line = 1
+    begins = [0, *(match.end() for match in re.finditer("\n", text)), len(text)]
+    line = 1
     before: Token | None = None
     for match in grammar().pattern.finditer(text):
         kind = match.lastgroup

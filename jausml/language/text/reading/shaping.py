@@ -69,11 +69,9 @@ def _placed(children: Iterable[Any]) -> Token | tree.Span:
     for child in children:
         if isinstance(child, Token):
             return child
-        if not isinstance(child, list):
-            span: tree.Span = child.span
+        if not isinstance(child, list) or (child and not isinstance(child, Items)):
+            span: tree.Span = _around(child) if isinstance(child, list) else child.span
             return span
-        if child and not isinstance(child, Items):
-            return _around(child)
     raise ValueError("nothing has a place")
 
 
