@@ -3,13 +3,15 @@
 `CXX` names a script that runs this module in place of the compiler. What it has made is kept, in
 this run and for later ones, under a digest of all that it depends on: the text after the
 preprocessor, the options, and what the compiler defines by itself, which tells its version and its
-processor. Only what was compiled without a word is kept.
+processor. Only what was compiled without a word is kept. Who asks for what another process compiles
+waits for it.
 
 Usage: compile_once.py FOLDER COMPILER ARGUMENT...
 """
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import os
 import shlex
@@ -44,18 +46,22 @@ def main(folder: Path, compiler: str, arguments: list[str]) -> int:
     """Compiles, or gives what was compiled; returns the exit status."""
     options, sources, made = _parts(arguments)
     name = _name([compiler, *options], sources) if made else ""
+    if not name:
+        return subprocess.run([compiler, *arguments], check=False).returncode
     kept = folder / name
-    if name and kept.is_file():
-        os.utime(kept)
-        shutil.copy(kept, made)
-        return 0
-    done = subprocess.run([compiler, *arguments], stderr=subprocess.PIPE, check=False)
-    sys.stderr.buffer.write(done.stderr)
-    if name and not done.returncode and not done.stderr:
-        new = folder / f"{name}.{os.getpid()}"
-        shutil.copy(made, new)
-        new.replace(kept)
-    return done.returncode
+    with kept.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if kept.is_file():
+            os.utime(kept)
+            shutil.copy(kept, made)
+            return 0
+        done = subprocess.run([compiler, *arguments], stderr=subprocess.PIPE, check=False)
+        sys.stderr.buffer.write(done.stderr)
+        if not done.returncode and not done.stderr:
+            new = folder / f"{name}.{os.getpid()}"
+            shutil.copy(made, new)
+            new.replace(kept)
+        return done.returncode
 
 
 def _parts(arguments: list[str]) -> tuple[list[str], list[str], str]:

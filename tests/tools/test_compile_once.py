@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING
 
 import compile_once
@@ -103,3 +104,12 @@ def test_workers_and_what_they_start_use_it(
     source = written(tmp_path / "source", "hello")
     subprocess.run([named, "-o", tmp_path / "made", source], check=True)
     assert subprocess.run([tmp_path / "made"], capture_output=True, check=True).stdout == b"hello\n"
+
+
+def test_who_asks_meanwhile_waits_for_it(compiler: Compiler, tmp_path: Path) -> None:
+    slow = compiler.real.read_text().replace("echo >>", "sleep 1; echo >>")
+    compiler.real.write_text(slow)
+    sources = [written(tmp_path / name, "same") for name in ("one", "two")]
+    with ThreadPoolExecutor() as pool:
+        assert [*pool.map(compiler, sources)] == ["same\n", "same\n"]
+    assert compiler.times == 1

@@ -136,13 +136,12 @@ test("a label stands at the side of its room where its line is", () => {
 });
 
 test("what is watched stands out by shape and word, not by colour alone", () => {
-  const still = { rate: null, declared: null, age: null, latency: null, drops: {} };
   update({
     live: {
       edges: {
-        e1: { ...still, level: "ok", text: "25.0 of 25 Hz of the sensor" },
-        e2: { ...still, level: "error", text: "failing: no peer" },
-        e3: { ...still, level: "not heard", text: "silent" },
+        e1: { level: "ok", text: "25.0 of 25 Hz of the sensor" },
+        e2: { level: "error", text: "failing: no peer" },
+        e3: { level: "not heard", text: "silent" },
       },
       boxes: { base: { level: "stale", text: "nothing heard" } },
     } as never,

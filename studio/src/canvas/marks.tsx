@@ -1,4 +1,4 @@
-import type { Finding, LiveBox, LiveEdge, Severity } from "../protocol";
+import type { Finding, LivePart, Severity } from "../protocol";
 import { SEVERITIES } from "../verdicts";
 
 export const SIGNS: Record<Severity, string> = { error: "×", warning: "!", info: "i" };
@@ -25,7 +25,7 @@ export function Mark({ findings }: { findings: readonly Finding[] }) {
 }
 
 /** How a live part stands out: never by colour alone. */
-export function liveClass(live: LiveEdge | LiveBox | undefined): string {
+export function liveClass(live: LivePart | undefined): string {
   if (!live) return "";
   if (live.gone) return "live-failing live-gone";
   if (live.level === "ok") return "live-ok";
@@ -44,7 +44,7 @@ const LEVEL_SIGNS: Record<string, string> = {
 };
 
 /** The words of a live part, with a sign for its level. */
-export function liveText(live: LiveEdge | LiveBox): string {
+export function liveText(live: LivePart): string {
   return `${live.gone ? "✝" : (LEVEL_SIGNS[live.level] ?? "?")} ${live.text}`;
 }
 

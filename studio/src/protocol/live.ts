@@ -1,15 +1,9 @@
 // A running system, a recording of one, and a machine that is stepped by hand.
 
-export interface LiveEdge {
+/** What is known of a line or a box. */
+export interface LivePart {
   level: string;
   /** It was heard, and is no more. */
-  gone?: boolean;
-  text: string;
-}
-
-export interface LiveBox {
-  level: string;
-  /** It answered, and does no more. */
   gone?: boolean;
   text: string;
 }
@@ -65,9 +59,9 @@ export interface LiveState {
   connections?: LiveConnection[];
   components?: LiveComponent[];
   /** By id of an edge or a port of the system view. */
-  edges: Record<string, LiveEdge>;
+  edges: Record<string, LivePart>;
   /** By id of a node of the system view, or of a box or frame of the view of a machine. */
-  boxes: Record<string, LiveBox>;
+  boxes: Record<string, LivePart>;
 }
 
 export interface LiveMessage {
