@@ -248,6 +248,7 @@ def test_an_interrupted_run_leaves_the_target_as_it_was(component, network, cata
     with opened(network, TARGET, catalogue, **QUICK) as session:
         report = run(session, groups, interrupt)
     assert report.interrupted
+    assert not report.passed
     assert target.status is Status.STANDBY
     assert target.controller is None
 

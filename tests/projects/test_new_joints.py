@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 
@@ -140,6 +141,34 @@ def test_the_stop_of_a_copy_tells_each_stabilizer_by_its_number(rover, jausml):
     ]
 
 
+def test_the_stop_of_a_copy_has_the_values_of_each_element_in_whatever_order(rover, jausml):
+    model = rover("text")
+    jausml("new", "bridge", "arm", f"{GOALS}:set_joint_velocities", "--yes", *NAMED[2:])
+    (own,) = (name for name in maps_in(model) if "set_joint_vel" in name)
+    told = {"velocity[1]": 2, "velocity[0]": 1, "name[1]": '"shoulder"', "name[0]": '"elbow"'}
+    values = ", ".join(f"{{ target: {path} value: {value} }}" for path, value in told.items())
+    text, count = re.subn(
+        r"(?<=stopRos: \{\n).*?(?=\n *\}\n)",
+        f"values: {values}",
+        model.read_text("utf-8"),
+        count=1,
+        flags=re.DOTALL,
+    )
+    assert count == 1
+    model.write_text(text, "utf-8")
+    again = ("new", "map", "goal", "SetJointVelocities", "sensor_msgs/JointState", "--yes")
+    jausml(*again, "--copy", own, "--joints", "a,b,c")
+    stop = maps_in(model)["goal"].stopRos
+    assert {str(value.target): str(value.value) for value in stop.values} == {
+        "name[0]": "a",
+        "name[1]": "b",
+        "name[2]": "c",
+        "velocity[0]": "1",
+        "velocity[1]": "2",
+        "velocity[2]": "3",
+    }
+
+
 PAN_TILT = "ptu/cmd:sensor_msgs/JointState"
 
 
@@ -164,6 +193,15 @@ def test_joints_called_pan_and_tilt_are_those_of_a_pan_tilt_unit(rover, jausml):
         "new", "bridge", "arm", f"{PAN_TILT}:set_pan_tilt_positions", "--yes", status=2
     )
     assert "set_pan_tilt_positions knows the joints of ptu/cmd by their names" in refused.output
+
+
+def test_no_joint_stands_in_two_places(rover, jausml):
+    """One that says pan and tilt says nothing: both are taken as they come."""
+    model = rover("text")
+    joints = ("--joints", "ptu/cmd=ptu_pan_tilt,wheel")
+    jausml("new", "bridge", "ptu", f"{PAN_TILT}:set_pan_tilt_velocities", "--yes", *joints)
+    (made,) = (used for name, used in maps_in(model).items() if "set_pan_tilt" in name)
+    assert named_places(made).names == ("ptu_pan_tilt", "wheel")
 
 
 def test_a_copy_of_a_map_of_a_pan_tilt_unit_has_its_two_names(rover, jausml):

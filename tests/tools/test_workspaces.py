@@ -54,7 +54,7 @@ def test_a_link_to_a_folder_is_not_used(tmp_path: Path) -> None:
         workspaces.kept(model(tmp_path), [RUNTIME])
 
 
-@pytest.mark.needs("rclpy")
+@pytest.mark.needs("rclpy", "type support")
 def test_compiled_type_support_of_others_is_not_loaded() -> None:
     types = ("msg/MissedWaypoint.msg",)
     planted = type_support._folder("nav2_msgs", types)

@@ -15,7 +15,7 @@ from jausml.language.project import library
 from jausml.language.semantics.assignments.named_places import NamedPlaces, named_by, named_places
 from jausml.language.semantics.names import words
 
-_ELEMENT = re.compile(r"(?P<list>.*)\[[0-9]+\](?P<member>.*)")
+_ELEMENT = re.compile(r"(?P<list>.*)\[(?P<index>[0-9]+)\](?P<member>.*)")
 """Path of a list element or of a member of it; of lists in lists, the inner one."""
 
 FRAME_IDS = ("frame_id", "child_frame_id")
@@ -39,39 +39,42 @@ def _names(assignment: bridge.Assignment) -> Iterator[str]:
 def names_for(used: bridge.AttributeMap, robot_names: Sequence[str]) -> tuple[str, ...]:
     """Returns which of the names of a robot stand for those of a map, in the order of the map.
 
-    A list has all of them. The places of a pan-tilt unit have those that say what theirs do, as
-    `ptu_pan` says pan, else as many as there are; none where nobody can tell.
+    A list takes all of them. Places such as those of a pan-tilt unit take the names with the same
+    words, as `ptu_pan` for `pan`, else all names if there are as many; none if that is undecided.
     """
     places = named_places(used)
     if places is None:
         return tuple(robot_names)
-    matching_names = _matching_names(places, robot_names)
-    if all(len(name_list) == 1 for name_list in matching_names):
-        return tuple(name for (name,) in matching_names)
-    return tuple(robot_names) if len(robot_names) == len(places.names) else ()
+    matched = _by_words(places, robot_names)
+    return matched or (tuple(robot_names) if len(robot_names) == len(places.names) else ())
 
 
 def are_named(used: bridge.AttributeMap, robot_names: Sequence[str]) -> bool:
-    """Tells whether each place of a map has exactly one name of the robot that says so."""
+    """Tells whether the names of a robot belong to the places of a map by their words."""
     places = named_places(used)
     if places is None or len(robot_names) != len(places.names):
         return False
-    return all(len(name_list) == 1 for name_list in _matching_names(places, robot_names))
+    return bool(_by_words(places, robot_names))
 
 
-def _matching_names(places: NamedPlaces, robot_names: Sequence[str]) -> list[list[str]]:
-    """Returns for each place the names of a robot that have the words of its name."""
+def _by_words(places: NamedPlaces, robot_names: Sequence[str]) -> tuple[str, ...]:
+    """Returns for each place the one name that has its words; none if any is in doubt."""
     words_of = {
         name: {word.lower() for word in words(name)} for name in (*robot_names, *places.names)
     }
-    return [
+    found = [
         [robot_name for robot_name in robot_names if words_of[name] <= words_of[robot_name]]
         for name in places.names
     ]
+    names = tuple(name_list[0] for name_list in found if len(name_list) == 1)
+    return names if len(set(names)) == len(places.names) else ()
 
 
 def are_examples(used: bridge.AttributeMap) -> bool:
-    """Tells whether the names of a map are examples: with them, it would drop every message."""
+    """Tells whether a map is of the library and names elements.
+
+    Its names are examples: with them, every message of a robot would be dropped.
+    """
     return bool(names_in(used)) and library().document_of(used) is not None
 
 
@@ -157,31 +160,34 @@ def _with_names(addition: AddedT, names: Sequence[str]) -> AddedT:
 
 def _stopping(values: Sequence[AddedT], names: Sequence[str]) -> Iterator[AddedT]:
     """Yields the values of a stop, those of list elements for each of the names."""
-    elements: dict[tuple[str, str], list[AddedT]] = {}
+    elements: dict[tuple[str, str], dict[int, AddedT]] = {}
     for value in values:
         (path,) = value.values["target"]
         element = _ELEMENT.fullmatch(path)
         if element is None:
             yield value
         else:
-            elements.setdefault((element["list"], element["member"]), []).append(value)
+            known = elements.setdefault((element["list"], element["member"]), {})
+            known[int(element["index"])] = value
     for index, name in enumerate(names):
         for (list_path, member), originals in elements.items():
             path = f"{list_path}[{index}]{member}"
-            texts = [text for original in originals for text in original.values["value"]]
+            texts = {at: original.values["value"][0] for at, original in originals.items()}
             text = _text_at(index, texts) if named_by(path) is None else name
+            original = next(iter(originals.values()))
             overrides = {"target": (path,), "value": (text,)}
-            yield replace(originals[0], values={**originals[0].values, **overrides})
+            yield replace(original, values={**original.values, **overrides})
 
 
-def _text_at(index: int, texts: Sequence[str]) -> str:
+def _text_at(index: int, texts: Mapping[int, str]) -> str:
     """Returns what the stop of a copy says of an element, by the texts of the original.
 
     A copy may have more elements: numbers that count them, as StabilizerID does, go on, and else
     the last one has the value of all further ones.
     """
-    if index < len(texts):
+    if index in texts:
         return texts[index]
-    first = int(texts[0]) if texts[0].isdecimal() else 0
-    counts = len(texts) > 1 and list(texts) == [str(first + n) for n in range(len(texts))]
-    return str(first + index) if counts else texts[-1]
+    end = max(texts)
+    first = int(texts[end]) - end if texts[end].isdecimal() else 0
+    counts = len(texts) > 1 and all(text == str(first + at) for at, text in texts.items())
+    return str(first + index) if counts else texts[end]

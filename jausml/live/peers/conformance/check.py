@@ -99,10 +99,10 @@ class ConformanceReport:
     interrupted: bool = False
 
     def count(self, verdict: Verdict) -> int:
-        """Returns how many checks ended so."""
+        """Returns how many checks have this verdict."""
         return sum(result.verdict is verdict for result in self.results)
 
     @property
     def passed(self) -> bool:
-        """Whether nothing failed."""
-        return self.count(Verdict.FAIL) == 0
+        """Whether the run came to its end, and nothing failed."""
+        return not self.interrupted and self.count(Verdict.FAIL) == 0
