@@ -1,4 +1,4 @@
-"""What became of mutations: the verdict on each, and all of a campaign."""
+"""Outcomes of mutations: the verdict on each, and the table of a campaign."""
 
 from __future__ import annotations
 
@@ -27,7 +27,8 @@ VERDICTS = {
 }
 """Verdicts on a mutation, in the order in which they are tried; the first that fits counts.
 
-The last three do not count as noticed: a rule only warns, no code changes, or nothing happens.
+The last three are not noticed, and of these `nothing` alone makes a survivor: people see a warning,
+and equal code is no mistake.
 """
 
 

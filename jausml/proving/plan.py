@@ -26,10 +26,10 @@ from jausml.proving.positions import positions_of, spread_positions
 from jausml.proving.round_trips import Input, RoundTrip, inputs
 
 _WATCHED = 8
-"""Of how many numbers of the other message it is followed how they go with one."""
+"""How many numbers of the other message are followed, of those that depend on one."""
 
 _PROBES, _ALL = 48, 256
-"""Values by which one sees whether anything depends on a scaled number or float, and on others."""
+"""Values that are tried to see whether a scaled number or a float matters, and any other one."""
 
 _OPTIONS = 16
 """Options of variants that are tried at most."""
@@ -205,7 +205,7 @@ class _Planner:
     def _candidates(self, count: int) -> Iterator[Iterator[Layout]]:
         """Yields messages of usual values by the options that they choose.
 
-        Those that the other side makes are the most usual ones of ROS.
+        Those that the other side makes come first.
         """
         side = self._side
         if side.has_back:
@@ -221,6 +221,10 @@ class _Planner:
                 break
             before = octets
             yield (side.own.layout(None, Usual(share, option, count)) for share in SHARES)
+        else:
+            remark = f"{side.name}: options behind the first {_OPTIONS} are not tried"
+            if side.own.layout(None, Usual(SHARES[0], _OPTIONS, count)).data != before:
+                self._plan.remarks += [remark] if remark not in self._plan.remarks else []
 
     def _settled(self, first: Layout) -> Layout | None:
         """A message that comes back with all that it has; as it is, if the map lets it be."""

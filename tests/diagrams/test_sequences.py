@@ -23,3 +23,10 @@ def test_a_picture_is_as_wide_as_its_bold_title():
     picture = svg(Course(title, "", (Line("1 s", "go", "a", "b"),)))
     right = re.search(r'viewBox="0 0 ([0-9.]+) ', picture)[1]
     assert float(right) >= width(title.strip(), 16, bold=True) + 2 * 16
+
+
+def test_a_text_stands_behind_the_longest_time():
+    time = "0.0333333 s"
+    picture = svg(Course("", "", (Line(time, "time passes"), Line("1 s", "go", "a", "b"))))
+    (begin,) = re.findall(r'<text x="([0-9.]+)"[^>]*>time passes<', picture)
+    assert float(begin) > 16 + width(time, 10)

@@ -126,3 +126,12 @@ def test_a_variant_takes_the_option_of_which_most_comes_back() -> None:
     voltage = found.find("JAUS", path)
     assert voltage is not None
     assert voltage.unchanged == 65536
+
+
+def test_options_that_are_not_tried_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("jausml.proving.plan._OPTIONS", 1)
+    (found,) = proved(library_root() / "mappings/power_plant.ros2jaus", ["battery"])
+    assert "JAUS: options behind the first 1 are not tried" in found.remarks
+    monkeypatch.setattr("jausml.proving.plan._OPTIONS", 16)
+    (found,) = proved(library_root() / "mappings/power_plant.ros2jaus", ["battery"])
+    assert not [remark for remark in found.remarks if "not tried" in remark]

@@ -62,11 +62,11 @@ def _by_words(places: NamedPlaces, robot_names: Sequence[str]) -> tuple[str, ...
     words_of = {
         name: {word.lower() for word in words(name)} for name in (*robot_names, *places.names)
     }
-    found = [
+    candidates = [
         [robot_name for robot_name in robot_names if words_of[name] <= words_of[robot_name]]
         for name in places.names
     ]
-    names = tuple(name_list[0] for name_list in found if len(name_list) == 1)
+    names = tuple(name_list[0] for name_list in candidates if len(name_list) == 1)
     return names if len(set(names)) == len(places.names) else ()
 
 

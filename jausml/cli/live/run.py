@@ -69,9 +69,8 @@ def command(
 
         jausml run ws rover --jaus-id 100.2.10 --ros-args -r cmd_vel:=/base -p drive.rate:=5.0
 
-    --frequency is what the paper gives a bridge when it is started, and means what it means to
-    `jausml generate`: the reports each second that are asked for by connections and joins to
-    which the model, or a parameter NAME.rate, gives no rate.
+    --frequency means what it means to `jausml generate`: how many reports each second connections
+    and joins ask for to which neither the model nor a parameter NAME.rate gives a rate.
 
     Arguments after -- are never options of this command.
 
@@ -84,8 +83,8 @@ def command(
     Ctrl-C again is safe, and stops the processes more forcefully.
 
     Exit status: 0 all ended normally or were stopped, 1 a process failed, 2 OUT is not a generated
-    workspace, rclpy or a message package is missing, or the environment keeps from ROS, 3 internal
-    error.
+    workspace, rclpy or a message package is missing, or the environment does not allow ROS, 3
+    internal error.
     """
     folder = workspace_of(out)
     process, arguments = split_arguments(rest)

@@ -31,7 +31,7 @@ PAGE = Path(__file__).resolve().parent / "page"
 """Where the built page lies; `make studio` builds it."""
 
 KEPT_SOCKETS = 8
-"""Further sockets, for pages that may command."""
+"""Room that pages find before one that only looks is closed."""
 
 _SWITCH = 0.001
 """Seconds for which a thread keeps the interpreter from others that want it."""
@@ -41,10 +41,7 @@ _SECONDS_TO_CLOSE = 0.5
 
 
 class UnitSockets(Sockets):
-    """Sockets of pages; some places are kept for pages that may command.
-
-    Where all places are taken, the page that only looks and came first is closed for the next one.
-    """
+    """Sockets of pages; where all have one, the oldest that only looks gives way to the next."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -93,7 +90,6 @@ class Unit(Site):
     async def running(self) -> AsyncIterator[None]:
         """Has the unit go on as long as the context lasts."""
         self.unit.start()
-        self.learning.follow(self.unit.learn, self._unlearnt)
         # What is there stays, and is looked at no more: a collection of it takes long, and a stop
         # waited for it. `OperatorUnit` collects while nobody commands.
         gc.collect()
@@ -103,12 +99,15 @@ class Unit(Site):
         before = sys.getswitchinterval()
         sys.setswitchinterval(_SWITCH)
         try:
+            self.learning.follow(self.unit.learn, self._unlearnt)
             yield
         finally:
-            await asyncio.to_thread(self.unit.stop)
-            sys.setswitchinterval(before)
-            gc.unfreeze()
-            gc.enable()
+            try:
+                await asyncio.to_thread(self.unit.stop)
+            finally:
+                sys.setswitchinterval(before)
+                gc.unfreeze()
+                gc.enable()
 
     def _unlearnt(self) -> None:
         self.unit.journal.note("unit", "changes of the models are not seen any more")

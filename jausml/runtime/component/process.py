@@ -27,10 +27,9 @@ _EMPTY_OPTION = re.compile("--[a-z-]+=")
 
 
 def given_options(line: Sequence[str]) -> list[str]:
-    """Returns a command line without options that are empty, such as `--jaus-port=`.
+    """Return a command line without options that are empty, such as ``--jaus-port=``.
 
-    Launch files pass all of their arguments on; those without a value leave what the model and the
-    parameters say.
+    Launch files pass on all of their arguments; an empty one leaves what model and parameters say.
     """
     return [word for word in line if not _EMPTY_OPTION.fullmatch(word)]
 
@@ -120,21 +119,22 @@ def _digital_resources(text: str) -> tuple[str, ...]:
     return urls
 
 
-_PARTS_ON_DEMAND = {
+_OPTIONAL_TRANSPORTS = {
     TransportKind.JTCP: ("transports.jtcp", "JtcpTransport"),
     TransportKind.NODE_MANAGER: ("transports.node_manager", "NodeManagerTransport"),
 }
+"""Modules and classes of transports that a workspace has where its model asks for them."""
 
 
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
     """Return the transport that the settings name, not yet open.
 
     Raises:
-        JausError: It is none that the model asks for, and the workspace does not have it.
+        JausError: The workspace was generated without this transport.
     """
     if settings.transport is TransportKind.JUDP:
         return JudpTransport(settings, loop)
     kind: Callable[[TransportSettings, Loop], Transport] = part_of_whole(
-        *_PARTS_ON_DEMAND[settings.transport]
+        *_OPTIONAL_TRANSPORTS[settings.transport]
     )
     return kind(settings, loop)

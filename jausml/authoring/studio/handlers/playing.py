@@ -19,7 +19,7 @@ def _files(context: StudioContext) -> dict[str, Any]:
 
 
 def _open(context: StudioContext, recording: str) -> dict[str, Any]:
-    """Returns how far a recording is read; once it is, what changed in it and when."""
+    """Returns how much of a recording has been read, and what it holds once all has."""
     file = context.recordings.opened(recording)
     system = file.system
     if system is None:
@@ -36,7 +36,7 @@ def _open(context: StudioContext, recording: str) -> dict[str, Any]:
 
 
 def _state(context: StudioContext, recording: str, file: str, at: float) -> dict[str, Any]:
-    """Returns the system at a time as the live view tells it."""
+    """Returns the state of the system at a time, in the form of the live view."""
     model = context.project.model(file).model
     state = context.recordings.system(recording).state(at, model)
     return {"at": at, "state": live_values(state, model.derived(places_of))}
@@ -56,4 +56,4 @@ METHODS: Mapping[str, Callable[..., object]] = {
     "recording.state": _state,
     "recording.why": _why,
 }
-"""What answers questions, by their names."""
+"""Handlers of requests, by the names of these."""

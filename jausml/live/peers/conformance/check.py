@@ -1,6 +1,6 @@
 """Checks of conformance: what is sent, what must come back within a time, and how it must be.
 
-A step that depends on the target takes a function of the session.
+Functions with `@step` make the steps; they get the session when the check runs.
 """
 
 from __future__ import annotations
@@ -31,6 +31,8 @@ class Check:
 
     Attributes:
         id: Group and name, e.g. `access.equal-authority`; an id is never used for another check.
+        source: Where the standard demands it.
+        explanation: Why it matters.
         destructive: Whether the target cannot go on afterwards; such checks run last, if at all.
         risky: Whether a target that is not robust may not survive it; such checks run after all
             others that leave the target alive.
@@ -56,19 +58,20 @@ class Check:
 
 
 def step(function: Callable[Concatenate[Session, P], object]) -> Callable[P, Step]:
-    """Turns a function of a session into one that makes a step; checks list what it makes.
+    """Decorates a function of a session, so that it takes its other arguments and returns a step.
 
-    The first argument of most of them is the number of the client that acts.
+    `answers(1, QueryStatus)` is a step that calls `answers(session, 1, QueryStatus)` when the check
+    runs. The first argument of most of them is the number of the client that acts.
     """
 
     @wraps(function)
-    def declare(*args: P.args, **kwargs: P.kwargs) -> Step:
+    def make_step(*args: P.args, **kwargs: P.kwargs) -> Step:
         def run(session: Session) -> None:
             function(session, *args, **kwargs)
 
         return run
 
-    return declare
+    return make_step
 
 
 @dataclass(frozen=True, slots=True)

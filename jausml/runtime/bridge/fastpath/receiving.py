@@ -282,9 +282,9 @@ class FastReceiver:
         return path
 
     def _add(self, key: _Key, flow: _Flow, path: FastPath) -> Any:
-        """Returns the part of a new route that the core and Python write to; None where it is full.
+        """Returns the part of a new route that the core and Python write to; it copies the rest.
 
-        The core copies all else.
+        None where the core has no memory for it.
         """
         host, port = flow.entry.endpoint
         route = Route(

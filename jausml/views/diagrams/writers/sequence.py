@@ -13,7 +13,11 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
 _LONGEST = 90
+"""Characters of a text at most; longer ones are cut."""
+
 _ROW_HEIGHT, _HEAD, _GAP, _TIMES = 26, 58, 30, 40
+"""Pixels: height of a row, baseline of the heads, room between columns, and for times at least."""
+
 _TO_FIRST_LINE, _TO_END = 34, 22
 """Pixels from the heads to the first line, and from the last line to the end."""
 
@@ -45,7 +49,7 @@ class Course:
 
     @property
     def participants(self) -> list[str]:
-        """Who sends or receives, in the order of appearance; time, where nobody does."""
+        """Who sends or receives, in the order of appearance; `time` alone if nobody does."""
         names = (name for line in self.lines for name in (line.sender, line.receiver) if name)
         return list(dict.fromkeys(names)) or ["time"]
 
@@ -73,7 +77,7 @@ def mermaid(course: Course) -> str:
 
 
 def svg(course: Course) -> str:
-    """Returns a sequence as a picture, light or dark as whoever looks has it."""
+    """Returns a sequence as a picture, light or dark as the viewer prefers."""
     return "\n".join(_parts(course)) + "\n"
 
 
@@ -83,7 +87,8 @@ def _parts(course: Course) -> Iterator[str]:
         width(cut(participant, _LONGEST), TITLE, bold=True) for participant in course.participants
     ]
     column = round(max([*texts, *heads]) + _GAP, 1)
-    first = MARGIN + _TIMES + column / 2
+    times = max([_TIMES, *(width(course_line.time, SMALL) + 6 for course_line in course.lines)])
+    first = MARGIN + times + column / 2
     places = {
         participant: round(first + column * n, 1)
         for n, participant in enumerate(course.participants)
@@ -102,17 +107,21 @@ def _parts(course: Course) -> Iterator[str]:
         yield text_element(left, _HEAD, text, TITLE, "title", bold=True)
         yield f'<path class="edge owns" d="M{x} {_HEAD + 8}V{foot}"/>'
     for number, line in enumerate(course.lines):
-        yield from _line(line, _HEAD + _TO_FIRST_LINE + _ROW_HEIGHT * number, places, size[0])
+        y = _HEAD + _TO_FIRST_LINE + _ROW_HEIGHT * number
+        yield from _line(line, y, places, (round(MARGIN + times, 1), size[0] - MARGIN))
     yield text_element(MARGIN, foot + _TO_END, cut(course.end, _LONGEST), ROW, "error", bold=True)
     yield "</svg>"
 
 
-def _line(line: Line, y: float, places: dict[str, float], right: float) -> Iterator[str]:
+def _line(
+    line: Line, y: float, places: dict[str, float], sides: tuple[float, float]
+) -> Iterator[str]:
+    """Yields a row; `sides`: where it begins, behind the times, and where it ends."""
     text = cut(line.text, _LONGEST)
     yield text_element(MARGIN, y, line.time, SMALL, "muted")
     if not line.sender:
-        yield f'<path class="rule" d="M{MARGIN + _TIMES} {y - 3}H{right - MARGIN}"/>'
-        yield from _label(MARGIN + _TIMES + 6, y, text, "muted")
+        yield f'<path class="rule" d="M{sides[0]} {y - 3}H{sides[1]}"/>'
+        yield from _label(sides[0] + 6, y, text, "muted")
         return
     start = places[line.sender]
     if not line.receiver:
