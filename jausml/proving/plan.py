@@ -223,8 +223,9 @@ class _Planner:
             yield (side.own.layout(None, Usual(share, option, count)) for share in SHARES)
         else:
             remark = f"{side.name}: options behind the first {_OPTIONS} are not tried"
-            if side.own.layout(None, Usual(SHARES[0], _OPTIONS, count)).data != before:
-                self._plan.remarks += [remark] if remark not in self._plan.remarks else []
+            has_more = side.own.layout(None, Usual(SHARES[0], _OPTIONS, count)).data != before
+            if has_more and remark not in self._plan.remarks:  # lists of each length come here
+                self._plan.remarks.append(remark)
 
     def _settled(self, first: Layout) -> Layout | None:
         """A message that comes back with all that it has; as it is, if the map lets it be."""

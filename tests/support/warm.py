@@ -7,8 +7,8 @@ those of the command, but the process that does it is another one. What is read 
 the templates that are compiled, is what a second command of the same process would find.
 
 `python()` begins the line of a Python that has all that too: so the processes begin that run the
-whole suite. What their commands are forks of is another fork, which has no test imported: of those
-that had, and rclpy with them, one in ten ended by a fault of the segment.
+whole suite. What their commands are forks of is another fork, which has no test imported: where it
+had, some commands ended by a segmentation fault.
 """
 
 from __future__ import annotations
