@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import pytest
 from large_systems import large_system
 from simulated_vehicle import STOP, TIMEOUT, VEHICLE, take, until
-from studio_client import RefusedError, Server, operating, started
+from studio_client import RefusedError, Server, operating, serving, started
 
 from jausml.language.model.library import LIBRARY_URI
 
@@ -142,19 +142,24 @@ def test_a_unit_that_stands_still_has_its_stops_said_and_says_so(
 def test_edits_of_a_large_model_do_not_hold_it_up(
     folder: Path, built: Path, port: int, vehicle: Vehicle
 ) -> None:
-    """Ten thousand elements, which its child reads again with each edit; a stick is held."""
+    """A studio edits ten thousand elements, which a child of the unit reads; a stick is held."""
     model = folder / "large.ros2jaus"
-    text = large_system(GROUPS)
-    model.write_text(text, encoding="utf-8")
+    model.write_text(large_system(GROUPS), encoding="utf-8")
     stop = "SetWrenchEffort 60 PropulsiveLinearEffortX=0"  # this page waits for the edits too
     options = ("--stop-all", "standby", "--lease", "60", "--stop", stop, "--jaus-port", str(port))
-    with operating(model, built, *options, start=partial(started, script=GAPS)) as unit:
-        with unit.connect() as socket:
+    with (
+        serving(model, built) as studio,
+        operating(model, built, *options, start=partial(started, script=GAPS)) as unit,
+    ):
+        with studio.page() as editing, unit.connect() as socket:
             page = page_of(socket, unit)
             asked = {"component": VEHICLE, "message": "SetWrenchEffort"}
             number = page.ask("stick.begin", **asked)["stick"]
             for edit in range(EDITS):
-                model.write_text(f"{text}// {edit}\n", encoding="utf-8")
+                (row,) = editing.ask("outline", file=model.name, query="vehicle0_0")["rows"]
+                wanted = {"feature": "documentation", "values": [f"edit {edit}"]}
+                command = {"kind": "set", "element": row["element"], **wanted}
+                editing.ask("edit", commands=[command], label="Document it")
                 while not any(told["method"] == "operate.learnt" for told in page.told):
                     page.ask("renew")
                     fields = {"PropulsiveLinearEffortX": 9.0}
