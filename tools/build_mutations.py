@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jausml.mutating.operators import OPERATORS
-from jausml.mutating.outcomes import NOTHING, VERDICTS
+from jausml.mutating.outcomes import VERDICTS
 from jausml.views.pages import markdown_table
 
 if TYPE_CHECKING:
@@ -84,13 +84,13 @@ def page(campaigns: Iterable[Mapping[str, Any]]) -> str:
 
 def _of_model(campaign: Mapping[str, Any]) -> Iterator[str]:
     tried, possible = campaign["tried"], campaign["possible"]
-    survivors = [outcome for outcome in campaign["outcomes"] if outcome["verdict"] == NOTHING]
+    survivors = [outcome for outcome in campaign["outcomes"] if outcome["verdict"] == "nothing"]
     yield f"## {campaign['model']}"
     yield ""
     yield f"{tried} of {possible} possible mutations were tried; {len(survivors)} survive."
     yield ""
     rows = (
-        (name, *(str(row.get(column, "")) for column in VERDICTS))
+        (name, *(str(row.get(verdict, "")) for verdict in VERDICTS))
         for name, row in campaign["matrix"].items()
     )
     yield from markdown_table(("operator", *VERDICTS), rows)

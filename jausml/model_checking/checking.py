@@ -15,7 +15,7 @@ from jausml.language.validation.rule import Report, SetAside
 from jausml.language.validation.rules import PRODUCT_RULES
 from jausml.model_checking.search import Bounds, Graph, Step, Violation, explore, violations
 from jausml.model_checking.systems import Subject, subjects_of
-from jausml.views.diagrams.writers.sequence import Course, Line
+from jausml.views.diagrams.writers.sequence import Event, SequenceDiagram
 
 if TYPE_CHECKING:
     from jausml.language.metamodel.classes import system
@@ -169,27 +169,27 @@ def _as_data(example: CounterExample) -> dict[str, Any]:
     }
 
 
-def course_of(subject: Subject, example: CounterExample) -> Course:
+def sequence_diagram(subject: Subject, example: CounterExample) -> SequenceDiagram:
     """Returns what happens one after the other; steps of time without anything else are one."""
-    lines: list[Line] = []
+    events: list[Event] = []
     first = len(example.moments) - example.repeats
     for number, moment in enumerate(example.moments):
         step = moment.step
         time = f"{moment.seconds:g} s"
         repeats = bool(example.repeats) and number >= first
         if not step.is_tick:
-            lines.append(Line(time, step.what, step.actor, step.receiver))
+            events.append(Event(time, step.what, step.actor, step.receiver))
             if step.on_to:
-                lines.append(Line(time, step.what, step.receiver, step.on_to))
-        elif lines and not lines[-1].sender:
-            lines[-1] = _passing(time, for_ever=repeats)
+                events.append(Event(time, step.what, step.receiver, step.on_to))
+        elif events and not events[-1].sender:
+            events[-1] = _passing(time, for_ever=repeats)
         else:
-            lines.append(_passing(time, for_ever=repeats))
-    return Course(f"{subject.name}: {example.rule}", example.message, tuple(lines))
+            events.append(_passing(time, for_ever=repeats))
+    return SequenceDiagram(f"{subject.name}: {example.rule}", example.message, tuple(events))
 
 
-def _passing(time: str, *, for_ever: bool) -> Line:
-    return Line(time, "time passes, for ever" if for_ever else "time passes")
+def _passing(time: str, *, for_ever: bool) -> Event:
+    return Event(time, "time passes, for ever" if for_ever else "time passes")
 
 
 def _text(outcomes: Sequence[Outcome], model: Model) -> str:

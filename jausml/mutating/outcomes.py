@@ -3,29 +3,30 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 from jausml import __version__
 from jausml.mutating.operators import OPERATORS
 
-VALIDATE, GENERATE, TESTS, PROVE = "validate", "generate", "tests", "prove"
-CHECK, RUN = "check", "run"
-WARNING, EQUAL, NOTHING = "warning", "equal", "nothing"
 
-VERDICTS = {
-    VALIDATE: "a rule finds an error",
-    GENERATE: "nothing can be generated",
-    TESTS: "a generated test of the model fails",
-    PROVE: "a proof of its map finds what that of the model does not",
-    CHECK: "a product check finds a violation that the model does not have",
-    RUN: "the command of `--run` fails",
-    WARNING: "a rule warns, and nothing else notices it",
-    EQUAL: "the same code is generated",
-    NOTHING: "it survives",
+Verdict = Literal[
+    "validate", "generate", "tests", "prove", "check", "run", "warning", "equal", "nothing"
+]
+
+VERDICTS: Mapping[Verdict, str] = {
+    "validate": "a rule finds an error",
+    "generate": "nothing can be generated",
+    "tests": "a generated test of the model fails",
+    "prove": "a proof of its map finds what that of the model does not",
+    "check": "a product check finds a violation that the model does not have",
+    "run": "the command of `--run` fails",
+    "warning": "a rule warns, and nothing else notices it",
+    "equal": "the same code is generated",
+    "nothing": "it survives",
 }
-"""Verdicts on a mutation, in the order in which they are tried; the first that fits counts.
+"""What verdicts mean, in the order in which they are tried; the first that fits counts.
 
 The last three are not noticed, and of these `nothing` alone makes a survivor: people see a warning,
 and equal code is no mistake.
@@ -38,7 +39,7 @@ class Outcome:
 
     Attributes:
         change: What was changed, before and after.
-        verdict: What noticed it first, or that nothing did: a key of `VERDICTS`.
+        verdict: What noticed it first, or that nothing did.
         detail: What the one that noticed it says; for a survivor why nothing does, if known.
         files: Generated files that the mutation changes.
     """
@@ -46,7 +47,7 @@ class Outcome:
     operator: str
     place: str
     change: str
-    verdict: str
+    verdict: Verdict
     detail: str = ""
     files: tuple[str, ...] = ()
 
@@ -67,16 +68,16 @@ class Campaign:
     outcomes: list[Outcome] = field(default_factory=list)
     remarks: list[str] = field(default_factory=list)
 
-    def matrix(self) -> dict[str, Counter[str]]:
+    def counts_by_operator(self) -> dict[str, Counter[Verdict]]:
         """Returns how many mutations of each operator have which verdict."""
-        rows = {operator.name: Counter[str]() for operator in OPERATORS}
+        rows = {operator.name: Counter[Verdict]() for operator in OPERATORS}
         for outcome in self.outcomes:
             rows[outcome.operator][outcome.verdict] += 1
         return {name: row for name, row in rows.items() if row}
 
     def survivors(self) -> Sequence[Outcome]:
         """Returns what nothing noticed."""
-        return [outcome for outcome in self.outcomes if outcome.verdict == NOTHING]
+        return [outcome for outcome in self.outcomes if outcome.verdict == "nothing"]
 
     def to_json(self) -> dict[str, Any]:
         """Returns all that is known, for programs."""
@@ -86,7 +87,7 @@ class Campaign:
             "possible": self.possible,
             "chosen": self.chosen,
             "tried": len(self.outcomes),
-            "matrix": {name: dict(row) for name, row in self.matrix().items()},
+            "matrix": {name: dict(row) for name, row in self.counts_by_operator().items()},
             "outcomes": [asdict(outcome) for outcome in self.outcomes],
             "remarks": self.remarks,
         }

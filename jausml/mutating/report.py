@@ -43,16 +43,17 @@ def survivor_line(survivor: Outcome) -> str:
 
 def matrix_rows(campaign: Campaign) -> Iterator[tuple[str, list[int]]]:
     """Yields how many mutations of each operator were noticed by what, and of all of them."""
-    matrix = campaign.matrix()
-    for name, row in matrix.items():
-        yield name, [row[column] for column in VERDICTS]
-    yield "all", [sum(row[column] for row in matrix.values()) for column in VERDICTS]
+    counts_by_operator = campaign.counts_by_operator()
+    for name, counts in counts_by_operator.items():
+        yield name, [counts[verdict] for verdict in VERDICTS]
+    rows = counts_by_operator.values()
+    yield "all", [sum(counts[verdict] for counts in rows) for verdict in VERDICTS]
 
 
 def _table(campaign: Campaign) -> Iterator[str]:
     table_rows = list(matrix_rows(campaign))
     width = max(len(name) for name, _ in table_rows)
-    yield " ".join([" " * width, *(f"{column:>8}" for column in VERDICTS)]).rstrip()
+    yield " ".join([" " * width, *(f"{verdict:>8}" for verdict in VERDICTS)]).rstrip()
     for name, counts in table_rows:
         yield " ".join([f"{name:{width}}", *(f"{count or '.':>8}" for count in counts)])
 

@@ -30,18 +30,7 @@ from jausml.mutating.broken_workspace import BrokenWorkspace
 from jausml.mutating.changes import Change, Site, Together
 from jausml.mutating.operators import OPERATORS, Operator
 from jausml.mutating.oracles import ModelCheckOracle, ProofOracle
-from jausml.mutating.outcomes import (
-    CHECK,
-    EQUAL,
-    GENERATE,
-    NOTHING,
-    PROVE,
-    RUN,
-    TESTS,
-    VALIDATE,
-    WARNING,
-    Outcome,
-)
+from jausml.mutating.outcomes import Outcome, Verdict
 
 _SEED = 27
 
@@ -228,7 +217,7 @@ class _Original:
         try:
             text = self._text()
         except UnwritableError as error:
-            return _outcome(mutation, VALIDATE, str(error))
+            return _outcome(mutation, "validate", str(error))
         finally:
             undoing.apply()
         report = self._report(text)
@@ -237,31 +226,31 @@ class _Original:
         ]
         errors = [diagnostic for diagnostic in new if diagnostic.severity is Severity.ERROR]
         if errors:
-            return _outcome(mutation, VALIDATE, _sentence(errors[0]))
+            return _outcome(mutation, "validate", _sentence(errors[0]))
         try:
             files = self._rendered(report.model, self._targets)
         except GenerationError as error:
-            return _outcome(mutation, GENERATE, str(error))
+            return _outcome(mutation, "generate", str(error))
         changed = workspace.differing({**self.shared, **files})
         failed = workspace.failing(files, changed) if changed else ""
         if failed:
-            return _outcome(mutation, TESTS, failed, changed)
+            return _outcome(mutation, "tests", failed, changed)
         element = mutation.change.element
         finding = self._proof_oracle.new_finding(report, element) if changed else ""
         if finding:
-            return _outcome(mutation, PROVE, finding, changed)
+            return _outcome(mutation, "prove", finding, changed)
         violation = self._model_check_oracle.new_violation(report.model) if changed else ""
         if violation:
-            return _outcome(mutation, CHECK, violation, changed)
+            return _outcome(mutation, "check", violation, changed)
         refused = workspace.refusing(files, changed) if changed else ""
         if refused:
-            return _outcome(mutation, RUN, refused, changed)
+            return _outcome(mutation, "run", refused, changed)
         warnings = [diagnostic for diagnostic in new if diagnostic.severity is Severity.WARNING]
         if warnings:
-            return _outcome(mutation, WARNING, _sentence(warnings[0]), changed)
+            return _outcome(mutation, "warning", _sentence(warnings[0]), changed)
         if not changed:
-            return _outcome(mutation, EQUAL, "", changed)
-        return _outcome(mutation, NOTHING, workspace.why_unseen(changed), changed)
+            return _outcome(mutation, "equal", "", changed)
+        return _outcome(mutation, "nothing", workspace.why_unseen(changed), changed)
 
     def _text(self) -> str:
         return to_xmi(self._roots, self.model, self._document.path)
@@ -273,7 +262,9 @@ class _Original:
         return {artifact.path: artifact.text for artifact in render(model, targets)}
 
 
-def _outcome(mutation: Mutation, verdict: str, detail: str, files: Sequence[str] = ()) -> Outcome:
+def _outcome(
+    mutation: Mutation, verdict: Verdict, detail: str, files: Sequence[str] = ()
+) -> Outcome:
     name = mutation.operator.name
     return Outcome(name, mutation.place, mutation.words, verdict, detail, tuple(files))
 

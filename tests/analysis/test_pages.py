@@ -8,7 +8,7 @@ from html.parser import HTMLParser
 import jinja2
 import pytest
 
-from jausml.mutating.outcomes import NOTHING, Campaign, Outcome
+from jausml.mutating.outcomes import Campaign, Outcome
 from jausml.mutating.report import page as campaign_page
 from jausml.proving.results import MapResult
 from jausml.proving.summary import pages as proof_pages
@@ -34,7 +34,7 @@ class Words(HTMLParser):
 
 
 def campaign():
-    outcome = Outcome("sign", NASTY, "is turned", NOTHING, "", ("drive.py",))
+    outcome = Outcome("sign", NASTY, "is turned", "nothing", "", ("drive.py",))
     return Campaign(NASTY, 2, 1, [outcome], [NASTY])
 
 

@@ -16,7 +16,7 @@ from sweeps import sweep
 from workspaces import python_path
 
 from jausml.cli import main
-from jausml.model_checking.checking import CounterExample, Moment, course_of
+from jausml.model_checking.checking import CounterExample, Moment, sequence_diagram
 from jausml.model_checking.search import TIME
 from jausml.model_checking.systems import Subject
 
@@ -213,5 +213,6 @@ def test_time_that_passes_for_ever_says_so_after_time_that_passed_before():
     """The steps before it are joined with it; what is told is that it goes on."""
     moments = (Moment(1.0, TIME), Moment(2.0, TIME))
     subject = Subject("front", element=None, product=None, tick=1.0)
-    (line,) = course_of(subject, CounterExample("JML1", "never ends", moments, repeats=1)).lines
-    assert line.text == "time passes, for ever"
+    example = CounterExample("JML1", "never ends", moments, repeats=1)
+    (event,) = sequence_diagram(subject, example).events
+    assert event.text == "time passes, for ever"

@@ -201,7 +201,7 @@ def _write_examples(
     outcomes: Sequence[Outcome], model: Model, folder: Path, *, force: bool
 ) -> None:
     """Writes the files of each counter-example that has steps."""
-    from jausml.model_checking.checking import course_of
+    from jausml.model_checking.checking import sequence_diagram
     from jausml.model_checking.virtual_test import virtual_test
     from jausml.views.diagrams.writers import sequence
 
@@ -209,11 +209,12 @@ def _write_examples(
     for outcome in outcomes:
         for counter_example in (example for example in outcome.found if example.moments):
             words = re.findall(r"\w+", f"{outcome.subject.name} {counter_example.rule.lower()}")
-            name, course = "_".join(words), course_of(outcome.subject, counter_example)
+            name = "_".join(words)
+            diagram = sequence_diagram(outcome.subject, counter_example)
             test = virtual_test(model, outcome.subject, counter_example) or ""
             texts = {
-                f"{name}.mmd": sequence.mermaid(course),
-                f"{name}.svg": sequence.svg(course),
+                f"{name}.mmd": sequence.mermaid(diagram),
+                f"{name}.svg": sequence.svg(diagram),
                 f"test_{name}.py": test,
             }
             for file, text in texts.items():
