@@ -10,7 +10,6 @@ from typing import Any, Literal
 from jausml import __version__
 from jausml.mutating.operators import OPERATORS
 
-
 Verdict = Literal[
     "validate", "generate", "tests", "prove", "check", "run", "warning", "equal", "nothing"
 ]

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from importlib.machinery import PathFinder
 from pathlib import Path
-from typing import Any
 
+from jausml.cli.live.processes import ProcessEntry
 from jausml.cli.shared.files import EnvironmentFault
 
 _INTERFACES = ("msg", "srv", "action")
 _MESSAGE_SUFFIX = "_msgs"
 
 
-def require_packages(entries: Sequence[Mapping[str, Any]], folder: Path, python_path: str) -> None:
+def require_packages(entries: Sequence[ProcessEntry], folder: Path, python_path: str) -> None:
     """Refuses to start processes whose messages nobody has built or installed."""
     path = [*filter(None, python_path.split(os.pathsep)), *sys.path]
     for entry in entries:
-        for name in _dependencies(folder / str(entry.get("package", "")) / "package.xml"):
+        for name in _dependencies(folder / entry.package / "package.xml"):
             is_own = any((folder / name / kind).is_dir() for kind in _INTERFACES)
             # Without an __init__ it is the folder of definitions beside us, or nothing at all.
             spec = PathFinder.find_spec(name, path)
             if (is_own or name.endswith(_MESSAGE_SUFFIX)) and (spec is None or spec.origin is None):
                 raise EnvironmentFault(
-                    f"{entry['name']} needs {name}, {_remedy(name, folder, is_own)}"
+                    f"{entry.name} needs {name}, {_remedy(name, folder, is_own)}"
                 )
 
 

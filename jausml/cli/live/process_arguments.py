@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import click
+
+from jausml.cli.live.processes import ProcessEntry
 
 _ROS_ARGUMENTS = "--ros-args"
 _IDENTITY = "--jaus-id"
@@ -30,14 +31,14 @@ def split_arguments(rest: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ..
 
 
 def process_arguments(
-    entries: Sequence[Mapping[str, Any]], arguments: Sequence[str], *, is_named: bool
+    entries: Sequence[ProcessEntry], arguments: Sequence[str], *, is_named: bool
 ) -> list[ProcessArguments]:
     """Returns the arguments of each process, in the order of the processes."""
     has_ros = _ROS_ARGUMENTS in arguments
     ros_start = arguments.index(_ROS_ARGUMENTS) if has_ros else len(arguments)
     own, ros = tuple(arguments[:ros_start]), tuple(arguments[ros_start:])
-    jaus = [entry["name"] for entry in entries if entry["kind"] != "node"]
-    nodes = [entry["name"] for entry in entries if entry["kind"] != "component"]
+    jaus = [entry.name for entry in entries if entry.speaks_jaus]
+    nodes = [entry.name for entry in entries if entry.speaks_ros]
     if own and not own[0].startswith("-"):
         raise click.UsageError(f"'{own[0]}' is no option of a process")
     if own and not jaus and not is_named:
@@ -49,23 +50,23 @@ def process_arguments(
         raise click.UsageError(f"name the process that gets this {_IDENTITY}: one of {names}")
     return [
         ProcessArguments(
-            own if is_named or entry["name"] in jaus else (), ros if entry["name"] in nodes else ()
+            own if is_named or entry.name in jaus else (), ros if entry.name in nodes else ()
         )
         for entry in entries
     ]
 
 
 def with_frequency(
-    entries: Sequence[Mapping[str, Any]], passed: Sequence[ProcessArguments], frequency: float
+    entries: Sequence[ProcessEntry], passed: Sequence[ProcessArguments], frequency: float
 ) -> list[ProcessArguments]:
     """Returns what each process gets, with the frequency before the ROS arguments of bridges."""
-    if not any(entry["kind"] == "bridge" for entry in entries):
+    if not any(entry.kind == "bridge" for entry in entries):
         raise click.UsageError("no process is a bridge, which --frequency is for")
     # A number without a point is an integer to ROS, which the parameter is not.
     frequency_arguments = (_ROS_ARGUMENTS, "-p", f"frequency:={frequency!r}")
     return [
         replace(arguments, ros=(*frequency_arguments, *arguments.ros))
-        if entry["kind"] == "bridge"
+        if entry.kind == "bridge"
         else arguments
         for entry, arguments in zip(entries, passed, strict=True)
     ]

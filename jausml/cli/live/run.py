@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import importlib.util
 import os
-import re
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -21,6 +19,7 @@ from jausml.cli.live.process_arguments import (
     split_arguments,
     with_frequency,
 )
+from jausml.cli.live.processes import ProcessEntry, process_entries
 from jausml.cli.live.supervisor import Command, Supervisor
 from jausml.cli.shared.files import PROBLEMS, EnvironmentFault
 from jausml.cli.shared.options import FiniteRange
@@ -30,9 +29,6 @@ _RUN_MODULE = (
     "runpy.run_module(sys.argv.pop(1), run_name='__main__', alter_sys=True)"
 )
 """What `-m` does, without the current folder: a script there may have the name of a package."""
-
-_MODULE = re.compile(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*", re.ASCII)
-_ROS_KINDS = frozenset({"bridge", "node"})
 
 
 @click.command("run", context_settings={"ignore_unknown_options": True})
@@ -90,15 +86,15 @@ def command(
     process, arguments = split_arguments(rest)
     if process and only:
         raise click.UsageError("name the processes by PROCESS or by --only, not by both")
-    entries = _chosen(_entries(folder), (*only, *process))
+    entries = _chosen(process_entries(folder), (*only, *process))
     passed = process_arguments(entries, arguments, is_named=bool(process))
     if frequency is not None:
         passed = with_frequency(entries, passed, frequency)
     environment = _environment(folder)
-    if any(entry["kind"] in _ROS_KINDS for entry in entries):
+    if any(entry.speaks_ros for entry in entries):
         _require_ros()
         require_packages(entries, folder, environment["PYTHONPATH"])
-        build_before_run(folder, [entry["module"].partition(".")[0] for entry in entries])
+        build_before_run(folder, [entry.module.partition(".")[0] for entry in entries])
     supervisor = Supervisor(
         [_command(entry, folder, more) for entry, more in zip(entries, passed, strict=True)],
         environment=environment,
@@ -110,45 +106,12 @@ def command(
         raise click.exceptions.Exit(PROBLEMS)
 
 
-def _entries(folder: Path) -> list[Mapping[str, Any]]:
-    from jausml.generation.manifest import read_manifest
-
-    manifest = read_manifest(folder)
-    if manifest.problem:
-        raise EnvironmentFault(f"{folder}: {manifest.problem}; generate it again")
-    lists = [known.get("processes") for known in manifest.models.values()]
-    entries = [entry for listed in lists if isinstance(listed, list) for entry in listed]
-    if not any(isinstance(process_list, list) for process_list in lists) or not all(
-        map(_is_entry, entries)
-    ):
-        raise EnvironmentFault(f"{folder}: the manifest lists no processes; generate it again")
-    # A component that two models have is one process.
-    return list({entry["name"]: entry for entry in entries}.values())
-
-
-def _is_entry(entry: Any) -> bool:
-    if not isinstance(entry, dict):
-        return False
-    texts = (entry.get("name"), entry.get("kind"), entry.get("module"))
-    arguments = entry.get("arguments", [])
-    return (
-        all(isinstance(text, str) for text in texts)
-        and _MODULE.fullmatch(entry["module"]) is not None
-        and isinstance(arguments, list)
-        and all(isinstance(argument, str) for argument in arguments)
-        and isinstance(entry.get("parameters", ""), str)
-        and isinstance(entry.get("domain", 0), int)
-    )
-
-
-def _chosen(
-    entries: Sequence[Mapping[str, Any]], only: tuple[str, ...]
-) -> Sequence[Mapping[str, Any]]:
-    names = [entry["name"] for entry in entries]
+def _chosen(entries: Sequence[ProcessEntry], only: tuple[str, ...]) -> Sequence[ProcessEntry]:
+    names = [entry.name for entry in entries]
     unknown = [name for name in only if name not in names]
     if unknown:
         raise click.UsageError(f"no process '{unknown[0]}'; there are {', '.join(names) or 'none'}")
-    chosen = [entry for entry in entries if not only or entry["name"] in only]
+    chosen = [entry for entry in entries if not only or entry.name in only]
     if not chosen:
         raise EnvironmentFault("the workspace has no processes")
     return chosen
@@ -166,17 +129,16 @@ def _require_ros() -> None:
         raise EnvironmentFault(fault)
 
 
-def _command(entry: Mapping[str, Any], folder: Path, passed: ProcessArguments) -> Command:
-    arguments = [*entry.get("arguments", ()), *passed.own]
-    parameters = entry.get("parameters", "")
-    if parameters:
-        arguments += ["--ros-args", "--params-file", str(folder / parameters)]
+def _command(entry: ProcessEntry, folder: Path, passed: ProcessArguments) -> Command:
+    arguments = [*entry.arguments, *passed.own]
+    if entry.parameters:
+        arguments += ["--ros-args", "--params-file", str(folder / entry.parameters)]
     # The last one wins in ROS: what the user says overrides the generated file.
     arguments += passed.ros
     return Command(
-        entry["name"],
-        (sys.executable, "-u", "-c", _RUN_MODULE, entry["module"], *arguments),
-        {"ROS_DOMAIN_ID": str(entry.get("domain", 0))},
+        entry.name,
+        (sys.executable, "-u", "-c", _RUN_MODULE, entry.module, *arguments),
+        {"ROS_DOMAIN_ID": str(entry.domain)},
     )
 
 
