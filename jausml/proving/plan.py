@@ -86,13 +86,15 @@ class _Side:
     """A message with the translation that takes it, and whether there is one that makes it.
 
     Attributes:
+        taken: The message that is translated.
+        made: The message that is made of it.
         shortcuts: The functions that sweep single numbers, by path.
         units: Returns the unit that the model knows of a path.
     """
 
     name: str
-    own: Input
-    other: Input
+    taken: Input
+    made: Input
     to_ros: bool
     has_back: bool
     shortcuts: Mapping[str, int]
@@ -101,22 +103,26 @@ class _Side:
 
 @dataclass(frozen=True)
 class _Passage:
-    """A message that is translated, and what of it comes back, if it does."""
+    """A message that is translated, what of it comes back, if it does, and what is made of it.
 
-    first: Layout
+    Attributes:
+        octets: Length of what is made.
+    """
+
+    message: Layout
     settled: Layout | None
-    made: int
+    octets: int
 
     @property
     def rank(self) -> tuple[int, int, int]:
         """Sorts messages: first those of which most comes back, then is made, then is taken."""
         numbers = len(self.settled.numbers) if self.settled is not None else 0
-        return numbers, self.made, len(self.first.numbers)
+        return numbers, self.octets, len(self.message.numbers)
 
 
 def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
     """Returns what is to be proved of a round trip."""
-    taken = inputs(trip)
+    messages = inputs(trip)
     proof_plan = Plan(remarks=[f"left to Python: {reason}" for reason in code.reasons])
     for to_ros, name, used in ((True, JAUS, trip.to_ros), (False, ROS, trip.to_jaus)):
         if to_ros in code.directions:
@@ -125,8 +131,8 @@ def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
             has_back = (not to_ros) in code.directions
             side = _Side(
                 name=name,
-                own=taken[to_ros],
-                other=taken[not to_ros],
+                taken=messages[to_ros],
+                made=messages[not to_ros],
                 to_ros=to_ros,
                 has_back=has_back,
                 shortcuts=shortcuts,
@@ -163,23 +169,24 @@ class _Planner:
         settled = [passage.settled for passage in passages if passage.settled is not None]
         if not settled and self._side.has_back:
             self._plan.remarks.append(f"{self._side.name}: no message of usual values comes back")
-        before = len(self._plan.fields)
-        known: dict[str, bool] = {}
+        planned: dict[str, Field | None] = {}
         # Messages that come back go first: a number is planned once, and of these more is known.
         layouts = [
             *((settled_layout, True) for settled_layout in settled),
-            *((passage.first, False) for passage in passages),
+            *((passage.message, False) for passage in passages),
         ]
         for layout, has_back in layouts:
             for number in layout.numbers:
-                if not known.get(number.path):
-                    known[number.path] = self._add(layout.data, number, has_back=has_back)
-        not_carried = [f"{self._side.name} {path}" for path, added in known.items() if not added]
-        self._plan.not_carried += not_carried
-        own = self._plan.fields[before:]
-        self._plan.fields[before:] = [
-            replace(own_field, partners=_partners(own_field, own)) for own_field in own
-        ]
+                if planned.get(number.path) is None:
+                    planned[number.path] = self._field(layout.data, number, has_back=has_back)
+        fields = [planned_field for planned_field in planned.values() if planned_field is not None]
+        self._plan.fields += (
+            replace(planned_field, partners=_partners(planned_field, fields))
+            for planned_field in fields
+        )
+        self._plan.not_carried += (
+            f"{self._side.name} {path}" for path in planned if planned[path] is None
+        )
 
     def _messages(self) -> list[_Passage]:
         """The messages of usual values that are translated, with each option that they have.
@@ -190,12 +197,12 @@ class _Planner:
         passages: list[_Passage] = []
         for count in range(1, _LONGEST + 1):
             for candidates in self._candidates(count):
-                for first in candidates:
-                    between = self._translated(first.data)
-                    if between is None:
+                for message in candidates:
+                    translation = self._translated(message.data)
+                    if translation is None:
                         continue
-                    settled = self._settled(first)
-                    passages.append(_Passage(first, settled, len(between)))
+                    settled = self._settled(message)
+                    passages.append(_Passage(message, settled, len(translation)))
                     if settled is not None or not self._side.has_back:
                         break
             if not self._side.has_back or any(passage.settled is not None for passage in passages):
@@ -209,94 +216,91 @@ class _Planner:
         """
         side = self._side
         if side.has_back:
-            messages = (side.other.layout(None, Usual(share, 0, count)).data for share in SHARES)
+            messages = (side.made.layout(None, Usual(share, 0, count)).data for share in SHARES)
             others = (self._form.translate(message, to_ros=not side.to_ros) for message in messages)
-            joins = side.own.usual_joins
-            yield (side.own.layout(other + joins) for other in others if other is not None)
+            joins = side.taken.usual_joins
+            yield (side.taken.layout(other + joins) for other in others if other is not None)
         before = b""
         for option in range(_OPTIONS):
-            octets = side.own.layout(None, Usual(SHARES[0], option, count)).data
+            octets = side.taken.layout(None, Usual(SHARES[0], option, count)).data
             # There is no further option.
             if octets == before:
                 break
             before = octets
-            yield (side.own.layout(None, Usual(share, option, count)) for share in SHARES)
+            yield (side.taken.layout(None, Usual(share, option, count)) for share in SHARES)
         else:
             remark = f"{side.name}: options behind the first {_OPTIONS} are not tried"
-            has_more = side.own.layout(None, Usual(SHARES[0], _OPTIONS, count)).data != before
+            has_more = side.taken.layout(None, Usual(SHARES[0], _OPTIONS, count)).data != before
             if has_more and remark not in self._plan.remarks:  # lists of each length come here
                 self._plan.remarks.append(remark)
 
-    def _settled(self, first: Layout) -> Layout | None:
+    def _settled(self, message: Layout) -> Layout | None:
         """A message that comes back with all that it has; as it is, if the map lets it be."""
-        returned = self._returned(first.data)
+        returned = self._returned(message.data)
         again = self._returned(returned) if returned is not None else None
         if returned is None or again is None:
             return None
         # The map may change a value at each trip; then the first one is as good as the next.
         is_stable = self._returned(again) == again
-        return self._side.own.layout(again if is_stable else returned)
+        return self._side.taken.layout(again if is_stable else returned)
 
     def _translated(self, data: bytes) -> bytes | None:
         return self._form.translate(data, to_ros=self._side.to_ros)
 
     def _returned(self, data: bytes) -> bytes | None:
         """What comes back of a message, with what was joined to it."""
-        between, side = self._translated(data), self._side
-        if between is None or not side.has_back:
+        translation, side = self._translated(data), self._side
+        if translation is None or not side.has_back:
             return None
-        taken = between + side.other.usual_joins
-        returned = self._form.translate(taken, to_ros=not side.to_ros)
-        return None if returned is None else returned + data[len(side.own.main(data)) :]
+        whole = translation + side.made.usual_joins
+        returned = self._form.translate(whole, to_ros=not side.to_ros)
+        return None if returned is None else returned + data[len(side.taken.main(data)) :]
 
-    def _add(self, message: bytes, number: Number, *, has_back: bool) -> bool:
-        """Adds a number if anything depends on it, and tells whether."""
-        between, side = self._translated(message), self._side
-        if between is None:
-            return False
-        reached = self._reached(message, number, between)
-        if reached is None:
-            return False
-        size = len(side.own.main(message))
+    def _field(self, message: bytes, number: Number, *, has_back: bool) -> Field | None:
+        """Returns what is to be proved of a number; None where nothing depends on it."""
+        translation, side = self._translated(message), self._side
+        if translation is None:
+            return None
+        dependents = self._dependents(message, number, translation)
+        if dependents is None:
+            return None
+        size = len(side.taken.main(message))
         sweep = Sweep(
             side.to_ros,
             has_back=has_back and number.at < size,  # joined messages are taken and not made
             message=message,
             size=size,
-            joins_back=side.other.usual_joins,
+            joins_back=side.made.usual_joins,
             number=number,
-            turn=_turn(number),
-            between=len(between),
-            watched=reached[:_WATCHED],
+            turn=_full_turn(number),
+            between=len(translation),
+            watched=dependents[:_WATCHED],
         )
         shortcut = side.shortcuts.get(number.path, 0) if sweep.has_back else 0
         units = number.units or side.units(number.path)
-        self._plan.fields.append(Field(side.name, number.path, units, sweep, shortcut))
-        return True
+        return Field(side.name, number.path, units, sweep, shortcut)
 
-    def _reached(self, message: bytes, number: Number, between: bytes) -> list[Number] | None:
-        """The numbers of the other message that depend on one; None where nothing does."""
+    def _dependents(
+        self, message: bytes, number: Number, translation: bytes
+    ) -> list[Number] | None:
+        """The numbers of the message that is made which depend on one; None where nothing does."""
         try:
-            others = self._side.other.message(between, USUAL).numbers
+            others = self._side.made.message(translation, USUAL).numbers
         except LayoutError:
             others = []
         dependents: dict[Number, None] = {}
-        is_reached = False
+        matters = False
         for index in _probes(number):
-            translation = self._translated(number.put(message, number.raw(index)))
-            is_reached = is_reached or translation != between
+            probe = self._translated(number.put(message, number.raw(index)))
+            if probe == translation:
+                continue
+            matters = True
             # In a message of another length the numbers stand elsewhere.
-            if (
-                translation is not None
-                and len(translation) == len(between)
-                and translation != between
-            ):
+            if probe is not None and len(probe) == len(translation):
                 dependents |= {
-                    other: None
-                    for other in others
-                    if other.read(translation) != other.read(between)
+                    other: None for other in others if other.read(probe) != other.read(translation)
                 }
-        return list(dependents) if is_reached else None
+        return list(dependents) if matters else None
 
 
 def _probes(number: Number) -> Sequence[int]:
@@ -308,21 +312,22 @@ def _probes(number: Number) -> Sequence[int]:
     return positions_of(number, _ALL) if is_plain else spread_positions(number, _PROBES)
 
 
-def _partners(planned: Field, others: Sequence[Field]) -> list[Number]:
+def _partners(planned_field: Field, others: Sequence[Field]) -> list[Number]:
     """The numbers with a scale that share a number of the other message with one."""
-    if not planned.sweep.has_back or not planned.number.is_scaled:
+    if not planned_field.sweep.has_back or not planned_field.number.is_scaled:
         return []
+    watched = {number.path for number in planned_field.watched}
     return [
         other.number
         for other in others
-        if other.sweep.message is planned.sweep.message
-        and other.number is not planned.number
+        if other.sweep.message is planned_field.sweep.message
+        and other.number is not planned_field.number
         and other.number.is_scaled
-        and {e.path for e in other.watched} & {e.path for e in planned.watched}
+        and not watched.isdisjoint(number.path for number in other.watched)
     ]
 
 
-def _turn(number: Number) -> float:
+def _full_turn(number: Number) -> float:
     """What an angle goes around by, so that both its ends mean the same; 0 of other numbers."""
     if not number.is_scaled or number.units not in _ANGLES:
         return 0.0
