@@ -50,7 +50,7 @@ class Meter:
         self.turns += 1
 
 
-class Measured(serving.Unit):
+class Measured(serving.OperatorSite):
     """A unit that is measured from when it has begun."""
 
     @asynccontextmanager
@@ -108,5 +108,5 @@ class Measured(serving.Unit):
 
 if __name__ == "__main__":
     serving.PAGE = Path(sys.argv[1])
-    serving.Unit = Measured  # type: ignore[misc]
+    serving.OperatorSite = Measured  # type: ignore[misc]
     main(sys.argv[2:])

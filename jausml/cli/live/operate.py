@@ -30,7 +30,7 @@ from jausml.cli.shared.terminal import remark
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from jausml.live.operating.serving import Unit
+    from jausml.live.operating.serving import OperatorSite
     from jausml.live.operating.unit import Powers
 
 _NEEDED = ("starlette", "uvicorn", "websockets", "watchfiles")
@@ -108,11 +108,11 @@ def command(
             # The stops of a model are those of the start: it must be there to be read.
             raise EnvironmentFault(knowledge.fault)
         try:
-            unit = serving.Unit(knowledge, learning, watched, powers)
+            site = serving.OperatorSite(knowledge, learning, watched, powers)
         except (MessageError, ValueError) as error:
             raise click.UsageError(f"--stop: {error}") from error
         with _logged():
-            serve(host, page_port, unit, lambda: _opened(unit, no_browser))
+            serve(host, page_port, site, lambda: _opened(site, no_browser))
     except (PageMissingError, ReadingError) as error:
         raise EnvironmentFault(str(error)) from error
     except OSError as error:
@@ -139,14 +139,14 @@ def _logged() -> Iterator[None]:
         listener.stop()
 
 
-def _opened(unit: Unit, no_browser: bool) -> None:
-    click.echo(f"jausml operate: {unit.address}")
-    if unit.commanding_address:
-        click.echo(f"to command: {unit.commanding_address}")
+def _opened(site: OperatorSite, no_browser: bool) -> None:
+    click.echo(f"jausml operate: {site.address}")
+    if site.commanding_address:
+        click.echo(f"to command: {site.commanding_address}")
     remark("Ctrl-C ends it.")
     if not no_browser:
         # The other one would stand among the processes, which every user of the computer sees.
-        webbrowser.open(unit.address)
+        webbrowser.open(site.address)
 
 
 def _powers(stop_all: str | None, lease: float | None, stops: tuple[str, ...]) -> Powers | None:

@@ -47,7 +47,7 @@ class UnitSockets(Sockets):
         super().__init__()
         self.seats: dict[WebSocket, Seat] = {}
 
-    async def _has_place(self, socket: WebSocket) -> bool:
+    async def _make_place(self, socket: WebSocket) -> bool:
         if len(self._sockets) <= MOST_SOCKETS + KEPT_SOCKETS:
             return True
         others = (other for other in self._sockets if other is not socket)
@@ -61,7 +61,7 @@ class UnitSockets(Sockets):
         return True
 
 
-class Unit(Site):
+class OperatorSite(Site):
     """The operator unit with a page, and a seat for each who opens it."""
 
     def __init__(
@@ -99,7 +99,7 @@ class Unit(Site):
         before = sys.getswitchinterval()
         sys.setswitchinterval(_SWITCH)
         try:
-            self.learning.follow(self.unit.learn, self._unlearnt)
+            self.learning.follow(self.unit.learn, self._note_end_of_learning)
             yield
         finally:
             try:
@@ -109,7 +109,7 @@ class Unit(Site):
                 gc.unfreeze()
                 gc.enable()
 
-    def _unlearnt(self) -> None:
+    def _note_end_of_learning(self) -> None:
         self.unit.journal.note("unit", "changes of the models are not seen any more")
 
     async def _serve_page(self, socket: WebSocket) -> None:

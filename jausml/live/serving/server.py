@@ -135,7 +135,7 @@ class Sockets:
         # It counts from here on: others may come while one that gives way is closed.
         self._sockets.append(socket)
         try:
-            is_served = await self._has_place(socket)
+            is_served = await self._make_place(socket)
             if not is_served:
                 await socket.close(TRY_AGAIN_LATER)
             yield is_served
@@ -143,7 +143,7 @@ class Sockets:
             if socket in self._sockets:
                 self._sockets.remove(socket)
 
-    async def _has_place(self, socket: WebSocket) -> bool:  # noqa: ARG002 - of those who keep some
+    async def _make_place(self, socket: WebSocket) -> bool:  # noqa: ARG002 - of those who keep some
         """Returns whether the socket that came last can be served."""
         return len(self._sockets) <= MOST_SOCKETS
 
