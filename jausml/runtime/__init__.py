@@ -1,7 +1,7 @@
 """Runtime that ships with generated code: transports, JAUS core services, clients, bridges.
 
 Copied into a generated workspace as the package ``jausml_runtime``. It needs the standard library
-only; rclpy is imported by the ROS side of bridges, when one runs, and numpy by bridges.
+only; rclpy is imported by the ROS side of bridges, when one runs.
 
 What generated code and its users may import stands in nine modules, by name; whatever lies behind
 them may move:

@@ -33,6 +33,7 @@ from .ends.guarding import ros_of
 from .ends.topics import ParameterError
 from .messages.limits import RosLostError
 from .ros.environment import permits_ros
+from .ros.spared import spare_modules
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -171,6 +172,7 @@ def run_bridge(bridge: Bridge, arguments: Sequence[str] | None = None) -> int:
     """
     if not permits_ros(bridge.settings.name):
         return EXIT_USAGE
+    spare_modules()
     # Components that are no bridges, and their computers, need no ROS.
     from .ros.lifecycle import without_ros_arguments  # noqa: PLC0415
     from .ros.node import RosNode  # noqa: PLC0415

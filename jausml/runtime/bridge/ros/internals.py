@@ -10,9 +10,6 @@ at each of them whenever it wakes up; but a new version of rclpy may change it.
 
 from __future__ import annotations
 
-import sys
-from contextlib import suppress
-from importlib import import_module
 from typing import Any
 
 from rclpy.duration import Duration
@@ -48,24 +45,6 @@ NEEDED: dict[str, tuple[str, ...]] = {
 """Classes of the extension module and what is used of them."""
 
 _EXECUTOR = ("_make_handler", "_spin_once_impl", "_take_waitable", "wait_for_ready_callbacks")
-
-_TYPE_SUPPORTS = "rosidl_generator_py"
-_GENERATING = f"{_TYPE_SUPPORTS}.generate_py_impl"
-
-
-def spare_generator() -> None:
-    """Keeps out of the process what generates Python of ROS types, which takes 8 MiB.
-
-    It comes with the package that finds type supports, which is prepared to do without.
-    """
-    if _TYPE_SUPPORTS in sys.modules or _GENERATING in sys.modules:
-        return
-    sys.modules[_GENERATING] = None  # type: ignore[assignment]  # so its import fails
-    try:
-        with suppress(ImportError):
-            import_module(_TYPE_SUPPORTS)
-    finally:
-        del sys.modules[_GENERATING]
 
 
 def require_internals(node: Any) -> None:
@@ -118,6 +97,8 @@ class Codec:
 
     def __init__(self, ros_type: type[Any]) -> None:
         self.message_class = message_class(ros_type)
+        # The first one that has arrays imports numpy: now, and not while messages pass.
+        self.message_class()
 
     def decode(self, data: bytes) -> Any:
         """Returns the object of a serialized message."""

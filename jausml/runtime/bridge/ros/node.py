@@ -26,7 +26,7 @@ from ...conversions import Time
 from ..ends import parameters
 from ..ends.topics import Qos, Topic
 from ..messages.limits import RosLostError
-from .internals import Codec, require_internals, spare_generator
+from .internals import Codec, require_internals
 from .lifecycle import GuardedExecutor, ManagedNode
 from .parameters import NodeParameters, as_parameter_error
 from .topics import NodeTopics
@@ -103,7 +103,6 @@ class RosNode:
             name: Node name, which `-r __node:=` changes.
             arguments: Command line with `--ros-args`; None means none.
         """
-        spare_generator()
         self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
         with as_parameter_error():
