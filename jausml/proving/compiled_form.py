@@ -82,9 +82,9 @@ def _model(model: Model, trip: RoundTrip) -> Model:
     """Makes a bridge with each direction, with the policies and quantities of its own."""
     directions = {TO_ROS_NAME: (trip.to_ros, True), TO_JAUS_NAME: (trip.to_jaus, False)}
     connections = {
-        name: (used, to_ros)
-        for name, (used, to_ros) in directions.items()
-        if (used.toRos if to_ros else used.toJaus)
+        name: (map_, to_ros)
+        for name, (map_, to_ros) in directions.items()
+        if (map_.toRos if to_ros else map_.toJaus)
     }
     return bridge_of_maps(model.metamodels, NAME, connections, trip.connections)
 

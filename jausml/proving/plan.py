@@ -124,10 +124,10 @@ def plan(code: ProofCode, form: CompiledForm, trip: RoundTrip) -> Plan:
     """Returns what is to be proved of a round trip."""
     messages = inputs(trip)
     proof_plan = Plan(remarks=[f"left to Python: {reason}" for reason in code.reasons])
-    for to_ros, name, used in ((True, JAUS, trip.to_ros), (False, ROS, trip.to_jaus)):
+    for to_ros, name, map_ in ((True, JAUS, trip.to_ros), (False, ROS, trip.to_jaus)):
         if to_ros in code.directions:
             shortcuts = {path: at for at, path in enumerate(code.shortcuts, 1) if to_ros}
-            units = functools.partial(_units, outer_scope(used, to_ros=to_ros))
+            units = functools.partial(_units, outer_scope(map_, to_ros=to_ros))
             has_back = (not to_ros) in code.directions
             side = _Side(
                 name=name,

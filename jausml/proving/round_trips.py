@@ -51,7 +51,7 @@ def round_trips(model: Model) -> list[RoundTrip]:
         if (document := model.document_of(attribute_map)) and document.is_input
     ]
     connections = model.instances(bridge.Connection)
-    used = [connection.map for connection in model.instances(bridge.Connection, library=False)]
+    connected = [connection.map for connection in model.instances(bridge.Connection, library=False)]
     of_maps = [
         RoundTrip(
             str(attribute_map.name),
@@ -59,7 +59,7 @@ def round_trips(model: Model) -> list[RoundTrip]:
             attribute_map,
             tuple(c for c in connections if c.map is attribute_map),
         )
-        for attribute_map in dict.fromkeys((*own, *used))
+        for attribute_map in dict.fromkeys((*own, *connected))
         if attribute_map is not None
     ]
     return [*of_maps, *_meeting(model)]

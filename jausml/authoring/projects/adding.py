@@ -104,9 +104,9 @@ def add_connections(
         owner = bridge_in(at, name)
         for crossing in crossings:
             if _carries(owner, crossing):
-                used = name_of(crossing.map)
+                map_name = name_of(crossing.map)
                 raise ProjectError(
-                    f"{name_of(owner)} carries {crossing.topic.name} by {used} already"
+                    f"{name_of(owner)} carries {crossing.topic.name} by {map_name} already"
                 )
         return new_connections(scope, owner, crossings, topics)
 
@@ -174,17 +174,17 @@ def scope_of(place: Place) -> Scope:
 def ready_maps(scope: Scope) -> list[bridge.AttributeMap]:
     """Returns the maps of a project, and those of the library that it has no copies of."""
     ready = library().instances(bridge.AttributeMap)
-    own = {_identity(used): used for used in reversed(scope.own(bridge.AttributeMap))}
+    own = {_identity(map_): map_ for map_ in reversed(scope.own(bridge.AttributeMap))}
     return [
         *reversed(own.values()),
         *(attribute_map for attribute_map in ready if _identity(attribute_map) not in own),
     ]
 
 
-def _identity(used: bridge.AttributeMap) -> tuple[str, str, str]:
+def _identity(map_: bridge.AttributeMap) -> tuple[str, str, str]:
     """Returns what a map and a copy of it have in common."""
-    message, kind = used.message, used.type
-    return name_of(used), name_of(message) if message else "", name_of(kind) if kind else ""
+    message, kind = map_.message, map_.type
+    return name_of(map_), name_of(message) if message else "", name_of(kind) if kind else ""
 
 
 def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Crossing:
@@ -193,12 +193,12 @@ def _present(crossing: Crossing, scope: Scope, copies: Collection[Path]) -> Cros
         return crossing
     shipped = library().document_of(crossing.map)
     is_copied = shipped is not None and any(copy.stem == shipped.path.stem for copy in copies)
-    for used in scope.instances(bridge.AttributeMap):
-        if is_copied and library().document_of(used) is not None:
+    for map_ in scope.instances(bridge.AttributeMap):
+        if is_copied and library().document_of(map_) is not None:
             break
-        offer = offer_of(used.message, to_ros=crossing.offer.to_ros) if used.message else None
-        if _identity(used) == _identity(crossing.map) and offer is not None:
-            return replace(crossing, map=used, offer=offer)
+        offer = offer_of(map_.message, to_ros=crossing.offer.to_ros) if map_.message else None
+        if _identity(map_) == _identity(crossing.map) and offer is not None:
+            return replace(crossing, map=map_, offer=offer)
     files = ", ".join(str(copy) for copy in copies)
     place = f"{files}: " if is_copied else ""
     raise ProjectError(f"{place}there is no map {name_of(crossing.map)}")

@@ -134,12 +134,12 @@ class Draft:
         else:
             place = f"{NEW}{0}"
             changes.append(_new_bridge(scope, owner, self.offer))
-        used = scope.ref(self.map)
+        map_ref = scope.ref(self.map)
         if self.map is None:
-            used = f"{NEW}{sum(isinstance(change, Add) for change in changes)}"
+            map_ref = f"{NEW}{sum(isinstance(change, Add) for change in changes)}"
             changes.append(self._new_map(scope, owner, place))
         siblings = owner.bridgeConnections if isinstance(owner, bridge.Bridge) else ()
-        changes.append(self.connection(scope, place, used, siblings))
+        changes.append(self.connection(scope, place, map_ref, siblings))
         return changes
 
     def _new_map(self, scope: Scope, owner: EObject, place: str) -> Add:
@@ -152,7 +152,7 @@ class Draft:
         return Add(place, "maps", "bridge.AttributeMap", values)
 
     def connection(
-        self, scope: Scope, place: str, used: str, siblings: Iterable[EObject] = ()
+        self, scope: Scope, place: str, map_ref: str, siblings: Iterable[EObject] = ()
     ) -> Add:
         """Returns what makes the connection alone.
 
@@ -160,7 +160,7 @@ class Draft:
         """
         values: dict[str, tuple[str, ...]] = {
             "name": (name_among(self.name, siblings),),
-            "map": (used,),
+            "map": (map_ref,),
         }
         if not self.offer.to_ros or is_emergency(self.offer.message):
             values["direction"] = (self.offer.direction,)
@@ -202,15 +202,15 @@ class Draft:
 
 
 def map_commands(
-    scope: Scope, owner: EObject, used: bridge.AttributeMap, *, to_ros: bool
+    scope: Scope, owner: EObject, map_: bridge.AttributeMap, *, to_ros: bool
 ) -> list[Command]:
     """Returns what lets a bridge carry a map, whose other end is found when it runs."""
-    offer = offer_of(used.message, to_ros=to_ros)
+    offer = offer_of(map_.message, to_ros=to_ros)
     if offer is None:
         return []
-    name = name_of(used)
+    name = name_of(map_)
     peer = peer_of(scope, offer) if offer.is_provided else None
-    draft = Draft(offer, peer, used.type, used, name, name, {})
+    draft = Draft(offer, peer, map_.type, map_, name, name, {})
     return draft.commands(scope, owner)
 
 
@@ -240,7 +240,7 @@ def system_of(scope: Scope) -> system.System | None:
     return next(systems, None)
 
 
-def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
+def lacks_stop(offer: Offer, map_: bridge.AttributeMap) -> bool:
     """Tells whether a command that moves something has no stop in a map, for a lost source.
 
     So it is with an emergency: what ends it, a person has to say.
@@ -249,7 +249,7 @@ def lacks_stop(offer: Offer, used: bridge.AttributeMap) -> bool:
     if is_emergency(message):
         return True
     moves = offer.exchange == MESSAGE and is_command(message) and message.moves
-    return moves and (used.stopRos if offer.to_ros else used.stopJaus) is None
+    return moves and (map_.stopRos if offer.to_ros else map_.stopJaus) is None
 
 
 def needed_topic(join: bridge.Join) -> str:
@@ -328,14 +328,14 @@ def shifted(commands: Iterable[Command], by: int) -> list[Command]:
 
 
 def copied(
-    scope: Scope, place: str, used: bridge.AttributeMap, name: str, *, first: int = 0
+    scope: Scope, place: str, map_: bridge.AttributeMap, name: str, *, first: int = 0
 ) -> list[Command]:
     """Returns what makes a copy of a map, with its tables, quantities and vectors.
 
     `place`: ref of the bridge that shall have it. `first`: the number of elements that are made
     before.
     """
-    described_map = described([(used, scope.model_of(used))], lambda element, _: scope.ref(element))
+    described_map = described([(map_, scope.model_of(map_))], lambda element, _: scope.ref(element))
     return [
         replace(change, owner=place, feature="maps", values={**change.values, "name": (name,)})
         if isinstance(change, Add) and not change.owner

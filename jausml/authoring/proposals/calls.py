@@ -168,21 +168,21 @@ def connection_commands(
     """
     offer = offer_of(call.message, to_ros=call.to_ros)
     commands: list[Command] = [] if offer is None else with_service(scope, owner, offer)
-    used: dict[str, str] = {}
+    maps_by_part: dict[str, str] = {}
     for half in halves(scope, call):
         if half.kind in map_commands:
-            used[half.kind] = f"{NEW}{_count(commands)}"
+            maps_by_part[half.kind] = f"{NEW}{_count(commands)}"
             commands += shifted(map_commands[half.kind], _count(commands))
         elif half.ready is not None:
-            used[half.kind] = scope.ref(half.ready)
+            maps_by_part[half.kind] = scope.ref(half.ready)
     values: dict[str, tuple[str, ...]] = {"name": (name,)}
     if call.to_ros:
         values["direction"] = ("jausToRos",)
     values |= {"service": (call.service,), "type": (scope.ref(call.type),)}
-    values |= {kind: (ref,) for kind, ref in used.items()}
-    if REQUEST not in used:
+    values |= {kind: (ref,) for kind, ref in maps_by_part.items()}
+    if REQUEST not in maps_by_part:
         values["message"] = (scope.ref(call.message),)
-    if RESPONSE not in used and call.answer is not None:
+    if RESPONSE not in maps_by_part and call.answer is not None:
         values["answer"] = (scope.ref(call.answer),)
     if call.rejections:
         values["rejections"] = tuple(map(scope.ref, call.rejections))
@@ -223,16 +223,16 @@ def peers_of(
 
 
 def own_copy(
-    scope: Scope, owner: bridge.Bridge, used: bridge.AttributeMap
+    scope: Scope, owner: bridge.Bridge, map_: bridge.AttributeMap
 ) -> Sequence[Command] | None:
     """Returns what copies a ready map where the model cannot refer to it: XMI to a text.
 
     Returns none where the model can.
     """
-    document = library().document_of(used)
+    document = library().document_of(map_)
     if scope.is_text or document is None or document.is_xml:
         return None
-    return copied(scope, scope.ref(owner), used, name_among(name_of(used), owner.maps))
+    return copied(scope, scope.ref(owner), map_, name_among(name_of(map_), owner.maps))
 
 
 def _count(commands: Iterable[Command]) -> int:

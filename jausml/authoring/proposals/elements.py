@@ -290,8 +290,8 @@ def legal_targets(scope: Scope, element: EObject, feature: FeatureTable) -> tupl
             return _choices(scope, narrow)
     choices = everywhere(scope, feature.target, element)
     if feature.name == "query":
-        used = getattr(element, "query", None)
-        own = scope.ref(used) if used is not None else ""
+        query = getattr(element, "query", None)
+        own = scope.ref(query) if query is not None else ""
         return tuple(choice for choice in choices if _is_query(choice) or choice.value == own)
     return choices
 
@@ -361,12 +361,12 @@ def _system_of(element: EObject | None) -> system.System | None:
 def _of_map(element: EObject, feature: str) -> list[EObject] | None:
     """What the map has that an element stands in, or that its connection uses."""
     map_or_connection: Any = around(element, bridge.AttributeMap, bridge.Connection)
-    used = (
+    map_ = (
         map_or_connection.map
         if isinstance(map_or_connection, bridge.Connection)
         else map_or_connection
     )
-    return None if used is None else list(getattr(used, feature))
+    return None if map_ is None else list(getattr(map_, feature))
 
 
 def _reports(element: EObject) -> list[EObject] | None:

@@ -110,17 +110,17 @@ def list_ways(
     ]
     candidates_by_key: dict[tuple[str, str, str], ListWay] = {}
     for member, element in ends or singles:
-        for used in maps:
-            if used.message is None or used.type is None or are_examples(used):
+        for map_ in maps:
+            if map_.message is None or map_.type is None or are_examples(map_):
                 continue
-            if ros_name(used.type) != ros_name(element):
+            if ros_name(map_.type) != ros_name(element):
                 continue
-            if not (used.toRos if to_ros else used.toJaus):
+            if not (map_.toRos if to_ros else map_.toJaus):
                 continue
             for driver in known:
-                if _has_elements(driver, used.message):
-                    key = (member, name_of(used), str(driver.urn))
-                    candidates_by_key.setdefault(key, ListWay(driver, used, member))
+                if _has_elements(driver, map_.message):
+                    key = (member, name_of(map_), str(driver.urn))
+                    candidates_by_key.setdefault(key, ListWay(driver, map_, member))
     return list(candidates_by_key.values())
 
 

@@ -22,10 +22,10 @@ FRAME_IDS = ("frame_id", "child_frame_id")
 """The fields that name a frame."""
 
 
-def names_in(used: bridge.AttributeMap) -> list[str]:
+def names_in(map_: bridge.AttributeMap) -> list[str]:
     """Returns the names by which a map knows the elements of lists; none for most maps."""
-    names = (name for assignment in (*used.toRos, *used.toJaus) for name in _names(assignment))
-    places = named_places(used)
+    names = (name for assignment in (*map_.toRos, *map_.toJaus) for name in _names(assignment))
+    places = named_places(map_)
     return list(dict.fromkeys(names if places is None else places.names))
 
 
@@ -36,22 +36,22 @@ def _names(assignment: bridge.Assignment) -> Iterator[str]:
             yield from _names(inner_assignment)
 
 
-def names_for(used: bridge.AttributeMap, robot_names: Sequence[str]) -> tuple[str, ...]:
+def names_for(map_: bridge.AttributeMap, robot_names: Sequence[str]) -> tuple[str, ...]:
     """Returns which of the names of a robot stand for those of a map, in the order of the map.
 
     A list takes all of them. Places such as those of a pan-tilt unit take the names with the same
     words, as `ptu_pan` for `pan`, else all names if there are as many; none if that is undecided.
     """
-    places = named_places(used)
+    places = named_places(map_)
     if places is None:
         return tuple(robot_names)
     matched = _by_words(places, robot_names)
     return matched or (tuple(robot_names) if len(robot_names) == len(places.names) else ())
 
 
-def are_named(used: bridge.AttributeMap, robot_names: Sequence[str]) -> bool:
+def are_named(map_: bridge.AttributeMap, robot_names: Sequence[str]) -> bool:
     """Tells whether the names of a robot belong to the places of a map by their words."""
-    places = named_places(used)
+    places = named_places(map_)
     if places is None or len(robot_names) != len(places.names):
         return False
     return bool(_by_words(places, robot_names))
@@ -70,17 +70,17 @@ def _by_words(places: NamedPlaces, robot_names: Sequence[str]) -> tuple[str, ...
     return names if len(set(names)) == len(places.names) else ()
 
 
-def are_examples(used: bridge.AttributeMap) -> bool:
+def are_examples(map_: bridge.AttributeMap) -> bool:
     """Tells whether a map is of the library and names elements.
 
     Its names are examples: with them, every message of a robot would be dropped.
     """
-    return bool(names_in(used)) and library().document_of(used) is not None
+    return bool(names_in(map_)) and library().document_of(map_) is not None
 
 
-def frames_in(used: bridge.AttributeMap) -> list[str]:
+def frames_in(map_: bridge.AttributeMap) -> list[str]:
     """Returns the frames that a map names in what it publishes."""
-    frames = (name for assignment in used.toRos for name in _frames(assignment))
+    frames = (name for assignment in map_.toRos for name in _frames(assignment))
     return list(dict.fromkeys(frames))
 
 
@@ -99,7 +99,7 @@ def _is_frame(path: str) -> bool:
 def copied_with_names(
     scope: Scope,
     place: str,
-    used: bridge.AttributeMap,
+    map_: bridge.AttributeMap,
     name: str,
     names: Sequence[str],
     frames: Mapping[str, str],
@@ -116,10 +116,10 @@ def copied_with_names(
         [f"{', '.join(names)}: by these names in ROS, in this order in JAUS."] if names else []
     )
     frame_notes = [f"The frame {old} is {new} here." for old, new in frames.items()]
-    about = "\n\n".join((*joint_notes, *frame_notes, f"Made of the ready map {name_of(used)}."))
+    about = "\n\n".join((*joint_notes, *frame_notes, f"Made of the ready map {name_of(map_)}."))
     return [
         _of_robot(command, names, frames, about) if isinstance(command, Add) else command
-        for command in copied(scope, place, used, name, first=first)
+        for command in copied(scope, place, map_, name, first=first)
     ]
 
 

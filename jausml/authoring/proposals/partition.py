@@ -181,7 +181,7 @@ class _Applying:
         """Yields what bridges say of quantities of maps that go to another bridge."""
         known = {name_of(one) for one in planned.owner.quantities} if planned.owner else set()
         for carrier in planned.carriers:
-            needed = {name_of(one) for used in maps_of(carrier) for one in used.quantities}
+            needed = {name_of(one) for map_ in maps_of(carrier) for one in map_.quantities}
             for one in self._home[carrier].quantities:
                 if name_of(one) in needed - known:
                     known.add(name_of(one))
@@ -284,13 +284,13 @@ class _Applying:
         """
         going: dict[Any, Planned] = dict(self._moved)
         for owner in dict.fromkeys(self._home[carrier] for carrier in self._moved):
-            for used in owner.maps:
-                users = [carrier for carrier in self._home if used in maps_of(carrier)]
+            for map_ in owner.maps:
+                users = [carrier for carrier in self._home if map_ in maps_of(carrier)]
                 targets = [self._moved[carrier] for carrier in users if carrier in self._moved]
                 if not targets or len(targets) < len(users):
                     continue
                 if owner in self._plan.gone or all(target is targets[0] for target in targets):
-                    going[used] = targets[0]
+                    going[map_] = targets[0]
         return going
 
     def _renamed(self, going: Mapping[Any, Planned]) -> Iterator[Command]:

@@ -53,15 +53,15 @@ class TopicName:
         self._distinctive = _distinctive(own)
         self.commands = not _COMMANDING.isdisjoint(own) and not {"current", "applied"} & {*own}
 
-    def distance(self, used: bridge.AttributeMap) -> tuple[bool, int, int, int]:
+    def distance(self, map_: bridge.AttributeMap) -> tuple[bool, int, int, int]:
         """Returns how far a map is from what the name says; the least is the likeliest."""
-        own = _of_map(used)
+        own = _of_map(map_)
         missing = self._distinctive - {*own}
-        return not self.names(used), -len(self._all & {*own}), len(missing), len(own)
+        return not self.names(map_), -len(self._all & {*own}), len(missing), len(own)
 
-    def names(self, used: bridge.AttributeMap) -> bool:
+    def names(self, map_: bridge.AttributeMap) -> bool:
         """Tells whether the name says what the name of a map does, and nothing else."""
-        return self._distinctive == _distinctive(_of_map(used))
+        return self._distinctive == _distinctive(_of_map(map_))
 
     def feeds(self, join: bridge.Join) -> bool:
         """Tells whether the name has all words of a join."""
@@ -81,8 +81,8 @@ def is_emergency_stop(name: str) -> bool:
     )
 
 
-def _of_map(used: bridge.AttributeMap) -> list[str]:
-    name = "_".join(_lower(name_of(used)))
+def _of_map(map_: bridge.AttributeMap) -> list[str]:
+    name = "_".join(_lower(name_of(map_)))
     for own, usual in _DEVICES.items():
         name = name.replace(own, usual)
     return _split(name)

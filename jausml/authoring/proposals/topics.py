@@ -180,33 +180,33 @@ def why_not(wanted: str, topic: TopicEnd, maps: Sequence[bridge.AttributeMap], s
 def _possible(
     topic: TopicEnd, maps: Sequence[bridge.AttributeMap], *, is_vehicle: bool
 ) -> Iterator[Crossing]:
-    for used in maps:
-        if not _is_of(used, topic.type):
+    for map_ in maps:
+        if not _is_of(map_, topic.type):
             continue
         for to_ros in (True, False):
-            offer = offer_of(used.message, to_ros=to_ros)
+            offer = offer_of(map_.message, to_ros=to_ros)
             if (
                 offer is not None
                 and topic.to_ros in (None, to_ros)
                 and (offer.is_provided is not is_vehicle or is_emergency(offer.message))
-                and (not is_served(offer.service) or name_of(used) in topic.maps)
-                and _can_carry(used, to_ros=to_ros)
+                and (not is_served(offer.service) or name_of(map_) in topic.maps)
+                and _can_carry(map_, to_ros=to_ros)
             ):
-                yield Crossing(topic, used, offer, is_vehicle=is_vehicle)
+                yield Crossing(topic, map_, offer, is_vehicle=is_vehicle)
 
 
-def _is_of(used: bridge.AttributeMap, kind: str) -> bool:
+def _is_of(map_: bridge.AttributeMap, kind: str) -> bool:
     """Tells whether a map is of messages of a type, and not of parts of services or actions."""
-    if used.message is None or used.type is None or ros_name(used.type) != kind:
+    if map_.message is None or map_.type is None or ros_name(map_.type) != kind:
         return False
-    return isinstance(used.type.eContainer(), ros.InterfacePackage)
+    return isinstance(map_.type.eContainer(), ros.InterfacePackage)
 
 
-def _can_carry(used: bridge.AttributeMap, *, to_ros: bool) -> bool:
+def _can_carry(map_: bridge.AttributeMap, *, to_ros: bool) -> bool:
     """Tells whether a connection of one topic and one message is all that a map needs."""
-    if not (used.toRos if to_ros else used.toJaus) or (to_ros and used.reportJoins):
+    if not (map_.toRos if to_ros else map_.toJaus) or (to_ros and map_.reportJoins):
         return False
-    return len(list(used_maps(used, to_ros=to_ros))) == 1
+    return len(list(used_maps(map_, to_ros=to_ros))) == 1
 
 
 def robots_in(topics: Sequence[TopicEnd]) -> list[str]:

@@ -153,40 +153,40 @@ def _copy(
         at = 0 if yes else _chosen_ready(names)
     if at is None:
         return ()
-    used = ready_maps[at]
-    _check_ways(used, wish)
+    map_ = ready_maps[at]
+    _check_ways(map_, wish)
     place = scope.ref(owner)
     if joints is not None:
         own = joints_of(joints)
-        if not names_in(used):
-            raise click.UsageError(f"--joints: {name_of(used)} knows no joints by names")
-        places = named_places(used)
+        if not names_in(map_):
+            raise click.UsageError(f"--joints: {name_of(map_)} knows no joints by names")
+        places = named_places(map_)
         if places is not None and len(own) != len(places.names):
             wanted = ", ".join(places.names)
-            raise click.UsageError(f"--joints: {name_of(used)} has one for each of {wanted}")
-        click.echo(f"a copy of the ready map {name_of(used)} for {', '.join(own)}")
-        return copied_with_names(scope, place, used, wish.name, own, {}, first=0)
-    if are_examples(used):
+            raise click.UsageError(f"--joints: {name_of(map_)} has one for each of {wanted}")
+        click.echo(f"a copy of the ready map {name_of(map_)} for {', '.join(own)}")
+        return copied_with_names(scope, place, map_, wish.name, own, {}, first=0)
+    if are_examples(map_):
         raise click.UsageError(
-            f"{name_of(used)} knows joints by their names: state those of the robot by "
+            f"{name_of(map_)} knows joints by their names: state those of the robot by "
             "--joints NAME,NAME"
         )
-    click.echo(f"a copy of the ready map {name_of(used)}, with its vectors")
+    click.echo(f"a copy of the ready map {name_of(map_)}, with its vectors")
     remark(f"a connection can use it as it is, too: jausml new bridge NAME TOPIC:TYPE:{names[at]}")
-    return copied(scope, place, used, wish.name)
+    return copied(scope, place, map_, wish.name)
 
 
-def _check_ways(used: bridge.AttributeMap, wish: Wish) -> None:
+def _check_ways(map_: bridge.AttributeMap, wish: Wish) -> None:
     """Refuses a copy that would have a direction that is not wanted."""
     from jausml.language.model.names import name_of
 
     for way, (end, assignments) in {
-        True: ("ROS", used.toRos),
-        False: ("JAUS", used.toJaus),
+        True: ("ROS", map_.toRos),
+        False: ("JAUS", map_.toJaus),
     }.items():
         if assignments and way not in wish.ways:
             raise click.UsageError(
-                f"--direction: {name_of(used)} has assignments to {end}, and a copy is whole; "
+                f"--direction: {name_of(map_)} has assignments to {end}, and a copy is whole; "
                 "--fill fills a map without them"
             )
 

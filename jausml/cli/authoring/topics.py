@@ -186,9 +186,9 @@ def chosen_crossings(
     for crossing, first in clashes(taken_crossings):
         taken_crossings.remove(crossing)
         _clash(crossing, first)
-    used = {topic_name for one in joined(taken_crossings, topics) for topic_name in one.values()}
+    map_ = {topic_name for one in joined(taken_crossings, topics) for topic_name in one.values()}
     for topic in topics:
-        is_left = topic.name in waiting and not offered[topic.name] and topic.name not in used
+        is_left = topic.name in waiting and not offered[topic.name] and topic.name not in map_
         if is_left and left_out is not None:
             left_out(topic, f"no topic that is carried has a join for {topic.name}", "")
     if not taken_crossings and left_out is None:
@@ -368,9 +368,9 @@ def _taken(
         return [by_name[map_name] for map_name in topic.maps]
     if yes or len(candidates) == 1:
         if others := ", ".join(name_of(crossing.map) for crossing in candidates[1:]):
-            used = name_of(candidates[0].map)
+            map_ = name_of(candidates[0].map)
             remark(
-                f"{topic.name}: {used} is used; {others} would fit too (name them after a colon)"
+                f"{topic.name}: {map_} is used; {others} would fit too (name them after a colon)"
             )
         return [candidates[0]]
     options = _options(candidates)

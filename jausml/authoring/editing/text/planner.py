@@ -189,6 +189,6 @@ def _check_names(obj: EObject, owner: EObject) -> None:
         return
     there = {str(quantity.name): quantity for quantity in (*owner.quantities, *owner.tables)}
     for conversion in getattr(obj, "conversions", ()):
-        for used in (conversion.quantity, conversion.table):
-            if used is not None and there.get(str(used.name), used) is not used:
-                raise EditError(f"'{used.name}' is another one in map '{owner.name}'")
+        for named in (conversion.quantity, conversion.table):
+            if named is not None and there.get(str(named.name), named) is not named:
+                raise EditError(f"'{named.name}' is another one in map '{owner.name}'")

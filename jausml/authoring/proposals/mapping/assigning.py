@@ -88,21 +88,21 @@ class _Draft:
         return Child(feature, "bridge.FieldAssignment", values, chain)
 
 
-def assign(scope: Scope, used: bridge.AttributeMap, source: Member, target: Member) -> Options:
+def assign(scope: Scope, map_: bridge.AttributeMap, source: Member, target: Member) -> Options:
     """Returns the ways to assign a member to one of the other side, the best first."""
-    proposals = candidates(scope, used, source, target)
+    proposals = candidates(scope, map_, source, target)
     if not proposals.candidates:
         return Options(refusal=proposals.refusal)
     options = []
     for index, candidate in enumerate(proposals.candidates):
-        table = tabled(used, [candidate.assignment])
+        table = tabled(map_, [candidate.assignment])
         [assignment] = table.assignments
         ends = proposals.source, proposals.target
         option = Option(
             label=_label(assignment),
             why=_why(candidate, assignment, proposals.plain, *ends),
             preview=statement(assignment),
-            commands=filling(scope, used, assignment, *ends, assignment.feature, table.tables),
+            commands=filling(scope, map_, assignment, *ends, assignment.feature, table.tables),
             is_best=index == 0 and not set(steps(assignment)) & set(OF_AUTHORS),
         )
         options.append(option)
@@ -124,13 +124,13 @@ class Candidates:
 
 
 def candidates(
-    scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
+    scope: Scope, map_: bridge.AttributeMap, source: Member, target: Member
 ) -> Candidates:
     """Returns the ways to assign a member to one of the other side, before any table."""
     if source.is_jaus is target.is_jaus:
         refusal = "both are of one side; draw to a member of the other side"
         return Candidates(source, target, refusal=refusal)
-    source, target = _in_elements(used, source, target), _in_elements(used, target, source)
+    source, target = _in_elements(map_, source, target), _in_elements(map_, target, source)
     if bool(source.outer) is not bool(target.outer):
         inside, outside = (source, target) if source.outer else (target, source)
         refusal = (
@@ -138,7 +138,7 @@ def candidates(
             " there once; draw between members of elements, or name one element by its index"
         )
         return Candidates(source, target, refusal=refusal)
-    judgements = _best_conversion(scope, used, source, target)
+    judgements = _best_conversion(scope, map_, source, target)
     refusal = judgements.plain.said or "no conversion leads from one to the other"
     return Candidates(
         source, target, judgements.plain, tuple(_distinct(judgements.good)[:_MOST]), refusal
@@ -157,18 +157,18 @@ class _Found:
 
 
 def _best_conversion(
-    scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
+    scope: Scope, map_: bridge.AttributeMap, source: Member, target: Member
 ) -> _Found:
     own = (source.inner,), (target.inner,)
     direct = [_Draft(*own, (), tuple(policy.items())) for policy in _policies(target)]
-    judged = _judged(scope, used, source, target, direct)
+    judged = _judged(scope, map_, source, target, direct)
     plain, accepted = judged[0], [candidate for candidate in judged if candidate.is_accepted]
     if accepted:
         if source.attribute.kind == NUMBER and _may_be_turned(source, target):
             turned = [_Draft(*own, (NEGATION.name,), tuple(policy.items())) for policy in _POLICIES]
-            accepted += _judged(scope, used, source, target, turned)
+            accepted += _judged(scope, map_, source, target, turned)
         return _Found(plain, [candidate for candidate in accepted if candidate.is_accepted])
-    judged += _judged(scope, used, source, target, list(_drafts(used, source, target)))
+    judged += _judged(scope, map_, source, target, list(_drafts(map_, source, target)))
     good = [candidate for candidate in judged if candidate.is_accepted]
     return _Found(plain, good or [candidate for candidate in judged if candidate.is_possible])
 
@@ -187,13 +187,13 @@ def _may_be_turned(source: Member, target: Member) -> bool:
     return not (are_named or are_known)
 
 
-def _in_elements(used: bridge.AttributeMap, one: Member, other: Member) -> Member:
+def _in_elements(map_: bridge.AttributeMap, one: Member, other: Member) -> Member:
     """Returns the elements of a list or array, where the other end is a list or lies in one."""
     if one.attribute.kind not in _MANY or one.outer:
         return one
     if not other.outer and other.attribute.kind not in _MANY:
         return one
-    place = outer_scope(used, to_ros=one.is_jaus).find_source(one.path)
+    place = outer_scope(map_, to_ros=one.is_jaus).find_source(one.path)
     element = place.element() if is_many(place) else None
     if element is None:
         return one
@@ -202,7 +202,7 @@ def _in_elements(used: bridge.AttributeMap, one: Member, other: Member) -> Membe
 
 def _judged(
     scope: Scope,
-    used: bridge.AttributeMap,
+    map_: bridge.AttributeMap,
     source: Member,
     target: Member,
     drafts: Sequence[_Draft],
@@ -213,7 +213,7 @@ def _judged(
         _in_list(draft, source, target, feature) if source.outer else draft.child(feature)
         for draft in drafts
     ]
-    return judge(scope.model.metamodels, used, children)
+    return judge(scope.model.metamodels, map_, children)
 
 
 def _in_list(draft: _Draft, source: Member, target: Member, feature: str) -> Child:
@@ -221,13 +221,13 @@ def _in_list(draft: _Draft, source: Member, target: Member, feature: str) -> Chi
     return Child(feature, "bridge.ListAssignment", values, (draft.child("assignments"),))
 
 
-def _drafts(used: bridge.AttributeMap, source: Member, target: Member) -> Iterator[_Draft]:
+def _drafts(map_: bridge.AttributeMap, source: Member, target: Member) -> Iterator[_Draft]:
     """Yields what might do with conversions, the simplest first."""
     own = (source.inner,), (target.inner,)
     for chain, policy in product(_chains(source, target), _policies(target)):
         yield _Draft(*own, tuple(step.name for step in chain), tuple(policy.items()))
     for conversion in _SIMPLE:
-        for sources, targets in _with_siblings(used, source, target, conversion):
+        for sources, targets in _with_siblings(map_, source, target, conversion):
             is_angle = bool(conversion.takes_axes) and source.attribute.optional
             for policy in (_LEVEL, *_POLICIES) if is_angle else _POLICIES:
                 yield _Draft(sources, targets, (conversion.name,), tuple(policy.items()))
@@ -271,22 +271,22 @@ def _is_last_choice(conversion: Conversion) -> bool:
 
 
 def _with_siblings(
-    used: bridge.AttributeMap, source: Member, target: Member, conversion: Conversion
+    map_: bridge.AttributeMap, source: Member, target: Member, conversion: Conversion
 ) -> Iterator[tuple[tuple[str, ...], tuple[str, ...]]]:
     """Yields ends of a conversion of several values, such as three angles to an orientation."""
     several = len(conversion.inputs) > 1, len(conversion.outputs) > 1
     if not any(several) or source.outer:
         return
-    sources = _along(used, source, conversion.takes_axes) if several[0] else (source.inner,)
-    targets = _along(used, target, conversion.gives_axes) if several[1] else (target.inner,)
+    sources = _along(map_, source, conversion.takes_axes) if several[0] else (source.inner,)
+    targets = _along(map_, target, conversion.gives_axes) if several[1] else (target.inner,)
     if len(sources) == len(conversion.inputs) and len(targets) == len(conversion.outputs):
         yield sources, targets
 
 
-def _along(used: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple[str, ...]:
+def _along(map_: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple[str, ...]:
     """Returns the members beside one that are the angles about some axes; none if one lacks."""
     before, dot, _ = one.inner.rpartition(".")
-    place = outer_scope(used, to_ros=one.is_jaus).find_source(before or ".")
+    place = outer_scope(map_, to_ros=one.is_jaus).find_source(before or ".")
     names = [
         str(sibling.name) for sibling in getattr(place, "members", list)() or () if sibling.name
     ]
@@ -294,7 +294,7 @@ def _along(used: bridge.AttributeMap, one: Member, axes: Sequence[str]) -> tuple
     for name in names:
         path = f"{before}{dot}{name}"
         try:
-            axis = axis_of(member(used, path, is_jaus=one.is_jaus).attribute)
+            axis = axis_of(member(map_, path, is_jaus=one.is_jaus).attribute)
         except AnswerError:
             continue
         if axis is not None and axis.is_angle and axis.name:
@@ -359,11 +359,11 @@ def _conversion(name: str) -> Child:
     return Child("conversions", "bridge.Conversion", values)
 
 
-def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tuple[Member, str]]:
+def partners(scope: Scope, map_: bridge.AttributeMap, source: Member) -> list[tuple[Member, str]]:
     """Returns the members of the other side to which a member may be assigned, with how."""
     others = [
         leaf
-        for leaf in leaves(used, is_jaus=not source.is_jaus)
+        for leaf in leaves(map_, is_jaus=not source.is_jaus)
         if bool(leaf.outer) is bool(source.outer)
     ]
     own, feature = source.inner, _TO_ROS if source.is_jaus else _TO_JAUS
@@ -373,7 +373,7 @@ def partners(scope: Scope, used: bridge.AttributeMap, source: Member) -> list[tu
         for draft in [_Draft((own,), (other.inner,))]
     ]
     pairs = []
-    for partner, judged in zip(others, judge(scope.model.metamodels, used, plain), strict=True):
+    for partner, judged in zip(others, judge(scope.model.metamodels, map_, plain), strict=True):
         if judged.is_possible:
             pairs.append((partner, "as it is"))
         elif conversions_between([source.attribute.kind], partner.attribute.kind) and _may_become(

@@ -41,7 +41,7 @@ Those that say something of units come first.
 
 def filling(
     scope: Scope,
-    used: bridge.AttributeMap,
+    map_: bridge.AttributeMap,
     child: Child,
     source: Member | None,
     target: Member,
@@ -52,12 +52,12 @@ def filling(
 
     `feature`: the direction: `toRos` or `toJaus`.
     """
-    owner: bridge.AttributeMap | bridge.ListAssignment = used
+    owner: bridge.AttributeMap | bridge.ListAssignment = map_
     if source is not None and source.outer:
-        around = _list_of(used, source, target, feature)
+        around = _list_of(map_, source, target, feature)
         if around is not None:
             owner, child, feature = around, innermost(child), "assignments"
-    known = [(name_of(table), scope.ref(table)) for table in used.tables]
+    known = [(name_of(table), scope.ref(table)) for table in map_.tables]
     adds = additions(scope.ref(owner), tables, [child], known, 0)
     filled = {parse_path(word) for word in child.values["target"][0].split(", ")}
     gone = [
@@ -70,10 +70,10 @@ def filling(
 
 
 def _list_of(
-    used: bridge.AttributeMap, source: Member, target: Member, feature: str
+    map_: bridge.AttributeMap, source: Member, target: Member, feature: str
 ) -> bridge.ListAssignment | None:
     """Returns the assignment of the lists in which two members lie, if there is one."""
-    for assignment in getattr(used, feature):
+    for assignment in getattr(map_, feature):
         if isinstance(assignment, bridge.ListAssignment):
             ends = source_paths(assignment)[:1], target_paths(assignment)[:1]
             if ends == ([source.outer], [target.outer]):
@@ -127,29 +127,29 @@ def _literal(value: str) -> str:
     return value
 
 
-def constant(scope: Scope, used: bridge.AttributeMap, target: Member, value: str) -> Options:
+def constant(scope: Scope, map_: bridge.AttributeMap, target: Member, value: str) -> Options:
     """Returns how a member becomes a constant, or why it cannot have the value."""
     values = {"target": (target.inner,), "value": (value,)}
-    return _sourceless(scope, used, target, "bridge.ConstantAssignment", values, "constant")
+    return _sourceless(scope, map_, target, "bridge.ConstantAssignment", values, "constant")
 
 
-def clock(scope: Scope, used: bridge.AttributeMap, target: Member) -> Options:
+def clock(scope: Scope, map_: bridge.AttributeMap, target: Member) -> Options:
     """Returns how a member becomes the present time, or why it cannot."""
     return _sourceless(
-        scope, used, target, "bridge.ClockAssignment", {"target": (target.inner,)}, "present time"
+        scope, map_, target, "bridge.ClockAssignment", {"target": (target.inner,)}, "present time"
     )
 
 
-def ignore(scope: Scope, used: bridge.AttributeMap, target: Member) -> Options:
+def ignore(scope: Scope, map_: bridge.AttributeMap, target: Member) -> Options:
     """Returns how a member is left out on purpose."""
     return _sourceless(
-        scope, used, target, "bridge.Ignore", {"target": (target.inner,)}, "leave out"
+        scope, map_, target, "bridge.Ignore", {"target": (target.inner,)}, "leave out"
     )
 
 
 def _sourceless(
     scope: Scope,
-    used: bridge.AttributeMap,
+    map_: bridge.AttributeMap,
     target: Member,
     kind: str,
     values: Mapping[str, tuple[str, ...]],
@@ -159,10 +159,10 @@ def _sourceless(
     if target.outer:
         return Options(refusal=f"'{target.path}' is of each element of '{target.outer}'")
     child = Child(feature, kind, values)
-    [judged] = judge(scope.model.metamodels, used, [child])
+    [judged] = judge(scope.model.metamodels, map_, [child])
     if not judged.is_possible:
         return Options(refusal=judged.said)
-    commands = filling(scope, used, child, None, target, feature)
+    commands = filling(scope, map_, child, None, target, feature)
     said = judged.said or label
     option = Option(label, said, commands, is_best=True, preview=statement(child))
     return Options((option,))

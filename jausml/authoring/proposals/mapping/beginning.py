@@ -184,9 +184,9 @@ def _directed(children: Iterable[Child], *, to_ros: bool) -> list[Child]:
     return [child for child in children if child.feature == feature]
 
 
-def _as_opens(used: bridge.AttributeMap, doubts: Collection[Doubt]) -> Iterator[OpenPoint]:
+def _as_opens(map_: bridge.AttributeMap, doubts: Collection[Doubt]) -> Iterator[OpenPoint]:
     """Yields what doubts leave open, which of required fields a rule reports by itself."""
-    left = unfilled(used, to_ros=False) if doubts else ()
+    left = unfilled(map_, to_ros=False) if doubts else ()
     required = {field.path for field in left if field.is_required}
     for doubt in doubts:
         text = f"{doubt.target} may come from {' or '.join(map(shown, doubt.choices[:_MOST]))}"
@@ -195,11 +195,11 @@ def _as_opens(used: bridge.AttributeMap, doubts: Collection[Doubt]) -> Iterator[
 
 
 def _said(
-    scope: Scope, used: bridge.AttributeMap, wish: Wish, doubts: list[Doubt], *, to_ros: bool
+    scope: Scope, map_: bridge.AttributeMap, wish: Wish, doubts: list[Doubt], *, to_ros: bool
 ) -> Iterator[Child]:
     """Yields what the author says of a direction; how it may be meant else becomes a doubt."""
     for target, source in wish.said(to_ros=to_ros):
-        assignments = assignments_of(scope, used, target, source, to_ros=to_ros)
+        assignments = assignments_of(scope, map_, target, source, to_ros=to_ros)
         if len(assignments) > 1:
             doubts.append(Doubt(to_ros, target, tuple(map(words_of, assignments))))
         yield assignments[0]
@@ -214,9 +214,9 @@ def _alike(
             yield Doubt(not target.is_jaus, target.path, tuple(source.path for source in sources))
 
 
-def _of_values(used: bridge.AttributeMap, directions: Collection[bool]) -> Iterator[Doubt]:
+def _of_values(map_: bridge.AttributeMap, directions: Collection[bool]) -> Iterator[Doubt]:
     """Yields the unfilled fields that the message always has and whose values have names."""
-    for field in unfilled(used, to_ros=False) if False in directions else ():
+    for field in unfilled(map_, to_ros=False) if False in directions else ():
         names = field.leaves[0].attribute.constants if field.leaves[0].path == field.path else ()
         if field.is_required and names:
             yield Doubt(
@@ -225,14 +225,14 @@ def _of_values(used: bridge.AttributeMap, directions: Collection[bool]) -> Itera
 
 
 def assignments_of(
-    scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
+    scope: Scope, map_: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
 ) -> list[Child]:
     """Returns the ways to fill a target as words say, the likeliest first."""
     feature = "toRos" if to_ros else "toJaus"
     path, colon, chain = (part.strip() for part in source.partition(":"))
     if not colon and (plain := _sourceless(feature, target, source)) is not None:
-        return [_allowed(scope, used, plain)]
-    proposals = _directions(scope, used, target, path.partition(",")[0], to_ros=to_ros)
+        return [_allowed(scope, map_, plain)]
+    proposals = _directions(scope, map_, target, path.partition(",")[0], to_ros=to_ros)
     known = (
         [] if proposals is None else [candidate.assignment for candidate in proposals.candidates]
     )
@@ -244,7 +244,7 @@ def assignments_of(
     values = {"target": (target,), "source": (path,)}
     child = Child(feature, _FIELD, values, _conversions(chain))
     alike = (candidate for candidate in known if words_of(candidate) == words_of(child))
-    return [next(alike, None) or _allowed(scope, used, child)]
+    return [next(alike, None) or _allowed(scope, map_, child)]
 
 
 def words_of(child: Child) -> str:
@@ -269,15 +269,15 @@ def _sourceless(feature: str, target: str, source: str) -> Child | None:
 
 
 def _directions(
-    scope: Scope, used: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
+    scope: Scope, map_: bridge.AttributeMap, target: str, source: str, *, to_ros: bool
 ) -> Candidates | None:
     """Returns the ways from member to member; None for paths with an index."""
     try:
-        start = member(used, source, is_jaus=to_ros)
-        end = member(used, target.partition(",")[0], is_jaus=not to_ros)
+        start = member(map_, source, is_jaus=to_ros)
+        end = member(map_, target.partition(",")[0], is_jaus=not to_ros)
     except AnswerError:
         return None
-    return candidates(scope, used, start, end)
+    return candidates(scope, map_, start, end)
 
 
 def _conversions(text: str) -> tuple[Child, ...]:
@@ -297,8 +297,8 @@ def _conversions(text: str) -> tuple[Child, ...]:
     return tuple(conversions)
 
 
-def _allowed(scope: Scope, used: bridge.AttributeMap, child: Child) -> Child:
-    [judged] = judge(scope.model.metamodels, used, [child])
+def _allowed(scope: Scope, map_: bridge.AttributeMap, child: Child) -> Child:
+    [judged] = judge(scope.model.metamodels, map_, [child])
     if not judged.is_possible:
         raise AnswerError(judged.said)
     return child

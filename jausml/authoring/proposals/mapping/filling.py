@@ -46,27 +46,27 @@ class Filling:
     refusal: str = ""
 
 
-def fill_map(scope: Scope, used: bridge.AttributeMap) -> Filling:
+def fill_map(scope: Scope, map_: bridge.AttributeMap) -> Filling:
     """Returns what fills the members of a map that nothing fills yet.
 
     Directions that no connection uses are left alone, unless none is used.
     """
-    label = f"Fill map {name_of(used)}"
-    if used.message is None or used.type is None:
+    label = f"Fill map {name_of(map_)}"
+    if map_.message is None or map_.type is None:
         return Filling(label, (), (), {}, "the map has no message or no type yet")
-    directions = _directions(scope, used)
-    proposals = propose_assignments(scope, used, directions)
-    with_tables = tabled(used, proposals.assignments)
+    directions = _directions(scope, map_)
+    proposals = propose_assignments(scope, map_, directions)
+    with_tables = tabled(map_, proposals.assignments)
     assignments = with_tables.assignments
-    known_tables = [(name_of(table), scope.ref(table)) for table in used.tables]
+    known_tables = [(name_of(table), scope.ref(table)) for table in map_.tables]
     new_tables = with_tables.tables
     refusal = "no further members correspond by name, time, or unit and axis"
     return Filling(
         label,
-        tuple(additions(scope.ref(used), new_tables, assignments, known_tables, first=0)),
+        tuple(additions(scope.ref(map_), new_tables, assignments, known_tables, first=0)),
         tuple(map(statement, assignments)),
         {
-            "to_ros" if to_ros else "to_jaus": _left(used, assignments, to_ros=to_ros)
+            "to_ros" if to_ros else "to_jaus": _left(map_, assignments, to_ros=to_ros)
             for to_ros in directions
         },
         "" if assignments else refusal,
@@ -86,7 +86,7 @@ class Proposals:
 
 
 def propose_assignments(
-    scope: Scope, used: bridge.AttributeMap, directions: Iterable[bool]
+    scope: Scope, map_: bridge.AttributeMap, directions: Iterable[bool]
 ) -> Proposals:
     """Returns the assignments that follow from what the ends of a map say, for some directions.
 
@@ -95,51 +95,51 @@ def propose_assignments(
     children: list[Child] = []
     doubtful: list[tuple[tuple[Member, ...], Member]] = []
     for to_ros in directions:
-        sources, targets = leaves(used, is_jaus=to_ros), _unfilled(used, to_ros=to_ros)
+        sources, targets = leaves(map_, is_jaus=to_ros), _unfilled(map_, to_ros=to_ros)
         alike = corresponding(sources, targets)
-        pairs = alike.pairs or _only_pair(used, sources, targets, to_ros=to_ros)
-        children += _assignments(scope, used, pairs)
-        children += variance_assignments(scope, used, sources, targets)
+        pairs = alike.pairs or _only_pair(map_, sources, targets, to_ros=to_ros)
+        children += _assignments(scope, map_, pairs)
+        children += variance_assignments(scope, map_, sources, targets)
         doubtful += alike.doubtful
-    judged = judge_together(scope.model.metamodels, used, children)
+    judged = judge_together(scope.model.metamodels, map_, children)
     possible = tuple(candidate.assignment for candidate in judged if candidate.is_possible)
     return Proposals(possible, tuple(doubtful))
 
 
 def _only_pair(
-    used: bridge.AttributeMap, sources: Sequence[Member], targets: Sequence[Member], *, to_ros: bool
+    map_: bridge.AttributeMap, sources: Sequence[Member], targets: Sequence[Member], *, to_ros: bool
 ) -> list[tuple[Member, Member]]:
     """Returns the members of ends that have one each, of which nothing is filled."""
     # What a call does is said by its service, and its only field may be another thing.
-    if used.type is not None and isinstance(used.type.eContainer(), ros.ServiceType):
+    if map_.type is not None and isinstance(map_.type.eContainer(), ros.ServiceType):
         return []
-    is_alone = len(sources) == len(targets) == len(leaves(used, is_jaus=not to_ros)) == 1
+    is_alone = len(sources) == len(targets) == len(leaves(map_, is_jaus=not to_ros)) == 1
     return [(sources[0], targets[0])] if is_alone else []
 
 
-def _directions(scope: Scope, used: bridge.AttributeMap) -> list[bool]:
+def _directions(scope: Scope, map_: bridge.AttributeMap) -> list[bool]:
     """Returns the directions in which a map is used, both where it is not yet."""
     connections = scope.model.instances(bridge.Connection, library=False)
     directions = {
-        connection.direction.name == TO_ROS for connection in connections if connection.map is used
+        connection.direction.name == TO_ROS for connection in connections if connection.map is map_
     }
     return sorted(directions or {True, False}, reverse=True)
 
 
-def _unfilled(used: bridge.AttributeMap, *, to_ros: bool) -> list[Member]:
+def _unfilled(map_: bridge.AttributeMap, *, to_ros: bool) -> list[Member]:
     """Returns the members of a direction that nothing fills."""
-    filled = filled_paths(used, to_ros=to_ros)
-    targets = leaves(used, is_jaus=not to_ros)
+    filled = filled_paths(map_, to_ros=to_ros)
+    targets = leaves(map_, is_jaus=not to_ros)
     return [target for target in targets if not is_filled(target.outer or target.path, filled)]
 
 
 def _assignments(
-    scope: Scope, used: bridge.AttributeMap, pairs: Iterable[tuple[Member, Member]]
+    scope: Scope, map_: bridge.AttributeMap, pairs: Iterable[tuple[Member, Member]]
 ) -> list[Child]:
     """Returns the assignments of pairs, those within one list together."""
     assignments: dict[object, Child] = {}
     for source, target in pairs:
-        child = _proposed(scope, used, source, target)
+        child = _proposed(scope, map_, source, target)
         if child is None:
             continue
         if not source.outer:
@@ -154,7 +154,7 @@ def _assignments(
 
 
 def _proposed(
-    scope: Scope, used: bridge.AttributeMap, source: Member, target: Member
+    scope: Scope, map_: bridge.AttributeMap, source: Member, target: Member
 ) -> Child | None:
     """Returns the assignment of a pair that the rules accept without a word; None without any.
 
@@ -162,10 +162,10 @@ def _proposed(
     that only the author knows are left out.
     """
     children = [
-        candidate.assignment for candidate in candidates(scope, used, source, target).candidates
+        candidate.assignment for candidate in candidates(scope, map_, source, target).candidates
     ]
     own = [child for child in children if not set(steps(child)) & set(OF_AUTHORS)]
-    judged = judge(scope.model.metamodels, used, own)
+    judged = judge(scope.model.metamodels, map_, own)
     accepted = [candidate.assignment for candidate in judged if candidate.is_accepted]
     return max(accepted, key=_size, default=None)
 
@@ -180,9 +180,9 @@ def _joined(first: Child, second: Child) -> Child:
     return Child(first.feature, first.kind, first.values, (*first.children, *second.children))
 
 
-def filled_paths(used: bridge.AttributeMap, *, to_ros: bool) -> list[_Path]:
+def filled_paths(map_: bridge.AttributeMap, *, to_ros: bool) -> list[_Path]:
     """Returns the paths that something fills, or that are left out on purpose."""
-    assignments = getattr(used, assignments_feature(to_ros=to_ros))
+    assignments = getattr(map_, assignments_feature(to_ros=to_ros))
     return [parse_path(path) for assignment in assignments for path in target_paths(assignment)]
 
 
@@ -206,17 +206,17 @@ def is_filled(path: str, filled: Iterable[_Path]) -> bool:
 
 
 def _left(
-    used: bridge.AttributeMap, assignments: Sequence[Child], *, to_ros: bool
+    map_: bridge.AttributeMap, assignments: Sequence[Child], *, to_ros: bool
 ) -> tuple[str, ...]:
     """Returns the members that nothing fills once assignments are added, wholes without parts."""
     feature = assignments_feature(to_ros=to_ros)
-    filled = filled_paths(used, to_ros=to_ros)
+    filled = filled_paths(map_, to_ros=to_ros)
     for child in assignments:
         if child.feature == feature:
             filled += targets_of(child)
     left: list[str] = []
     # A whole stands right before its parts.
-    for leaf in leaves(used, is_jaus=not to_ros):
+    for leaf in leaves(map_, is_jaus=not to_ros):
         is_part = bool(left) and leaf.path.startswith(f"{left[-1]}.")
         if leaf.attribute.kind != LIST and not is_part and not is_filled(leaf.path, filled):
             left.append(leaf.path)

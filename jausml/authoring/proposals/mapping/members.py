@@ -34,14 +34,14 @@ class Member:
     attribute: Attribute
 
 
-def member(used: bridge.AttributeMap, path: str, *, is_jaus: bool) -> Member:
+def member(map_: bridge.AttributeMap, path: str, *, is_jaus: bool) -> Member:
     """Returns a member of a map.
 
     `path`: its path as the map view has it: names, without indices.
     """
-    if used.message is None or used.type is None:
+    if map_.message is None or map_.type is None:
         raise AnswerError("the map has no message or no type yet")
-    scope = outer_scope(used, to_ros=is_jaus)
+    scope = outer_scope(map_, to_ros=is_jaus)
     place = scope.find_source(path)
     if isinstance(place, JausPlace | RosPlace):
         return Member(is_jaus, path, "", path, place.attribute())
@@ -64,15 +64,15 @@ def _within(around: PathPlace, path: str) -> PathPlace | None:
     return place if isinstance(place, JausPlace | RosPlace) else None
 
 
-def leaves(used: bridge.AttributeMap, *, is_jaus: bool) -> list[Member]:
+def leaves(map_: bridge.AttributeMap, *, is_jaus: bool) -> list[Member]:
     """Returns the members of a side that hold values: numbers, texts, times, orientations."""
-    if used.message is None or used.type is None:
+    if map_.message is None or map_.type is None:
         return []
-    scope = outer_scope(used, to_ros=is_jaus)
+    scope = outer_scope(map_, to_ros=is_jaus)
     members = []
     for path in _paths(scope.source, "", 0):
         try:
-            leaf = member(used, path, is_jaus=is_jaus)
+            leaf = member(map_, path, is_jaus=is_jaus)
         except AnswerError:
             continue
         if leaf.attribute.kind:

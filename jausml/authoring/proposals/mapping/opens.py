@@ -37,45 +37,45 @@ STOPS = {True: "stopRos", False: "stopJaus"}
 
 
 def opens(
-    used: bridge.AttributeMap, assignments: Sequence[Child], directions: Collection[bool]
+    map_: bridge.AttributeMap, assignments: Sequence[Child], directions: Collection[bool]
 ) -> Iterator[OpenPoint]:
     """Yields what is left to the author of a new map."""
     for to_ros in directions:
         feature = assignments_feature(to_ros=to_ros)
         own = [assignment for assignment in assignments if assignment.feature == feature]
-        ends = [name_of(used.message), ros_name(used.type)]
+        ends = [name_of(map_.message), ros_name(map_.type)]
         source, target = ends if to_ros else reversed(ends)
-        yield from _unfilled(used, own, source, target, to_ros=to_ros)
-        yield from _untaken(used, own, source, target, to_ros=to_ros)
+        yield from _unfilled(map_, own, source, target, to_ros=to_ros)
+        yield from _untaken(map_, own, source, target, to_ros=to_ros)
         yield from _decisions(own)
-    yield from _of_connections(used, directions)
+    yield from _of_connections(map_, directions)
 
 
 def _unfilled(
-    used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
+    map_: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
 ) -> Iterator[OpenPoint]:
     if ignored := [child.values["target"][0] for child in own if child.kind == "bridge.Ignore"]:
         text = f"ignored: {_listed(ignored)} of {target}, since no member of {source} corresponds"
         # A field of JAUS is absent then, a member of ROS is 0.
         yield pending(text) if to_ros else OpenPoint(text)
-    left = unfilled(used, to_ros=to_ros)
+    left = unfilled(map_, to_ros=to_ros)
     # Of a header without a frame a rule tells.
     paths = [field.path for field in left if not field.is_required and field.path != _FRAME_ID]
     if paths:
         text = f"nothing is assigned to {_listed(paths)} of {target}"
-        yield blocking(text) if own else OpenPoint(text, _empty(used))
+        yield blocking(text) if own else OpenPoint(text, _empty(map_))
     if missing := [field.path for field in left if field.is_required]:
         text = f"assign or ignore {_listed(missing)}: {target} always contains it"
-        yield OpenPoint(text, "JML416" if own else _empty(used))
+        yield OpenPoint(text, "JML416" if own else _empty(map_))
 
 
-def _empty(used: bridge.AttributeMap) -> str:
+def _empty(map_: bridge.AttributeMap) -> str:
     """Returns the rule that reports a connection by a map without assignments."""
-    return "JML421" if _is_of_topics(used) else "JML467"
+    return "JML421" if _is_of_topics(map_) else "JML467"
 
 
 def _untaken(
-    used: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
+    map_: bridge.AttributeMap, own: Sequence[Child], source: str, target: str, *, to_ros: bool
 ) -> Iterator[OpenPoint]:
     read = [
         parse_path(path)
@@ -84,7 +84,7 @@ def _untaken(
         if path
     ]
     left: list[str] = []
-    for leaf in leaves(used, is_jaus=to_ros):
+    for leaf in leaves(map_, is_jaus=to_ros):
         path = leaf.outer or leaf.path
         is_part = bool(left) and path.startswith(f"{left[-1]}.")
         if path not in left and not is_part and not is_filled(path, read):
@@ -119,14 +119,14 @@ def _stating(own: Iterable[Child], policy: str, value: str, end: str) -> str:
     return _listed([child.values[end][0] for child in own if child.values.get(policy) == (value,)])
 
 
-def _of_connections(used: bridge.AttributeMap, directions: Iterable[bool]) -> Iterator[OpenPoint]:
+def _of_connections(map_: bridge.AttributeMap, directions: Iterable[bool]) -> Iterator[OpenPoint]:
     """Yields what a connection of a topic by the map will ask for."""
-    if not _is_of_topics(used):
+    if not _is_of_topics(map_):
         return
-    if is_command(used.message) and used.message.moves:
-        if stops := [way for way in directions if getattr(used, STOPS[way]) is None]:
+    if is_command(map_.message) and map_.message.moves:
+        if stops := [way for way in directions if getattr(map_, STOPS[way]) is None]:
             text = f"state what stops the command: {_named(stops)}"
-            if zeros := [way for way in stops if fills_rates_alone(used, to_ros=way)]:
+            if zeros := [way for way in stops if fills_rates_alone(map_, to_ros=way)]:
                 text += f"; all of its numbers are rates, so that {_named(zeros)} of zeros may be "
                 text += "what stops it: write it if that is so for what you drive"
             yield OpenPoint(text, "JML451")
@@ -135,9 +135,9 @@ def _of_connections(used: bridge.AttributeMap, directions: Iterable[bool]) -> It
         yield OpenPoint(text, "JML455")
 
 
-def _is_of_topics(used: bridge.AttributeMap) -> bool:
+def _is_of_topics(map_: bridge.AttributeMap) -> bool:
     """Tells whether a map is of messages of topics, and not of parts of services or actions."""
-    return isinstance(used.type.eContainer(), ros.InterfacePackage)
+    return isinstance(map_.type.eContainer(), ros.InterfacePackage)
 
 
 def _named(directions: Iterable[bool]) -> str:
@@ -159,41 +159,41 @@ class Unfilled:
 
 
 def completed(
-    scope: Scope, used: bridge.AttributeMap, *, to_ros: bool, ignores: bool
+    scope: Scope, map_: bridge.AttributeMap, *, to_ros: bool, ignores: bool
 ) -> list[Child]:
     """Returns what completes a direction of a map."""
     feature = assignments_feature(to_ros=to_ros)
-    header_assignments = list(_header(used)) if to_ros else []
+    header_assignments = list(_header(map_)) if to_ros else []
     named = {parse_path(child.values["target"][0]) for child in header_assignments}
     ignored = [
         Child(feature, "bridge.Ignore", {"target": (field.path,)})
-        for field in unfilled(used, named, to_ros=to_ros)
+        for field in unfilled(map_, named, to_ros=to_ros)
         if ignores and not field.is_required
     ]
-    judged = judge(scope.model.metamodels, used, [*header_assignments, *ignored])
+    judged = judge(scope.model.metamodels, map_, [*header_assignments, *ignored])
     return [candidate.assignment for candidate in judged if candidate.is_possible]
 
 
 def unfilled(
-    used: bridge.AttributeMap, filled: Iterable[tuple[str, ...]] = (), *, to_ros: bool
+    map_: bridge.AttributeMap, filled: Iterable[tuple[str, ...]] = (), *, to_ros: bool
 ) -> list[Unfilled]:
     """Returns what nothing fills in a direction, wholes without their parts.
 
     Options that are not chosen are left out.
     """
-    taken = [*filled_paths(used, to_ros=to_ros), *filled]
+    taken = [*filled_paths(map_, to_ros=to_ros), *filled]
     members_by_path: dict[str, list[Member]] = {}
-    for leaf in leaves(used, is_jaus=not to_ros):
+    for leaf in leaves(map_, is_jaus=not to_ros):
         if not is_filled(leaf.outer or leaf.path, taken):
             steps = parse_path(leaf.outer or leaf.path)
             members_by_path.setdefault(_widest(steps, taken), []).append(leaf)
-    return list(_bare(used, members_by_path.items(), to_ros=to_ros))
+    return list(_bare(map_, members_by_path.items(), to_ros=to_ros))
 
 
 def _bare(
-    used: bridge.AttributeMap, path_groups: Iterable[tuple[str, Sequence[Member]]], *, to_ros: bool
+    map_: bridge.AttributeMap, path_groups: Iterable[tuple[str, Sequence[Member]]], *, to_ros: bool
 ) -> Iterator[Unfilled]:
-    target = outer_scope(used, to_ros=to_ros).target
+    target = outer_scope(map_, to_ros=to_ros).target
     for path, inner in path_groups:
         place, before = target.follow(path), target.follow(path.rpartition(".")[0] or ".")
         around = before.field if isinstance(before, JausPlace) else None
@@ -212,11 +212,11 @@ def _widest(steps: Sequence[str], taken: Sequence[tuple[str, ...]]) -> str:
     return ".".join(steps)
 
 
-def _header(used: bridge.AttributeMap) -> Iterator[Child]:
+def _header(map_: bridge.AttributeMap) -> Iterator[Child]:
     """Yields the time and the frames of a ROS message, as far as nothing fills them."""
     feature = assignments_feature(to_ros=True)
-    filled = filled_paths(used, to_ros=True)
-    members = leaves(used, is_jaus=False)
+    filled = filled_paths(map_, to_ros=True)
+    members = leaves(map_, is_jaus=False)
     known = {member.path for member in members if not is_filled(member.path, filled)}
     if _STAMP in known:
         yield Child(feature, "bridge.ClockAssignment", {"target": (_STAMP,)})
@@ -228,14 +228,14 @@ def _header(used: bridge.AttributeMap) -> Iterator[Child]:
             yield Child(feature, "bridge.ConstantAssignment", values)
 
 
-def stops_by_zeros(used: bridge.AttributeMap, directions: Collection[bool]) -> list[bool]:
+def stops_by_zeros(map_: bridge.AttributeMap, directions: Collection[bool]) -> list[bool]:
     """Returns the directions of a command in which zeros may be what stops it.
 
     That they do is for a person to say: what receives them may be at rest by other numbers.
     """
-    if not (is_command(used.message) and used.message.moves and _is_of_topics(used)):
+    if not (is_command(map_.message) and map_.message.moves and _is_of_topics(map_)):
         return []
-    return [way for way in directions if fills_rates_alone(used, to_ros=way)]
+    return [way for way in directions if fills_rates_alone(map_, to_ros=way)]
 
 
 def zeros(assignments: Sequence[Child], *, to_ros: bool) -> Child:

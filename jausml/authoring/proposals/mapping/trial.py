@@ -50,15 +50,15 @@ class Tabled:
     assignments: tuple[Child, ...]
 
 
-def tabled(used: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
+def tabled(map_: bridge.AttributeMap, assignments: Iterable[Child]) -> Tabled:
     """Has a table map what both ends of an assignment name alike and number otherwise.
 
     `assignments`: those that are to be. What lies in lists, or has conversions, stays as it is.
     """
-    names = {table.name: _pairs_of(table) for table in used.tables}
+    names = {table.name: _pairs_of(table) for table in map_.tables}
     tables, new_assignments = [], []
     for assignment in assignments:
-        pairs = _needed(used, assignment)
+        pairs = _needed(map_, assignment)
         if not pairs:
             new_assignments.append(assignment)
             continue
@@ -108,13 +108,13 @@ def _referring(child: Child, refs: dict[str, Ref]) -> Child:
     return replace(child, children=steps)
 
 
-def _needed(used: bridge.AttributeMap, child: Child) -> Pairs:
+def _needed(map_: bridge.AttributeMap, child: Child) -> Pairs:
     """Returns the entries that an assignment needs; none where the numbers mean the same."""
     if child.kind != "bridge.FieldAssignment" or child.children:
         return ()
     to_ros = child.feature == "toRos"
     comparison = _compared(
-        used, child.values["source"][0], child.values["target"][0], to_ros=to_ros
+        map_, child.values["source"][0], child.values["target"][0], to_ros=to_ros
     )
     if comparison is None or not (comparison.renumbered and comparison.is_of_one_enumeration):
         return ()
@@ -122,9 +122,9 @@ def _needed(used: bridge.AttributeMap, child: Child) -> Pairs:
 
 
 def _compared(
-    used: bridge.AttributeMap, source: str, target: str, *, to_ros: bool
+    map_: bridge.AttributeMap, source: str, target: str, *, to_ros: bool
 ) -> Comparison | None:
-    scope = outer_scope(used, to_ros=to_ros)
+    scope = outer_scope(map_, to_ros=to_ros)
     ends = [scope.find_source(source), scope.find_target(target)]
     places = [end for end in ends if isinstance(end, JausPlace | RosPlace)]
     return compared(*(place.attribute() for place in places)) if len(places) == len(ends) else None
@@ -184,7 +184,7 @@ class Judged:
 
 
 def judge(
-    metamodels: Metamodels, used: bridge.AttributeMap, assignments: Sequence[Child]
+    metamodels: Metamodels, map_: bridge.AttributeMap, assignments: Sequence[Child]
 ) -> list[Judged]:
     """Returns what the rules say of assignments, each of which stands alone in its map.
 
@@ -193,18 +193,18 @@ def judge(
     library = new_object(metamodels.classes["bridge.MapLibrary"])
     elements: list[EObject] = []
     for assignment in assignments:
-        elements += with_assignments(metamodels, _map_like(metamodels, used, library), [assignment])
+        elements += with_assignments(metamodels, _map_like(metamodels, map_, library), [assignment])
     return _judged(metamodels, library, assignments, elements, _RULES)
 
 
 def judge_together(
-    metamodels: Metamodels, used: bridge.AttributeMap, assignments: Sequence[Child]
+    metamodels: Metamodels, map_: bridge.AttributeMap, assignments: Sequence[Child]
 ) -> list[Judged]:
     """Returns what the rules say of assignments that stand in their map with those it has."""
     library = new_object(metamodels.classes["bridge.MapLibrary"])
-    whole = _map_like(metamodels, used, library)
+    whole = _map_like(metamodels, map_, library)
     for name in ("toRos", "toJaus"):
-        for assignment in getattr(used, name):
+        for assignment in getattr(map_, name):
             link(whole, metamodels.class_of(whole).features[name], _copied(metamodels, assignment))
     elements = with_assignments(metamodels, whole, assignments)
     return _judged(metamodels, library, assignments, elements, _TOGETHER)
@@ -267,15 +267,15 @@ def _gravity(pair: tuple[Rule, Finding]) -> tuple[int, str]:
     return ("error", "warning", "info").index(_severity(pair)), pair[0].id
 
 
-def _map_like(metamodels: Metamodels, used: bridge.AttributeMap, owner: EObject) -> EObject:
+def _map_like(metamodels: Metamodels, map_: bridge.AttributeMap, owner: EObject) -> EObject:
     """Makes a map with the ends of another one, without assignments."""
-    table = metamodels.class_of(used)
+    table = metamodels.class_of(map_)
     new_map: EObject = new_object(table)
-    set_value(new_map, table.features["name"], used.name)
+    set_value(new_map, table.features["name"], map_.name)
     for name in ("message", "type"):
-        point(new_map, table.features[name], getattr(used, name))
+        point(new_map, table.features[name], getattr(map_, name))
     for name in ("joins", "reportJoins"):
-        for join in getattr(used, name):
+        for join in getattr(map_, name):
             link(new_map, table.features[name], _copied(metamodels, join))
     link(owner, metamodels.class_of(owner).features["maps"], new_map)
     return new_map

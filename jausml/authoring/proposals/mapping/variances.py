@@ -40,7 +40,7 @@ class _Diagonal:
 
 
 def variance_assignments(
-    scope: Scope, used: bridge.AttributeMap, sources: Iterable[Member], targets: Iterable[Member]
+    scope: Scope, map_: bridge.AttributeMap, sources: Iterable[Member], targets: Iterable[Member]
 ) -> list[Child]:
     """Returns assignments between root mean squares and diagonals, where units leave one each."""
     members = [*sources, *targets]
@@ -50,7 +50,7 @@ def variance_assignments(
         diagonal
         for member in members
         if not member.is_jaus
-        for diagonal in _diagonals(used, member)
+        for diagonal in _diagonals(map_, member)
     ]
     proposals: list[Child] = []
     for deviation in deviations:
@@ -59,7 +59,7 @@ def variance_assignments(
             proposals += _diagonal_assignments(deviation, fitting[0].paths, to_ros=to_ros)
     return [
         candidate.assignment
-        for candidate in judge(scope.model.metamodels, used, proposals)
+        for candidate in judge(scope.model.metamodels, map_, proposals)
         if candidate.is_accepted
     ]
 
@@ -69,12 +69,12 @@ def _is_deviation(member: Member) -> bool:
     return not member.outer and member.attribute.kind == NUMBER and last_words[-1:] == [_RMS]
 
 
-def _diagonals(used: bridge.AttributeMap, member: Member) -> Iterator[_Diagonal]:
+def _diagonals(map_: bridge.AttributeMap, member: Member) -> Iterator[_Diagonal]:
     """Yields the diagonals of a matrix of covariances; none of anything else."""
     is_matrix = member.attribute.kind == NUMBERS and member.path.endswith(_COVARIANCE)
     if member.outer or not is_matrix:
         return
-    path_scope = outer_scope(used, to_ros=member.is_jaus)
+    path_scope = outer_scope(map_, to_ros=member.is_jaus)
     for cells in _DIAGONALS.get(member.attribute.count or 0, ()):
         paths = tuple(f"{member.path}[{cell}]" for cell in cells)
         place = path_scope.find_source(paths[0])

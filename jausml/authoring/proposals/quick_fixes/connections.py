@@ -32,26 +32,26 @@ def stop(finding: Found) -> Iterator[QuickFix]:
     """Adds a stop, where zeros can be one: all numbers that commands fill are rates."""
     connection = finding.element
     to_ros = connection.direction.name == "jausToRos"
-    used = connection.map
+    map_ = connection.map
     feature = "stopRos" if to_ros else "stopJaus"
-    if getattr(used, feature) is not None or not fills_rates_alone(used, to_ros=to_ros):
+    if getattr(map_, feature) is not None or not fills_rates_alone(map_, to_ros=to_ros):
         return
     kind = "bridge.ConstantAssignment"
-    zeros = [{"target": (path,), "value": ("0",)} for path in _filled(used, to_ros=to_ros)]
-    if not finding.scope.model.is_library(used) and (to_ros or zeros):
+    zeros = [{"target": (path,), "value": ("0",)} for path in _filled(map_, to_ros=to_ros)]
+    if not finding.scope.model.is_library(map_) and (to_ros or zeros):
         # Of ROS all is zero that a stop does not name.
         inner = () if to_ros else tuple(Child("values", kind, zero) for zero in zeros)
-        add = Add(finding.scope.ref(used), feature, "bridge.Stop", {}, inner)
+        add = Add(finding.scope.ref(map_), feature, "bridge.Stop", {}, inner)
         yield QuickFix(f"give the map a {feature} of zeros", (add,))
     elif zeros:
         adds = tuple(Add(finding.ref, "safeValue", kind, zero) for zero in zeros)
         yield QuickFix("give it a safe value of zeros", adds)
 
 
-def _filled(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
+def _filled(map_: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
     """Yields the members that assignments fill with numbers, where 0 is legal."""
-    scope = outer_scope(used, to_ros=to_ros)
-    for assignment in used.toRos if to_ros else used.toJaus:
+    scope = outer_scope(map_, to_ros=to_ros)
+    for assignment in map_.toRos if to_ros else map_.toJaus:
         for path in (
             target_paths(assignment) if isinstance(assignment, bridge.FieldAssignment) else ()
         ):

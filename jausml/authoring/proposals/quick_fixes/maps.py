@@ -56,10 +56,10 @@ def _with_step(whole: str, wrong: str, meant: str) -> str:
 
 def _is_found(assignment: bridge.Assignment, path: str, *, is_source: bool) -> bool:
     """Tells whether a path leads somewhere from where an assignment stands."""
-    used = around(assignment, bridge.AttributeMap)
+    map_ = around(assignment, bridge.AttributeMap)
     placed = None
-    if used is not None and used.message is not None and used.type is not None:
-        placed = place(used, assignment, to_ros=_to_ros(assignment))
+    if map_ is not None and map_.message is not None and map_.type is not None:
+        placed = place(map_, assignment, to_ros=_to_ros(assignment))
     if placed is None:
         return False
     scope = placed.scope
@@ -190,8 +190,8 @@ def unused_join(finding: Found) -> Iterator[QuickFix]:
 
 def stale_join(finding: Found) -> Iterator[QuickFix]:
     """Drops messages without a fresh message of a join."""
-    used = around(finding.element, bridge.AttributeMap)
-    for join in (*used.joins, *used.reportJoins) if used is not None else ():
+    map_ = around(finding.element, bridge.AttributeMap)
+    for join in (*map_.joins, *map_.reportJoins) if map_ is not None else ():
         if name_of(join) in finding.quoted[-1:]:
             ref = finding.scope.ref(join)
             commands = (Set(ref, "whenStale", ("dropMessage",)),)

@@ -80,10 +80,10 @@ def _palette(
 
 def _connect(context: StudioContext, file: str, view: str, source: Port, target: Port) -> object:
     scope = context.scope_of(file)
-    used = map_of(scope, view)
-    if used is not None:
-        first = end_of(scope, used, source.node, source.port)
-        return assign(scope, used, first, end_of(scope, used, target.node, target.port))
+    map_ = map_of(scope, view)
+    if map_ is not None:
+        first = end_of(scope, map_, source.node, source.port)
+        return assign(scope, map_, first, end_of(scope, map_, target.node, target.port))
     shown = element_shown(scope, view)
     if isinstance(shown, jaus.StateMachine):
         return lead(scope, shown, source.node, target.node)
@@ -97,11 +97,11 @@ def _ends(context: StudioContext, file: str, view: str, node: str, port: str = "
     """Returns where a line may end that starts at an end of a view."""
     scope = context.scope_of(file)
     ids = Context(scope.model, view, ())
-    used = map_of(scope, view)
-    if used is not None:
-        start = end_of(scope, used, node, port)
-        box = f"{ids.id_of(used)}{ROS_END if start.is_jaus else JAUS_END}"
-        members = partners(scope, used, start)
+    map_ = map_of(scope, view)
+    if map_ is not None:
+        start = end_of(scope, map_, node, port)
+        box = f"{ids.id_of(map_)}{ROS_END if start.is_jaus else JAUS_END}"
+        members = partners(scope, map_, start)
         return {"ends": [_end(box, member.path, why, member.path) for member, why in members]}
     shown = element_shown(scope, view)
     if isinstance(shown, jaus.StateMachine):
@@ -147,8 +147,8 @@ def _host(context: StudioContext, file: str, nodes: tuple[str, ...], host: str =
 
 
 def _inputs(context: StudioContext, file: str, map: str, direction: Direction) -> object:  # noqa: A002
-    used = map_named(context.scope_of(file), map)
-    return {"inputs": inputs(used, to_ros=direction == "to_ros")}
+    map_ = map_named(context.scope_of(file), map)
+    return {"inputs": inputs(map_, to_ros=direction == "to_ros")}
 
 
 def _fill(
@@ -156,12 +156,12 @@ def _fill(
 ) -> dict[str, Any]:
     """Returns how a member is filled that has no source."""
     scope = context.scope_of(file)
-    used = map_shown(scope, view)
-    member = end_of(scope, used, target.node, target.port)
+    map_ = map_shown(scope, view)
+    member = end_of(scope, map_, target.node, target.port)
     return {
-        "constant": constant(scope, used, member, value),
-        "clock": clock(scope, used, member),
-        "ignore": ignore(scope, used, member),
+        "constant": constant(scope, map_, member, value),
+        "clock": clock(scope, map_, member),
+        "ignore": ignore(scope, map_, member),
     }
 
 

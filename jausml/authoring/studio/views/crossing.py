@@ -95,38 +95,39 @@ def through(
     scope: Scope, owner: bridge.Bridge, at_bridge: Spot, at_ros: Spot, direction: str
 ) -> Options:
     """A connection of a bridge gets a further end at the ROS side."""
-    used, end = at_bridge.element, at_ros.element
+    connection, end = at_bridge.element, at_ros.element
     refusal = _wrong_end(at_ros, direction)
     if refusal:
         return Options(refusal=refusal)
-    if not isinstance(used, bridge.Connection):
+    if not isinstance(connection, bridge.Connection):
         return _any_of(scope, owner, at_ros, direction)
-    kind = used.map.type if used.map is not None else None
-    if used.direction.name != direction:
-        way = "from ROS to JAUS" if used.direction.name == TO_JAUS else "from JAUS to ROS"
-        return Options(refusal=f"{name_of(used)} goes {way}; draw the line the other way round")
+    name = name_of(connection)
+    kind = connection.map.type if connection.map is not None else None
+    if connection.direction.name != direction:
+        way = "from ROS to JAUS" if connection.direction.name == TO_JAUS else "from JAUS to ROS"
+        return Options(refusal=f"{name} goes {way}; draw the line the other way round")
     if kind is None:
-        return Options(refusal=f"{name_of(used)} has no map yet; choose one in its form")
+        return Options(refusal=f"{name} has no map yet; choose one in its form")
     if end is None:
-        topic = name_of(used.topics[0]) if used.topics else name_of(used)
-        own = profile_of(scope, used.topics[0]) if used.topics else {}
+        topic = name_of(connection.topics[0]) if connection.topics else name_of(connection)
+        own = profile_of(scope, connection.topics[0]) if connection.topics else {}
         add = _new_end(scope, at_ros.owner, kind, topic, to_ros=direction == TO_ROS, qos=own)
         noun = "subscription" if direction == TO_ROS else "publisher"
         label = f"new {noun} of {topic}"
-        return Options((Option(label, f"{name_of(used)} carries it", (add,)),))
+        return Options((Option(label, f"{name} carries it", (add,)),))
     if not isinstance(end, ros.TopicEndpoint):
-        return Options(refusal=f"{name_of(end)} is a service; {name_of(used)} carries messages")
+        return Options(refusal=f"{name_of(end)} is a service; {name} carries messages")
     if end.type is None or ros_name(end.type) != ros_name(kind):
         has = ros_name(end.type) if end.type is not None else "no type"
-        text = f"{name_of(end)} has {has}, but {name_of(used)} carries {ros_name(kind)}"
+        text = f"{name_of(end)} has {has}, but {name} carries {ros_name(kind)}"
         return Options(refusal=f"{text}; make a connection of its own, from the component")
     topic = _topic(owner, at_ros.owner, end)
-    if any(used_topic.name == topic for used_topic in used.topics):
-        return Options(refusal=f"{name_of(used)} has the topic {topic} already")
+    if any(used_topic.name == topic for used_topic in connection.topics):
+        return Options(refusal=f"{name} has the topic {topic} already")
     qos = qos_of(profile_of(scope, end))
-    added = Add(scope.ref(used), "topics", "bridge.Topic", {"name": (topic,)}, qos)
+    added = Add(scope.ref(connection), "topics", "bridge.Topic", {"name": (topic,)}, qos)
     why = f"both have {ros_name(kind)}"
-    return Options((Option(f"topic {topic} of {name_of(used)}", why, (added,)),))
+    return Options((Option(f"topic {topic} of {name_of(connection)}", why, (added,)),))
 
 
 def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -> Options:
@@ -141,12 +142,12 @@ def carried(scope: Scope, owner: bridge.Bridge, at_jaus: Spot, direction: str) -
     if not wanted:
         return Options(refusal=_nothing(component, at_jaus.message, direction))
     ready_pairs = [
-        (offer, used)
+        (offer, map_)
         for offer in wanted
-        for used in _ready(scope, offer, None)
-        if not _is_mapped(scope, owner, component, used, direction)
+        for map_ in _ready(scope, offer, None)
+        if not _is_mapped(scope, owner, component, map_, direction)
     ]
-    options = [_by_ready_map(scope, owner, component, offer, used) for offer, used in ready_pairs]
+    options = [_by_ready_map(scope, owner, component, offer, map_) for offer, map_ in ready_pairs]
     options = options or [
         option
         for offer in wanted
@@ -184,12 +185,12 @@ def _by_ready_map(
     owner: bridge.Bridge,
     component: jaus.Component,
     offer: Offer,
-    used: bridge.AttributeMap,
+    map_: bridge.AttributeMap,
 ) -> Option:
     """Returns the way by a ready map whose end at the ROS side is a topic without a node yet."""
     topics = [topic for one in owner.bridgeConnections for topic in one.topics]
     name = name_among(snake_case(name_of(offer.message)), (*owner.bridgeConnections, *topics))
-    draft = Draft(offer, component, used.type, used, name, name, {})
+    draft = Draft(offer, component, map_.type, map_, name, name, {})
     return _option(owner, component, draft, draft.commands(scope, owner))
 
 
@@ -197,12 +198,12 @@ def _is_mapped(
     scope: Scope,
     owner: bridge.Bridge,
     component: jaus.Component,
-    used: bridge.AttributeMap,
+    map_: bridge.AttributeMap,
     direction: str,
 ) -> bool:
     """Tells whether a bridge has a connection of a component by a map already."""
     return any(
-        scope.ref(bridge_connection.map) == scope.ref(used)
+        scope.ref(bridge_connection.map) == scope.ref(map_)
         and bridge_connection.direction.name == direction
         and (not bridge_connection.peers or component in bridge_connection.peers)
         for bridge_connection in owner.bridgeConnections
@@ -211,17 +212,18 @@ def _is_mapped(
 
 def further_peer(scope: Scope, at_jaus: Spot, at_bridge: Spot, direction: str) -> Options:
     """A connection of a bridge gets a further peer."""
-    used, peer = at_bridge.element, at_jaus.owner
-    if not isinstance(used, bridge.Connection) or not isinstance(peer, jaus.Component):
+    connection, peer = at_bridge.element, at_jaus.owner
+    if not isinstance(connection, bridge.Connection) or not isinstance(peer, jaus.Component):
         return Options(refusal="draw to a connection of the bridge")
-    if used.direction.name != direction:
-        way = "to JAUS" if used.direction.name == TO_JAUS else "to ROS"
-        return Options(refusal=f"{name_of(used)} goes {way}; draw the line the other way round")
-    if any(component is peer for component in used.peers):
-        return Options(refusal=f"{name_of(peer)} is a peer of {name_of(used)} already")
-    message = used.map.message if used.map is not None else None
+    name = name_of(connection)
+    if connection.direction.name != direction:
+        way = "to JAUS" if connection.direction.name == TO_JAUS else "to ROS"
+        return Options(refusal=f"{name} goes {way}; draw the line the other way round")
+    if any(component is peer for component in connection.peers):
+        return Options(refusal=f"{name_of(peer)} is a peer of {name} already")
+    message = connection.map.message if connection.map is not None else None
     if message is None:
-        return Options(refusal=f"{name_of(used)} has no map yet; choose one in its form")
+        return Options(refusal=f"{name} has no map yet; choose one in its form")
     fits = [
         offer
         for offer in offers(peer, direction)
@@ -229,11 +231,11 @@ def further_peer(scope: Scope, at_jaus: Spot, at_bridge: Spot, direction: str) -
     ]
     if not fits:
         return Options(refusal=_nothing(peer, name_of(message), direction))
-    peers = (*(scope.ref(component) for component in used.peers), scope.ref(peer))
+    peers = (*(scope.ref(component) for component in connection.peers), scope.ref(peer))
     option = Option(
-        f"{name_of(peer)} as peer of {name_of(used)}",
+        f"{name_of(peer)} as peer of {name_of(connection)}",
         fits[0].why(name_of(peer)),
-        (Set(scope.ref(used), "peers", peers),),
+        (Set(scope.ref(connection), "peers", peers),),
     )
     return Options((option,))
 
@@ -282,8 +284,8 @@ def _crossings(
     if isinstance(end, ros.TopicEndpoint) and _is_carried(owner, component, offer, at_ros):
         return
     kind = end.type if isinstance(end, ros.TopicEndpoint) else None
-    for used in _ready(scope, offer, kind):
-        yield _crossing(scope, owner, component, offer, used.type, used, at_ros)
+    for map_ in _ready(scope, offer, kind):
+        yield _crossing(scope, owner, component, offer, map_.type, map_, at_ros)
     if kind is not None and (is_chosen or not is_served(offer.service)):
         yield _crossing(scope, owner, component, offer, kind, None, at_ros)
 
@@ -295,10 +297,10 @@ def _ready(
 
     Without those of the library that know joints by invented names: they drop each message.
     """
-    for used in fitting(scope, offer.message, kind, to_ros=offer.to_ros):
-        is_topic = isinstance(used.type.eContainer(), ros.InterfacePackage)
-        if is_topic and not (used.reportJoins and offer.to_ros) and not are_examples(used):
-            yield used
+    for map_ in fitting(scope, offer.message, kind, to_ros=offer.to_ros):
+        is_topic = isinstance(map_.type.eContainer(), ros.InterfacePackage)
+        if is_topic and not (map_.reportJoins and offer.to_ros) and not are_examples(map_):
+            yield map_
 
 
 def _crossing(
@@ -307,14 +309,14 @@ def _crossing(
     component: jaus.Component,
     offer: Offer,
     kind: ros.MessageType,
-    used: bridge.AttributeMap | None,
+    map_: bridge.AttributeMap | None,
     at_ros: Spot,
 ) -> Option:
     end = at_ros.element
     name = snake_case(name_of(end if end is not None else offer.message))
     topic = _topic(owner, at_ros.owner, end) if isinstance(end, ros.TopicEndpoint) else name
     qos = profile_of(scope, end) if isinstance(end, ros.TopicEndpoint) else {}
-    draft = Draft(offer, component, kind, used, topic, name, qos)
+    draft = Draft(offer, component, kind, map_, topic, name, qos)
     commands = draft.commands(scope, owner)
     if not isinstance(end, ros.TopicEndpoint):
         commands.append(_new_end(scope, at_ros.owner, kind, topic, to_ros=offer.to_ros))
@@ -329,13 +331,13 @@ def _option(
     node: EObject | None = None,
 ) -> Option:
     """Returns a draft as people choose it: what crosses, how, and why it can."""
-    offer, used = draft.offer, draft.map
-    how = f"ready map {name_of(used)}" if used is not None else "new map"
+    offer, map_ = draft.offer, draft.map
+    how = f"ready map {name_of(map_)}" if map_ is not None else "new map"
     bridged = name_of(owner) if isinstance(owner, bridge.Bridge) else "a new bridge"
     why = f"{offer.why(name_of(component))}; {_style(offer)} through {bridged}"
     if node is not None and (merits := merits_of(owner, component, node)):
         why += f", which {' and '.join(merits)}"
-    if used is not None and lacks_stop(offer, used):
+    if map_ is not None and lacks_stop(offer, map_):
         why += "; nothing stops it when its source is lost: that is for you to decide"
     label = f"{name_of(offer.message)} by {how} ({ros_name(draft.type)})"
     return Option(label, why, commands)

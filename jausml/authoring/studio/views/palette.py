@@ -258,7 +258,7 @@ def _maps(maps: Iterable[bridge.AttributeMap]) -> Iterator[Entry]:
                 arrow = "to ROS" if to_ros else "to JAUS"
                 ends = (name_of(attribute_map.message), ros_name(attribute_map.type))
                 note = " to ".join(ends if to_ros else reversed(ends))
-                make = partial(_connection, used=attribute_map, to_ros=to_ros)
+                make = partial(_connection, map_=attribute_map, to_ros=to_ros)
                 about = str(attribute_map.documentation or "")
                 yield _entry(
                     f"map {ends} {name_of(attribute_map)} {arrow}", MAPS,
@@ -386,12 +386,12 @@ def _endpoint(
 
 
 def _connection(
-    scope: Scope, onto: EObject | None, used: bridge.AttributeMap, *, to_ros: bool
+    scope: Scope, onto: EObject | None, map_: bridge.AttributeMap, *, to_ros: bool
 ) -> Sequence[Command]:
     if onto is not None and not isinstance(onto, bridge.Bridge | system.System):
         return []
     owner = onto or next(iter(bridges_of(scope)), None) or system_of(scope)
-    return [] if owner is None else map_commands(scope, owner, used, to_ros=to_ros)
+    return [] if owner is None else map_commands(scope, owner, map_, to_ros=to_ros)
 
 
 def _element(

@@ -88,10 +88,10 @@ def map_of(scope: Scope, view: str) -> bridge.AttributeMap | None:
 
 def map_shown(scope: Scope, view: str) -> bridge.AttributeMap:
     """Returns the map that a view shows, which must be one of a map."""
-    used = map_of(scope, view)
-    if used is None:
+    map_ = map_of(scope, view)
+    if map_ is None:
         raise AnswerError(f"{view} is no view of a map")
-    return used
+    return map_
 
 
 def element_shown(scope: Scope, view: str) -> EObject | None:
@@ -109,18 +109,18 @@ def map_named(scope: Scope, name: str) -> bridge.AttributeMap:
     raise AnswerError(f"there is no map {name!r} any more")
 
 
-def end_of(scope: Scope, used: bridge.AttributeMap, node: str, port: str) -> Member:
+def end_of(scope: Scope, map_: bridge.AttributeMap, node: str, port: str) -> Member:
     """Returns the member that ids of the map view name."""
     if not port:
         raise AnswerError("draw from a member to a member")
     if node.endswith(JAUS_END):
-        return member(used, port, is_jaus=True)
+        return member(map_, port, is_jaus=True)
     if node.endswith(ROS_END):
-        return member(used, port, is_jaus=False)
-    for join in (*used.joins, *used.reportJoins):
+        return member(map_, port, is_jaus=False)
+    for join in (*map_.joins, *map_.reportJoins):
         if scope.model.fragment(join) == node.rpartition("#")[2]:
             is_jaus = isinstance(join, bridge.ReportJoin)
-            return member(used, f"{join.name}.{port}", is_jaus=is_jaus)
+            return member(map_, f"{join.name}.{port}", is_jaus=is_jaus)
     raise AnswerError("that box is no end of the map")
 
 

@@ -86,12 +86,12 @@ class Tried:
     notes: tuple[str, ...] = ()
 
 
-def inputs(used: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
+def inputs(map_: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
     """Returns the values that a direction of a map takes."""
-    _check_ends(used)
-    scope = outer_scope(used, to_ros=to_ros)
+    _check_ends(map_)
+    scope = outer_scope(map_, to_ros=to_ros)
     inputs_by_path: dict[str, Input] = {}
-    for path in _paths(used, to_ros=to_ros):
+    for path in _paths(map_, to_ros=to_ros):
         place = scope.find_source(path)
         if isinstance(place, JausPlace | RosPlace):
             for map_input in _inputs(path, place):
@@ -99,8 +99,8 @@ def inputs(used: bridge.AttributeMap, *, to_ros: bool) -> list[Input]:
     return list(inputs_by_path.values())
 
 
-def _paths(used: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
-    for assignment in used.toRos if to_ros else used.toJaus:
+def _paths(map_: bridge.AttributeMap, *, to_ros: bool) -> Iterator[str]:
+    for assignment in map_.toRos if to_ros else map_.toJaus:
         own = [path for path in source_paths(assignment) if path not in COUNTERS]
         if not isinstance(assignment, bridge.ListAssignment):
             yield from own
@@ -160,7 +160,7 @@ class Trials:
                 self._processes.popitem()[1].close()
 
     def run(
-        self, scope: Scope, used: bridge.AttributeMap, values: Mapping[str, str], *, to_ros: bool
+        self, scope: Scope, map_: bridge.AttributeMap, values: Mapping[str, str], *, to_ros: bool
     ) -> Tried:
         """Translates values.
 
@@ -169,30 +169,30 @@ class Trials:
         """
         texts = {path: text for path, text in values.items() if text.strip()}
         try:
-            _check_ends(used)
-            request = _request(used, texts, to_ros=to_ros)
+            _check_ends(map_)
+            request = _request(map_, texts, to_ros=to_ros)
             with self._lock:
-                process = self._process(scope, used, to_ros=to_ros)
+                process = self._process(scope, map_, to_ros=to_ros)
             named = {process.parameters[name]: value for name, value in request.items()}
             answer = process.ask(named, self._seconds)
-            return _tried(used, answer, to_ros=to_ros)
+            return _tried(map_, answer, to_ros=to_ros)
         except (AnswerError, WorkerError) as error:
             return Tried(error=str(error))
 
-    def _process(self, scope: Scope, used: bridge.AttributeMap, *, to_ros: bool) -> _Process:
+    def _process(self, scope: Scope, map_: bridge.AttributeMap, *, to_ros: bool) -> _Process:
         """Returns the process of a translation: the same as long as its code is the same."""
-        key = (scope.ref(used), to_ros)
+        key = (scope.ref(map_), to_ros)
         known = self._processes.get(key)
         users = [
             connection
             for connection in scope.model.instances(bridge.Connection, library=False)
-            if connection.map is used
+            if connection.map is map_
         ]
-        made_of: tuple[object, ...] = (used, *users)
+        made_of: tuple[object, ...] = (map_, *users)
         if known is not None and known.is_alive and known.made_of == made_of:
             self._processes.move_to_end(key)
             return known
-        code, parameters = _code(scope, used, users, to_ros=to_ros)
+        code, parameters = _code(scope, map_, users, to_ros=to_ros)
         if known is not None and known.is_alive and known.code.digest == code.digest:
             known.made_of = made_of
             self._processes.move_to_end(key)
@@ -208,7 +208,7 @@ class Trials:
 
 def _code(
     scope: Scope,
-    used: bridge.AttributeMap,
+    map_: bridge.AttributeMap,
     users: Sequence[bridge.Connection],
     *,
     to_ros: bool,
@@ -217,7 +217,7 @@ def _code(
 
     With it come the parameters of its method by the names of joins; that of the message has none.
     """
-    maps = {CONNECTION_NAME: (used, to_ros)}
+    maps = {CONNECTION_NAME: (map_, to_ros)}
     try:
         trial_bridge = bridge_of_maps(scope.model.metamodels, BRIDGE_NAME, maps, users)
         ((connection,),) = (view.connections for view in bridge_views(trial_bridge))
@@ -225,7 +225,7 @@ def _code(
         return bridge_code(trial_bridge), {"": "source", **joins}
     except Exception as error:
         # Generators take models without errors; what an editor holds may have any.
-        raise AnswerError(f"'{used.name}' cannot be tried before its errors are fixed") from error
+        raise AnswerError(f"'{map_.name}' cannot be tried before its errors are fixed") from error
 
 
 class _Process(Worker):
@@ -239,19 +239,19 @@ class _Process(Worker):
         self.made_of = made_of
 
 
-def _check_ends(used: bridge.AttributeMap) -> None:
-    if used.message is None or used.type is None:
+def _check_ends(map_: bridge.AttributeMap) -> None:
+    if map_.message is None or map_.type is None:
         raise AnswerError("the map has no message or no type yet")
 
 
 def _request(
-    used: bridge.AttributeMap, texts: Mapping[str, str], *, to_ros: bool
+    map_: bridge.AttributeMap, texts: Mapping[str, str], *, to_ros: bool
 ) -> dict[str, Any]:
     """Returns the messages that values make: the main one, and those of joins that have values."""
-    scope = outer_scope(used, to_ros=to_ros)
+    scope = outer_scope(map_, to_ros=to_ros)
     joins = {
         str(report_join.name): report_join
-        for report_join in (used.reportJoins if to_ros else used.joins)
+        for report_join in (map_.reportJoins if to_ros else map_.joins)
     }
     parts: dict[str, dict[str, str]] = {"": {}}
     for path, text in texts.items():
@@ -263,7 +263,7 @@ def _request(
     messages: dict[str, Any] = {}
     for name, values in parts.items():
         join = joins.get(name)
-        message = join.message if isinstance(join, bridge.ReportJoin) else used.message
+        message = join.message if isinstance(join, bridge.ReportJoin) else map_.message
         messages[name] = {"payload": jaus_values.payload(message, values).hex()}
     return messages
 
@@ -278,15 +278,15 @@ def _expanded(scope: PathScope, path: str, inner: str, text: str) -> dict[str, s
     return {inner: text}
 
 
-def _tried(used: bridge.AttributeMap, answer: Mapping[str, Any], *, to_ros: bool) -> Tried:
+def _tried(map_: bridge.AttributeMap, answer: Mapping[str, Any], *, to_ros: bool) -> Tried:
     if answer.get("error"):
         return Tried(error=_error(answer))
     data = str(answer["bytes"])
     if to_ros:
-        place = outer_scope(used, to_ros=True).target
+        place = outer_scope(map_, to_ros=True).target
         rows = [Row(path, value, _unit(place, path)) for path, value in answer["values"]]
     else:
-        pairs = jaus_values.rows(used.message, bytes.fromhex(data))
+        pairs = jaus_values.rows(map_.message, bytes.fromhex(data))
         rows = [Row(path, text) for path, text in pairs]
     return Tried(tuple(rows), data, notes=tuple(answer.get("notes", ())))
 

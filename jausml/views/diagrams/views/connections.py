@@ -115,9 +115,9 @@ def add_bridge(builder: Builder, owner: bridge.Bridge) -> None:
 
 
 def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.Connection) -> None:
-    context, used = builder.context, connection.map
-    message = used.message if used is not None else None
-    kind = used.type if used is not None else None
+    context, map_ = builder.context, connection.map
+    message = map_.message if map_ is not None else None
+    kind = map_.type if map_ is not None else None
     to_ros = connection.direction.name == "jausToRos"
     style = connection.exchange.name
     is_command = style == "message" and message is not None and message.isCommand
@@ -127,7 +127,7 @@ def _add_connection(builder: Builder, owner: bridge.Bridge, connection: bridge.C
         connection,
         name_of(connection),
         f"{name_of(message)} {arrow} {_short(kind)}",
-        map=name_of(used),
+        map=name_of(map_),
         message=name_of(message),
         type=_type(kind),
         exchange=label,
@@ -296,8 +296,8 @@ def _limits(connection: bridge.Connection) -> Iterator[str]:
 
 def when_lost(connection: bridge.Connection) -> str:
     """Returns what a connection does when its source is lost, in words; empty for nothing."""
-    used = connection.map
-    if used is None or used.message is None:
+    map_ = connection.map
+    if map_ is None or map_.message is None:
         return ""
     if not stops.has_stop(connection):
         if not stops.carries_commands(connection) or not stops.keeps_last_command(connection):
