@@ -1,5 +1,6 @@
+import { renderHook } from "@testing-library/preact";
 import { expect, test } from "vitest";
-import { BOXES_AT_ONCE, further } from "./turns";
+import { BOXES_AT_ONCE, further, useFewAtOnce } from "./turns";
 
 interface Part {
   id: string;
@@ -49,4 +50,13 @@ test("what stays is at once as it is wanted, and what comes back is no more hidd
 test("a change of the same parts is shown as it is", () => {
   const wanted = parts(0, 500);
   expect(further(parts(0, 500), wanted)).toBe(wanted);
+});
+
+test("few come with one picture, however often what is wanted changes before it", async () => {
+  const hook = renderHook(({ wanted }) => useFewAtOnce(wanted), {
+    initialProps: { wanted: parts(0, 1) },
+  });
+  for (const end of [100, 200, 300]) hook.rerender({ wanted: parts(0, end) });
+  expect(hook.result.current.length).toBeLessThanOrEqual(1 + BOXES_AT_ONCE);
+  await expect.poll(() => hook.result.current.length).toBe(300);
 });

@@ -51,7 +51,8 @@ export const BOXES_AT_ONCE = 30;
 /** Returns boxes and frames of which few come or go with one picture of the screen; at first all. */
 export function useFewAtOnce<T extends Shown>(wanted: T[]): T[] {
   const [at, setAt] = useState({ wanted, shown: wanted });
-  const now = at.wanted === wanted ? at : { wanted, shown: further(at.shown, wanted) };
+  // What is wanted may change several times before the next picture, which takes one step alone.
+  const now = at.wanted === wanted ? at : { wanted, shown: further(at.shown, wanted, 0) };
   if (now !== at) setAt(now);
   const { shown } = now;
   useEffect(() => {
@@ -65,17 +66,17 @@ export function useFewAtOnce<T extends Shown>(wanted: T[]): T[] {
 }
 
 /**
- * Returns what is shown next on the way to what is wanted, which it is in the end.
+ * Returns what is shown next, of which `most` come and go, on the way to what is wanted.
  *
  * What goes is hidden before it is taken away: React Flow throws and catches an error, with all that
  * led to it, for each part that is gone while it is drawn.
  */
-export function further<T extends Shown>(shown: T[], wanted: T[]): T[] {
+export function further<T extends Shown>(shown: T[], wanted: T[], most = BOXES_AT_ONCE): T[] {
   if (shown.length === wanted.length && shown.every((each, at) => each.id === wanted[at]?.id))
     return wanted;
   const before = new Set(shown.map((each) => each.id));
   const after = new Set(wanted.map((each) => each.id));
-  let [coming, going] = [BOXES_AT_ONCE, BOXES_AT_ONCE];
+  let [coming, going] = [most, most];
   const staying = wanted.filter(({ id }) => before.has(id) || coming-- > 0);
   const leaving = shown
     .filter((each) => !after.has(each.id) && !each.hidden)
