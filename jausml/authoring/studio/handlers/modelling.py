@@ -1,4 +1,4 @@
-"""Requests that need thought: forms, the palette, what can be connected, values that are tried."""
+"""Answers about a model that is edited: forms, the palette, what can be connected, values tried."""
 
 from __future__ import annotations
 
