@@ -336,11 +336,8 @@ def _without_word(text: str, word: str, stand_in: str) -> str:
 
 def _words_in(text: str, words: Collection[str]) -> Iterator[str]:
     """Yields the words that are names or in names, as they come."""
-    names, known = set[str](), set[str]()
-    for match in _NAME.finditer(text):
-        if (name := match[0]) in names:
-            continue
-        names.add(name)
+    known = set[str]()
+    for name in dict.fromkeys(_NAME.findall(text)):
         word = name if name in words else _word_in(name, words) if "_" in name else ""
         # A word such as "f" before a string would change what the string is.
         if word and word not in known and not _PREFIX.fullmatch(word):
