@@ -11,6 +11,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
+from string import ascii_letters, digits, printable
 from typing import NamedTuple
 
 from jausml.generation.artifact import CANNOT_PARSE
@@ -189,7 +190,7 @@ _START = re.compile(
 """Before a function, a class or a method, and before what a method makes of several arguments."""
 _AROUND = {"    ": "class _:\n", "        ": "class _:\n    def _():\n"}
 """What is put around a piece to parse it, by its indentation."""
-_NAME = re.compile(r"\w+")
+_NO_NAME = str.maketrans(dict.fromkeys(set(printable) - {*ascii_letters, *digits, "_"}, " "))
 _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
 _STAND_INS = "\u01c2\u01c3"
@@ -210,19 +211,18 @@ class _Piece(NamedTuple):
 
     Attributes:
         parts: What is its own, and after each of it a hidden string or code.
-        names: Those that run, annotate and are defined, each in a line.
+        names: Those that run, annotate and are defined, in a line each.
     """
 
     parts: Sequence[str]
-    names: tuple[str, str, str]
+    names: str
 
     def under(self, words: Mapping[str, str], hidden: str) -> _Piece:
         """Returns the piece with words, strings and codes for what stands in for them."""
         parts, letters = list(self.parts), StringIO(hidden)
         # The layout may have joined strings.
         parts[1::2] = [letters.read(len(stand_in)) for stand_in in self.parts[1::2]]
-        running, annotating, defined = (_with_words(names, words) for names in self.names)
-        return _Piece([_with_words("".join(parts), words)], (running, annotating, defined))
+        return _Piece([_with_words("".join(parts), words)], _with_words(self.names, words))
 
 
 class Modules:
@@ -290,8 +290,7 @@ class Modules:
         # The formatter is trusted for layout alone: what it made must still be Python.
         if laid_out != whole:
             ast.parse(laid_out)
-        running, annotating, defined = map("\n".join, names_in(module))
-        return _Piece([laid_out[len(around) :]], (running, annotating, defined))
+        return _Piece([laid_out[len(around) :]], "\n".join(map(" ".join, names_in(module))))
 
     def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
         """Lays out a statement, once however often it stands in the modules."""
@@ -302,8 +301,8 @@ class Modules:
 
 
 def _joined(pieces: Sequence[_Piece]) -> Names:
-    groups = zip(*(piece.names for piece in pieces), strict=True)
-    return Names(*({*"\n".join(group).split("\n")} - {""} for group in groups))
+    groups = zip(*(piece.names.split("\n") for piece in pieces), strict=True)
+    return Names(*({*" ".join(group).split()} for group in groups))
 
 
 def _hidden(own: str) -> str:
@@ -337,7 +336,7 @@ def _without_word(text: str, word: str, stand_in: str) -> str:
 def _words_in(text: str, words: Collection[str]) -> Iterator[str]:
     """Yields the words that are names or in names, as they come."""
     known = set[str]()
-    for name in dict.fromkeys(_NAME.findall(text)):
+    for name in dict.fromkeys(text.translate(_NO_NAME).split()):
         word = name if name in words else _word_in(name, words) if "_" in name else ""
         # A word such as "f" before a string would change what the string is.
         if word and word not in known and not _PREFIX.fullmatch(word):
