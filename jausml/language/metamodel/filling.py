@@ -121,7 +121,7 @@ def _collection(obj: Any, table: FeatureTable) -> Any:
 
 def _new_collection(obj: Any, table: FeatureTable) -> Any:
     """Returns the empty collection that a feature has from now on."""
-    if not table.unique or not table.feature.ordered:
+    if not table.unique:
         collection = ECollection.create(obj, table.feature)
     else:
         collection = EOrderedSet.__new__(EOrderedSet)
