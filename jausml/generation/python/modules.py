@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from jausml.generation.artifact import CANNOT_PARSE
 from jausml.generation.literals import LINE_WIDTH
-from jausml.generation.python.layout import lay_out_statement, layout
+from jausml.generation.python.layout import layout
 
 MARKER = "from __future__ import annotations\n"
 """The line of a template that import statements follow."""
@@ -230,7 +230,6 @@ class Modules:
 
     def __init__(self) -> None:
         self._pieces: dict[str, _Piece] = {}
-        self._statements: dict[str, list[str]] = {}
 
     def finished(
         self, text: str, imports: Imports | None = None, words: Collection[str] = ()
@@ -251,7 +250,7 @@ class Modules:
                 pieces = [self._piece(word, words) for word in _START.split(text)]
             except CANNOT_PARSE:
                 # What looks like a function may stand in a string.
-                pieces = [self._worked_on(text)]
+                pieces = [_worked_on(text)]
             laid_out = "\n".join("".join(piece.parts) for piece in pieces)
             if imports is None:
                 return laid_out
@@ -270,34 +269,28 @@ class Modules:
             alike = "".join(parts)
         if alike not in self._pieces:
             try:
-                piece = self._worked_on(alike, words)
+                piece = _worked_on(alike)
             except CANNOT_PARSE:
                 if not known:
                     raise
-                return self._worked_on(text)
+                return _worked_on(text)
             if hidden:
                 piece = _Piece(_HIDDEN_OWN.split("".join(piece.parts)), piece.names)
             self._pieces[alike] = piece
         piece = self._pieces[alike]
         return piece.under(known, hidden) if known else piece
 
-    def _worked_on(self, text: str, words: Collection[str] = ()) -> _Piece:
-        code = text.lstrip("\n ")
-        around = _AROUND.get(text[: -len(code)].lstrip("\n"), "")
-        whole = around + text
-        module = ast.parse(whole)
-        laid_out = layout(whole, module, lambda lines: self._statement(lines, words))
-        # The formatter is trusted for layout alone: what it made must still be Python.
-        if laid_out != whole:
-            ast.parse(laid_out)
-        return _Piece([laid_out[len(around) :]], "\n".join(map(" ".join, names_in(module))))
 
-    def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
-        """Lays out a statement, once however often it stands in the modules."""
-        known, alike = _without_words("\n".join(lines), words)
-        if alike not in self._statements:
-            self._statements[alike] = lay_out_statement(alike.split("\n"))
-        return [_with_words(line, known) for line in self._statements[alike]]
+def _worked_on(text: str) -> _Piece:
+    code = text.lstrip("\n ")
+    around = _AROUND.get(text[: -len(code)].lstrip("\n"), "")
+    whole = around + text
+    module = ast.parse(whole)
+    laid_out = layout(whole, module)
+    # The formatter is trusted for layout alone: what it made must still be Python.
+    if laid_out != whole:
+        ast.parse(laid_out)
+    return _Piece([laid_out[len(around) :]], "\n".join(map(" ".join, names_in(module))))
 
 
 def _joined(pieces: Sequence[_Piece]) -> Names:
