@@ -16,7 +16,14 @@ from multigen.jinja import JinjaGenerator, JinjaTask
 
 from jausml import __version__
 from jausml.generation import literals
-from jausml.generation.artifact import CANNOT_PARSE, Artifact, Kind, add_header, syntax_problem
+from jausml.generation.artifact import (
+    CANNOT_PARSE,
+    Artifact,
+    Kind,
+    add_header,
+    normalize_newlines,
+    syntax_problem,
+)
 from jausml.generation.errors import InternalError, TooLargeError
 from jausml.generation.python import Modules
 from jausml.generation.target import FileTask, Target, Task, TextTask, View
@@ -230,5 +237,5 @@ class _FilesInMemory(JinjaTask):  # type: ignore[misc]  # multigen has no types
 
 def _laid_out(text: str) -> str:
     """Returns a rendered text as it is to stand in its file."""
-    body = text.replace("\r\n", "\n").rstrip("\n")
+    body = normalize_newlines(text).rstrip("\n")
     return body + "\n" if body else ""

@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from jausml.generation.python import Imports, Modules, modules, offered
-from jausml.generation.python.layout import lay_out_statement
+from jausml.generation.python import Imports, Modules, offered
 
 HEAD = '"""About it."""\n\nfrom __future__ import annotations\n'
 IMPORTS = Imports({**offered("nav_msgs.msg", "Odometry"), **offered(".messages", "ReportPose")})
@@ -117,25 +116,6 @@ def test_a_word_counts_in_attributes_of_anything(parses):
     Modules().finished("".join(text.format(name) for name in names), None, names)
 
     assert len(parses) < 5
-
-
-def test_statements_that_differ_in_a_word_are_laid_out_once(monkeypatch):
-    laid_out = []
-
-    def noted(lines):
-        laid_out.append(lines)
-        return lay_out_statement(lines)
-
-    monkeypatch.setattr(modules, "lay_out_statement", noted)
-    names = [f"c{number}" for number in range(10, 60)]
-    statement = (
-        "    self.{0} = Event('{0}', self.translate_{0}, ['one', 'other'], rate=10, limit={1})"
-    )
-    long = "\n".join(statement.format(name, "1" * 30) for name in names)
-    found = Modules().finished(f"def make(self: object) -> None:\n{long}\n", None, names)
-
-    assert found.count("self.translate_") == len(names)
-    assert len(laid_out) <= 2
 
 
 def test_each_piece_is_parsed_once_and_again_where_it_was_broken(parses):

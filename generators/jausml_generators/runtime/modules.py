@@ -138,9 +138,10 @@ def _asked(text: str) -> list[tuple[str, str]]:
         for module, name in _imports(_importing(text), ""):
             inner = f"{module}.{name}".strip(".")
             passed = known[inner].passes_on if inner in known else {}
-            used = passed.keys() & re.findall(rf"\b{re.escape(name)}\.(\w+)", text)
+            # Few packages pass names on, and the code may be long.
+            named = re.findall(rf"\b{re.escape(name)}\.(\w+)", text) if passed else []
             if module in known:
-                asked += [(inner, word) for word in used] or [(module, name)]
+                asked += [(inner, word) for word in passed.keys() & named] or [(module, name)]
     return asked
 
 

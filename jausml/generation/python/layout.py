@@ -7,7 +7,7 @@ laid out here. Quotes, spaces within a line and blank lines stay as they are.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from jausml.generation.literals import LINE_WIDTH
 from jausml.generation.python.tokens import (
@@ -43,24 +43,19 @@ _OPERATORS = (
 _BOOLEAN = {"and", "or"}
 
 
-def layout(
-    text: str,
-    module: ast.Module | None = None,
-    lay_out: Callable[[Sequence[str]], list[str]] | None = None,
-) -> str:
+def layout(text: str, module: ast.Module | None = None) -> str:
     """Returns a Python module with its long and its broken statements laid out."""
     try:
         module = module or ast.parse(text)
     except (SyntaxError, ValueError, RecursionError):
         return text
-    lay_out = lay_out or lay_out_statement
     lines = text.split("\n")
     new_lines: list[str] = []
     done = 0
     for start, end in sorted(set(_spans(module, lines))):
         if start >= done and (start < end or len(lines[start]) > LINE_WIDTH):
             new_lines += lines[done:start]
-            new_lines += lay_out(lines[start : end + 1])
+            new_lines += lay_out_statement(lines[start : end + 1])
             done = end + 1
     return "\n".join([*new_lines, *lines[done:]])
 

@@ -11,11 +11,12 @@ from collections import defaultdict
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import StringIO
+from string import ascii_letters, digits, printable
 from typing import NamedTuple
 
 from jausml.generation.artifact import CANNOT_PARSE
 from jausml.generation.literals import LINE_WIDTH
-from jausml.generation.python.layout import lay_out_statement, layout
+from jausml.generation.python.layout import layout
 
 MARKER = "from __future__ import annotations\n"
 """The line of a template that import statements follow."""
@@ -189,7 +190,7 @@ _START = re.compile(
 """Before a function, a class or a method, and before what a method makes of several arguments."""
 _AROUND = {"    ": "class _:\n", "        ": "class _:\n    def _():\n"}
 """What is put around a piece to parse it, by its indentation."""
-_NAME = re.compile(r"\w+")
+_NO_NAME = str.maketrans(dict.fromkeys(set(printable) - {*ascii_letters, *digits, "_"}, " "))
 _PREFIX = re.compile("[bfrtu]{1,2}")
 """Words that may stand before a string, and change what it is."""
 _STAND_INS = "\u01c2\u01c3"
@@ -210,19 +211,18 @@ class _Piece(NamedTuple):
 
     Attributes:
         parts: What is its own, and after each of it a hidden string or code.
-        names: Those that run, annotate and are defined, each in a line.
+        names: Those that run, annotate and are defined, in a line each.
     """
 
     parts: Sequence[str]
-    names: tuple[str, str, str]
+    names: str
 
     def under(self, words: Mapping[str, str], hidden: str) -> _Piece:
         """Returns the piece with words, strings and codes for what stands in for them."""
         parts, letters = list(self.parts), StringIO(hidden)
         # The layout may have joined strings.
         parts[1::2] = [letters.read(len(stand_in)) for stand_in in self.parts[1::2]]
-        running, annotating, defined = (_with_words(names, words) for names in self.names)
-        return _Piece([_with_words("".join(parts), words)], (running, annotating, defined))
+        return _Piece([_with_words("".join(parts), words)], _with_words(self.names, words))
 
 
 class Modules:
@@ -230,7 +230,6 @@ class Modules:
 
     def __init__(self) -> None:
         self._pieces: dict[str, _Piece] = {}
-        self._statements: dict[str, list[str]] = {}
 
     def finished(
         self, text: str, imports: Imports | None = None, words: Collection[str] = ()
@@ -251,7 +250,7 @@ class Modules:
                 pieces = [self._piece(word, words) for word in _START.split(text)]
             except CANNOT_PARSE:
                 # What looks like a function may stand in a string.
-                pieces = [self._worked_on(text)]
+                pieces = [_worked_on(text)]
             laid_out = "\n".join("".join(piece.parts) for piece in pieces)
             if imports is None:
                 return laid_out
@@ -270,40 +269,33 @@ class Modules:
             alike = "".join(parts)
         if alike not in self._pieces:
             try:
-                piece = self._worked_on(alike, words)
+                piece = _worked_on(alike)
             except CANNOT_PARSE:
                 if not known:
                     raise
-                return self._worked_on(text)
+                return _worked_on(text)
             if hidden:
                 piece = _Piece(_HIDDEN_OWN.split("".join(piece.parts)), piece.names)
             self._pieces[alike] = piece
         piece = self._pieces[alike]
         return piece.under(known, hidden) if known else piece
 
-    def _worked_on(self, text: str, words: Collection[str] = ()) -> _Piece:
-        code = text.lstrip("\n ")
-        around = _AROUND.get(text[: -len(code)].lstrip("\n"), "")
-        whole = around + text
-        module = ast.parse(whole)
-        laid_out = layout(whole, module, lambda lines: self._statement(lines, words))
-        # The formatter is trusted for layout alone: what it made must still be Python.
-        if laid_out != whole:
-            ast.parse(laid_out)
-        running, annotating, defined = map("\n".join, names_in(module))
-        return _Piece([laid_out[len(around) :]], (running, annotating, defined))
 
-    def _statement(self, lines: Sequence[str], words: Collection[str]) -> list[str]:
-        """Lays out a statement, once however often it stands in the modules."""
-        known, alike = _without_words("\n".join(lines), words)
-        if alike not in self._statements:
-            self._statements[alike] = lay_out_statement(alike.split("\n"))
-        return [_with_words(line, known) for line in self._statements[alike]]
+def _worked_on(text: str) -> _Piece:
+    code = text.lstrip("\n ")
+    around = _AROUND.get(text[: -len(code)].lstrip("\n"), "")
+    whole = around + text
+    module = ast.parse(whole)
+    laid_out = layout(whole, module)
+    # The formatter is trusted for layout alone: what it made must still be Python.
+    if laid_out != whole:
+        ast.parse(laid_out)
+    return _Piece([laid_out[len(around) :]], "\n".join(map(" ".join, names_in(module))))
 
 
 def _joined(pieces: Sequence[_Piece]) -> Names:
-    groups = zip(*(piece.names for piece in pieces), strict=True)
-    return Names(*({*"\n".join(group).split("\n")} - {""} for group in groups))
+    groups = zip(*(piece.names.split("\n") for piece in pieces), strict=True)
+    return Names(*({*" ".join(group).split()} for group in groups))
 
 
 def _hidden(own: str) -> str:
@@ -336,11 +328,8 @@ def _without_word(text: str, word: str, stand_in: str) -> str:
 
 def _words_in(text: str, words: Collection[str]) -> Iterator[str]:
     """Yields the words that are names or in names, as they come."""
-    names, known = set[str](), set[str]()
-    for match in _NAME.finditer(text):
-        if (name := match[0]) in names:
-            continue
-        names.add(name)
+    known = set[str]()
+    for name in dict.fromkeys(text.translate(_NO_NAME).split()):
         word = name if name in words else _word_in(name, words) if "_" in name else ""
         # A word such as "f" before a string would change what the string is.
         if word and word not in known and not _PREFIX.fullmatch(word):

@@ -15,7 +15,7 @@ from typing import Any
 
 from ordered_set import OrderedSet
 from pyecore.innerutils import InternalSet
-from pyecore.valuecontainer import ECollection, EList, EValue
+from pyecore.valuecontainer import ECollection, EList, EOrderedSet, EValue
 
 from jausml.language.metamodel.tables import ClassTable, FeatureKind, FeatureTable, ValueKind
 
@@ -116,8 +116,26 @@ def _store(obj: Any, table: FeatureTable, target: Any) -> None:
 
 def _collection(obj: Any, table: FeatureTable) -> Any:
     collection = obj.__dict__.get(table.name)
-    if collection is None:
-        collection = obj.__dict__[table.name] = ECollection.create(obj, table.feature)
+    return _new_collection(obj, table) if collection is None else collection
+
+
+def _new_collection(obj: Any, table: FeatureTable) -> Any:
+    """Returns the empty collection that a feature has from now on."""
+    if not table.unique:
+        collection = ECollection.create(obj, table.feature)
+    else:
+        collection = EOrderedSet.__new__(EOrderedSet)
+        collection.__dict__ = {
+            "owner": obj,
+            "feature": table.feature,
+            "is_ref": table.is_reference,
+            "is_cont": table.kind is FeatureKind.CONTAINMENT,
+            "generic_type": None,
+            "_orderedset_update": False,
+            "items": [],
+            "map": {},
+        }
+    obj.__dict__[table.name] = collection
     return collection
 
 
@@ -215,9 +233,10 @@ def _known(obj: Any, name: str) -> Any:
 class _Access:
     """Access to a feature, in place of pyecore's in the classes of elements."""
 
-    __slots__ = ("_default", "_feature", "_name")
+    __slots__ = ("_default", "_feature", "_name", "_table")
 
     def __init__(self, table: FeatureTable) -> None:
+        self._table = table
         self._feature = table.feature
         self._name = table.name
         self._default = table.default
@@ -250,7 +269,7 @@ class _Many(_Access):
         if obj is None:
             return self._feature
         collection = obj.__dict__.get(self._name)
-        return self._feature.__get__(obj, owner) if collection is None else collection
+        return _new_collection(obj, self._table) if collection is None else collection
 
 
 def hasten(table: FeatureTable) -> None:

@@ -21,6 +21,11 @@ def parts(name: str) -> list[str]:
     return [part for part in _NOT_NAME.split(name) if part]
 
 
+def joined(name: str) -> str:
+    """Returns a name without characters that no name can have."""
+    return _NOT_NAME.sub("", name)
+
+
 def words(name: str) -> list[str]:
     """Returns the words of a name: at capitals, digits stay with the word before them."""
     return [word for part in parts(name) for word in _WORD_START.split(part) if word]

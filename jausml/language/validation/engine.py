@@ -19,8 +19,11 @@ from jausml.language.project import read_project
 from jausml.language.semantics.paths.wholes import written
 from jausml.language.semantics.subject import Subject, remembering
 from jausml.language.validation.allowances import settled
-from jausml.language.validation.rule import Finding, Part, Report, Rule
+from jausml.language.validation.rule import Finding, Report, Rule, RuleFunction, Scope
 from jausml.language.validation.rules import all_rules
+
+_Checks = list[tuple[Rule, RuleFunction]]
+"""Functions of rules."""
 
 
 class RuleError(Exception):
@@ -66,20 +69,21 @@ class _Judging:
     """Which rules judge elements of a class."""
 
     def __init__(self, rules: Iterable[Rule], metamodels: Metamodels) -> None:
-        self._parts: dict[EClass, list[tuple[Rule, Part]]] = defaultdict(list)
+        self._groups: dict[EClass, dict[Scope, _Checks]] = defaultdict(dict)
         for rule in rules:
             for part in rule.parts:
                 classes = {
                     table.eclass
-                    for kind in part.kinds
+                    for kind in part.scope.kinds
                     for table in metamodels.class_of(kind).subtypes
                 }
                 for metaclass in classes:
-                    self._parts[metaclass].append((rule, part))
+                    checks = self._groups[metaclass].setdefault(part.scope, [])
+                    checks.append((rule, part.check))
 
-    def of(self, element: EObject) -> Sequence[tuple[Rule, Part]]:
-        """Returns the rules that judge an element, and by which part."""
-        return self._parts.get(element.eClass, ())
+    def of(self, element: EObject) -> Iterable[tuple[Scope, _Checks]]:
+        """Returns the rules that judge an element, by what of it they judge."""
+        return self._groups[element.eClass].items()
 
 
 def _found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
@@ -88,7 +92,7 @@ def _found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
         return [
             (rule, finding)
             for part in rule.parts
-            if not part.kinds
+            if not part.scope.kinds
             for finding in part.check(subject)
         ]
     # Whatever a rule raises is a fault of jausml, and must tell the rule.
@@ -97,15 +101,17 @@ def _found_in_whole(subject: Subject, rule: Rule) -> list[tuple[Rule, Finding]]:
 
 
 def _found_at(
-    subject: Subject, element: EObject, parts: Iterable[tuple[Rule, Part]]
+    subject: Subject, element: EObject, groups: Iterable[tuple[Scope, _Checks]]
 ) -> list[tuple[Rule, Finding]]:
     """Returns what rules find that judge an element by itself."""
     findings: list[tuple[Rule, Finding]] = []
-    for rule, part in parts:
+    for scope, checks in groups:
+        rule = checks[0][0]
         try:
-            if subject.is_read(element, part.needs):
-                for finding in part.findings(subject, element):
-                    findings.append((rule, finding))
+            for judged in scope.judged(subject, element):
+                for rule, check in checks:
+                    for finding in check(subject, judged):
+                        findings.append((rule, finding))
         except Exception as error:
             raise RuleError(rule, error) from error
     return findings

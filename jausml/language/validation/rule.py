@@ -11,9 +11,10 @@ from typing import Any, TypeAlias
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import Diagnostic, Location, RuleInfo, Severity
 from jausml.language.model.model import Model
+from jausml.language.semantics.paths.scopes import DIRECTED, Direction, directions_of
 from jausml.language.semantics.subject import Subject
 
-Kinds: TypeAlias = "type[EObject] | tuple[type[EObject], ...]"
+Kinds: TypeAlias = "type[EObject | Direction] | tuple[type[EObject], ...]"
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,26 +52,36 @@ wrong."""
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
-    """A function of a rule.
+class Scope:
+    """What functions of rules judge by itself.
 
     Attributes:
-        kinds: The classes of which it judges each element by itself; empty where it looks at the
-            model as a whole.
+        kinds: Classes of elements; empty for a function that looks at the model as a whole.
         needs: The features that it cannot do without (see `Subject.instances`).
         condition: Which elements it judges, of those that were read; all by default.
+        within: What it judges in an element; by default, the element itself.
     """
 
-    check: RuleFunction
     kinds: tuple[type[EObject], ...] = ()
     needs: frozenset[str] | None = None
     condition: Callable[[Subject, Any], bool] | None = None
+    within: Callable[[Subject, Any], Iterable[Any]] | None = None
 
-    def findings(self, subject: Subject, element: EObject) -> Iterable[Finding]:
-        """Returns what is wrong with an element of its classes that was read."""
-        if self.condition is None or self.condition(subject, element):
-            return self.check(subject, element)
-        return ()
+    def judged(self, subject: Subject, element: EObject) -> Iterable[Any]:
+        """Returns what is judged in an element of the classes."""
+        if not subject.is_read(element, self.needs):
+            return ()
+        if self.condition is not None and not self.condition(subject, element):
+            return ()
+        return (element,) if self.within is None else self.within(subject, element)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A function of a rule, and what it judges."""
+
+    check: RuleFunction
+    scope: Scope
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,11 +108,12 @@ class Rule:
     def findings(self, subject: Subject) -> Iterator[Finding]:
         """Yields what is wrong with a model."""
         for part in self.parts:
-            if not part.kinds:
+            if not part.scope.kinds:
                 yield from part.check(subject)
-            for kind in part.kinds:
-                for element in subject.instances(kind, part.needs):
-                    yield from part.findings(subject, element)
+            for kind in part.scope.kinds:
+                for element in subject.instances(kind, part.scope.needs):
+                    for judged in part.scope.judged(subject, element):
+                        yield from part.check(subject, judged)
 
     def also(
         self, kinds: Kinds, needs: Iterable[str] | None = None
@@ -127,8 +139,9 @@ def rule(
 ) -> Callable[[RuleFunction], Rule]:
     """Makes a rule of a function, whose docstring is the documentation page of the rule.
 
-    With `kinds` the function takes the subject and one element of these classes, and judges it by
-    itself. Without, it takes the subject, and judges the model as a whole.
+    With `kinds` the function takes the subject and one element of these classes (or one direction
+    of a map, a stop or a safe value), and judges it by itself. Without, it takes the subject, and
+    judges the model as a whole.
     """
 
     def make(check: RuleFunction) -> Rule:
@@ -144,8 +157,12 @@ def _part(
     needs: Iterable[str] | None,
     condition: Callable[[Subject, Any], bool] | None = None,
 ) -> Part:
-    classes = kinds if isinstance(kinds, tuple) else (kinds,)
-    return Part(check, classes, None if needs is None else frozenset(needs), condition)
+    needed = None if needs is None else frozenset(needs)
+    if isinstance(kinds, tuple):
+        return Part(check, Scope(kinds, needed, condition))
+    if issubclass(kinds, Direction):
+        return Part(check, Scope(DIRECTED, needed, condition, directions_of))
+    return Part(check, Scope((kinds,), needed, condition))
 
 
 class Ground(Enum):

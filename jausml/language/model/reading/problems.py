@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import NamedTuple
 
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model.diagnostics import (
@@ -23,8 +24,7 @@ XmlAttribute = tuple[str, str]
 """Namespace URI and local name of an XML attribute."""
 
 
-@dataclass(frozen=True, slots=True)
-class NodePlace:
+class NodePlace(NamedTuple):
     """A place in a document: an element, and perhaps an attribute of it."""
 
     document: Document

@@ -15,7 +15,7 @@ from jausml.language.semantics.assignments.units import (
     source_range,
 )
 from jausml.language.semantics.conversions import NoValueError
-from jausml.language.semantics.names import parts, words
+from jausml.language.semantics.names import joined, words
 from jausml.language.semantics.paths.attributes import (
     BOOL,
     NUMBER,
@@ -179,7 +179,7 @@ def _owner(path: str) -> str:
 
 
 def _name(path: str) -> str:
-    return "".join(parts(path.rpartition(".")[2])).casefold()
+    return joined(path.rpartition(".")[2]).casefold()
 
 
 def _namesake(owner: FoundPlace, name: str, like: Attribute) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.assignments.units import measure
@@ -147,7 +147,7 @@ def moving_values(connection: bridge.Connection) -> list[tuple[str, str]]:
     of brakes excepted; a value that a ROS type gives a member by default counts as well.
     """
     scope = outer_scope(connection.map, to_ros=_goes_to_ros(connection))
-    values, units = _defaults_and_units(connection.map, scope)
+    values = _defaults(connection.map, scope) if scope.to_ros else {}
     for assignment in stop_assignments(connection):
         # What the clock gives is no number, and takes the place of a default.
         value = str(assignment.value) if isinstance(assignment, bridge.ConstantAssignment) else ""
@@ -157,34 +157,36 @@ def moving_values(connection: bridge.Connection) -> list[tuple[str, str]]:
         if not is_real(value) or not float(value):
             continue
         target = attribute_at(scope.find_target(path))
-        if isinstance(target, Attribute) and _moves(target, units.get(path, target.units)):
-            moving.append((path, value))
+        if isinstance(target, Attribute):
+            units = target.units or _source_units(connection.map, scope, path)
+            if _moves(target, units):
+                moving.append((path, value))
     return moving
 
 
-def _defaults_and_units(
-    attribute_map: bridge.AttributeMap, scope: PathScope
-) -> tuple[dict[str, str], dict[str, str]]:
-    """Returns the defaults and the units of the targets that a map fills, by path.
+def _defaults(attribute_map: bridge.AttributeMap, scope: PathScope) -> dict[str, str]:
+    """Returns what a ROS type gives the targets that a map fills by default, by path."""
+    return {
+        path: str(getattr(target.field, "defaultValue", None) or "")
+        for placed in _filling(attribute_map, scope)
+        for path, target in placed.targets
+        if isinstance(target, Attribute)
+    }
 
-    A target without a unit of its own has that of its source.
-    """
-    defaults: dict[str, str] = {}
-    units: dict[str, str] = {}
-    for placed in flattened(attribute_map.toRos if scope.to_ros else attribute_map.toJaus, scope):
-        # The lists of a stop are empty: nothing fills their elements.
-        if placed.scope.is_nested:
-            continue
-        source_units = next(
-            (source.units for source in placed.source_attributes if source.units), ""
-        )
-        for path, target in placed.targets:
-            if not isinstance(target, Attribute):
-                continue
-            units[path] = target.units or source_units
-            default = getattr(target.field, "defaultValue", None) if scope.to_ros else None
-            defaults[path] = str(default or "")
-    return defaults, units
+
+def _source_units(attribute_map: bridge.AttributeMap, scope: PathScope, path: str) -> str:
+    """Returns the unit of what fills a target, which is that of a target without its own."""
+    filling = [e for e in _filling(attribute_map, scope) if path in target_paths(e.assignment)]
+    sources = filling[-1].source_attributes if filling else ()
+    return next((source.units for source in sources if source.units), "")
+
+
+def _filling(
+    attribute_map: bridge.AttributeMap, scope: PathScope
+) -> Iterator[Placed[bridge.Assignment]]:
+    assignments = attribute_map.toRos if scope.to_ros else attribute_map.toJaus
+    # The lists of a stop are empty: nothing fills their elements.
+    return (placed for placed in flattened(assignments, scope) if not placed.scope.is_nested)
 
 
 _BRAKING = frozenset({"brake", "braking", "resistive"})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
@@ -339,7 +339,11 @@ def directed(subject: Subject) -> list[Directed]:
 
 
 def directions_of(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
-    """Returns the directions of a map or a connection, as far as both ends were read."""
+    """Returns the directions of a map or a connection that say something.
+
+    Returns:
+        None of them where an end of the map was not read.
+    """
     return subject.once(_directions, owner)
 
 
@@ -361,23 +365,24 @@ def _directions(subject: Subject, owner: Directed) -> tuple[Direction, ...]:
     used = owner.map if isinstance(owner, bridge.Connection) else owner
     if used is None or not subject.is_intact(used.message, used.type):
         return ()
+    written: list[tuple[Directed | bridge.Stop, Sequence[bridge.Assignment], bool]]
     if isinstance(owner, bridge.Connection):
-        to_ros = owner.direction.name == "jausToRos"
-        return (_direction(subject, used, owner, owner.safeValue, to_ros=to_ros),)
-    directions = [
-        _direction(subject, used, used, assignments, to_ros=to_ros)
-        for assignments, to_ros in ((used.toRos, True), (used.toJaus, False))
-    ]
-    for stop, to_ros in ((used.stopRos, True), (used.stopJaus, False)):
-        if stop is not None:
-            directions.append(_direction(subject, used, stop, stop.values, to_ros=to_ros))
-    return tuple(directions)
+        written = [(owner, owner.safeValue, owner.direction.name == "jausToRos")]
+    else:
+        stops = ((used.stopRos, True), (used.stopJaus, False))
+        written = [(used, used.toRos, True), (used, used.toJaus, False)]
+        written += ((stop, stop.values, to_ros) for stop, to_ros in stops if stop is not None)
+    return tuple(
+        _direction(subject, used, one, assignments, to_ros=to_ros)
+        for one, assignments, to_ros in written
+        if assignments
+    )
 
 
 def _direction(
     subject: Subject,
     attribute_map: bridge.AttributeMap,
-    owner: bridge.AttributeMap | bridge.Stop | bridge.Connection,
+    owner: Directed | bridge.Stop,
     assignments: Iterable[bridge.Assignment],
     *,
     to_ros: bool,

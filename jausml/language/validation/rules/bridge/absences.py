@@ -8,15 +8,15 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.assignments.steps import knows_unknown
 from jausml.language.semantics.paths.attributes import TIME, TIME_STAMP, Attribute
-from jausml.language.semantics.paths.scopes import DIRECTED, Directed, Placed, directions_of
+from jausml.language.semantics.paths.scopes import Direction, Placed
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
 _UNSTATED = "unstated"
 
 
-@rule("JML459", "value that would be made up", severity=Severity.WARNING, kinds=DIRECTED)
-def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML459", "value that would be made up", severity=Severity.WARNING, kinds=Direction)
+def made_up(subject: Subject, direction: Direction) -> Iterator[Finding]:
     """What becomes of a target without its source is stated, or the target can say it too.
 
     A source may have no value: JAUS leaves out an optional field, has another option or a shorter
@@ -32,11 +32,10 @@ def made_up(subject: Subject, directed: Directed) -> Iterator[Finding]:
     Good: the same with `whenAbsent="dropMessage"`, with `useDefault` and a `defaultValue`, with
     `receptionTime` for an instant, or with `leave` where the default is meant
     """
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
-            states = placed.assignment.whenAbsent.name != _UNSTATED
-            if not states and not knows_unknown(placed.assignment):
-                yield from _made_up(subject, placed)
+    for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+        states = placed.assignment.whenAbsent.name != _UNSTATED
+        if not states and not knows_unknown(placed.assignment):
+            yield from _made_up(subject, placed)
 
 
 def _made_up(

@@ -33,8 +33,7 @@ from jausml.language.semantics.conversions.conversion import MAXIMUM
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import LIST, NUMBERS, Attribute
 from jausml.language.semantics.paths.scopes import (
-    DIRECTED,
-    Directed,
+    Direction,
     Placed,
     carriers_of,
     directed,
@@ -78,15 +77,14 @@ def conversions(_: Subject, conversion: bridge.Conversion) -> Iterator[Finding]:
     yield from _argument_findings(conversion)
 
 
-@conversions.also(DIRECTED)
-def _directed_conversions(subject: Subject, directed: Directed) -> Iterator[Finding]:
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
-            yield from _chain_findings(placed)
+@conversions.also(Direction)
+def _directed_conversions(_: Subject, direction: Direction) -> Iterator[Finding]:
+    for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+        yield from _chain_findings(placed)
 
 
-@rule("JML441", "expression that cannot be computed", kinds=DIRECTED)
-def expressions(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML441", "expression that cannot be computed", kinds=Direction)
+def expressions(_: Subject, direction: Direction) -> Iterator[Finding]:
     """An expression is well-formed and uses known names: sources, functions, pi.
 
     A source is named by the last step of its path, by more of its last steps, or by its whole path;
@@ -97,11 +95,10 @@ def expressions(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `expression="hypot(x, y)"`
     """
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
-            for position, conversion in enumerate(placed.assignment.conversions):
-                if conversion.kind.name == Expression.name and conversion.expression:
-                    yield from _expression_findings(placed, conversion, position)
+    for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+        for position, conversion in enumerate(placed.assignment.conversions):
+            if conversion.kind.name == Expression.name and conversion.expression:
+                yield from _expression_findings(placed, conversion, position)
 
 
 @rule("JML446", "impossible method of a user conversion")
@@ -116,7 +113,7 @@ def user_methods(subject: Subject) -> Iterator[Finding]:
     """
     known: dict[tuple[EObject | None, str], tuple[int, bridge.Conversion]] = {}
     for owner in directed(subject):
-        for bridge_, conversion, inputs in subject.once(_own_methods, owner):
+        for bridge_, conversion, inputs in _own_methods(directions_of(subject, owner)):
             name = str(conversion.method)
             if not _METHOD.fullmatch(name) or keyword.iskeyword(name):
                 message = f"method {name!r} is no name of lower-case letters, digits and _"
@@ -130,13 +127,13 @@ def user_methods(subject: Subject) -> Iterator[Finding]:
 
 
 def _own_methods(
-    subject: Subject, directed: Directed
+    directions: Iterable[Direction],
 ) -> list[tuple[EObject | None, bridge.Conversion, int]]:
     """Returns conversions by methods of users: the bridge, the conversion and how much it takes."""
     return [
         # Behind the first conversion there is one value.
         (direction.map.eContainer(), conversion, 1 if position else len(placed.sources))
-        for direction in directions_of(subject, directed)
+        for direction in directions
         for placed in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment)
         for position, conversion in enumerate(placed.assignment.conversions)
         if conversion.kind.name == User.name and conversion.method
@@ -250,8 +247,8 @@ def _nearest(name: str, known: Iterable[str]) -> str:
     return f"did you mean '{near[0]}'?" if near else f"there is {', '.join(short)}"
 
 
-@rule("JML431", "units do not match", kinds=DIRECTED)
-def unit_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML431", "units do not match", kinds=Direction)
+def unit_mismatch(_: Subject, direction: Direction) -> Iterator[Finding]:
     """The result of an assignment measures the same quantity as its target.
 
     The unit of a field is its own or that of the field around it. Units of one dimension that
@@ -264,10 +261,9 @@ def unit_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `target="twist.angular.z" source="YawRate"` with the conversion negate
     """
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            if placed.source_attributes and placed.target_attributes:
-                yield from _mismatches(placed)
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        if placed.source_attributes and placed.target_attributes:
+            yield from _mismatches(placed)
 
 
 @rule(

@@ -13,11 +13,8 @@ from jausml.language.semantics.connections.stops import with_constants
 from jausml.language.semantics.paths.attributes import JausPart
 from jausml.language.semantics.paths.jaus_paths import JausPlace
 from jausml.language.semantics.paths.scopes import (
-    DIRECTED,
-    Directed,
     Direction,
     Placed,
-    directions_of,
     parse_path,
     target_paths,
 )
@@ -31,8 +28,8 @@ Steps = tuple[str, ...]
 _STOPS = {"safeValue": "safe value", "values": "stop"}
 
 
-@rule("JML415", "target assigned twice", kinds=DIRECTED)
-def targets_unique(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML415", "target assigned twice", kinds=Direction)
+def targets_unique(_: Subject, direction: Direction) -> Iterator[Finding]:
     """An attribute is the target of one assignment of a direction.
 
     An assignment of a whole, such as `pose.orientation`, and one of a part of it, such as
@@ -43,11 +40,10 @@ def targets_unique(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: one
     """
-    for direction in directions_of(subject, directed):
-        for siblings in _siblings(direction):
-            yield from _repeated(siblings)
-            if not direction.to_ros:
-                yield from _chosen_twice(siblings)
+    for siblings in _siblings(direction):
+        yield from _repeated(siblings)
+        if not direction.to_ros:
+            yield from _chosen_twice(siblings)
 
 
 @rule(
@@ -55,9 +51,9 @@ def targets_unique(subject: Subject, directed: Directed) -> Iterator[Finding]:
     "required JAUS field not assigned",
     severity=Severity.WARNING,
     is_decision=True,
-    kinds=DIRECTED,
+    kinds=Direction,
 )
-def required_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
+def required_fields(subject: Subject, direction: Direction) -> Iterator[Finding]:
     """Each member of a JAUS message that is not optional is assigned, or ignored on purpose.
 
     It is always on the wire, with the smallest legal value if nothing is assigned. The members of a
@@ -68,18 +64,17 @@ def required_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `<toJaus xsi:type="bridge:Ignore" target="Speed" documentation="..."/>`
     """
-    for direction in directions_of(subject, directed):
-        if direction.to_ros or not direction.assignments or not subject.is_intact(direction.owner):
-            continue
-        for siblings in _siblings(direction):
-            scope = siblings[0].scope
-            paths = [parse_path(path) for sibling in siblings for path, _ in sibling.targets]
-            owner = siblings[0].assignment.eContainer()
-            place = scope.target
-            if owner is direction.owner and owner is not direction.map:
-                paths += _filled_by_map(direction)
-            if owner is not None and isinstance(place, JausPlace) and () not in paths:
-                yield from _missing(owner, place, paths, direction)
+    if direction.to_ros or not direction.assignments or not subject.is_intact(direction.owner):
+        return
+    for siblings in _siblings(direction):
+        scope = siblings[0].scope
+        paths = [parse_path(path) for sibling in siblings for path, _ in sibling.targets]
+        owner = siblings[0].assignment.eContainer()
+        place = scope.target
+        if owner is direction.owner and owner is not direction.map:
+            paths += _filled_by_map(direction)
+        if owner is not None and isinstance(place, JausPlace) and () not in paths:
+            yield from _missing(owner, place, paths, direction)
 
 
 def _filled_by_map(direction: Direction) -> list[Steps]:

@@ -24,10 +24,8 @@ from jausml.language.semantics.conversions.numbers import Negate
 from jausml.language.semantics.paths.attributes import Attribute, Found
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.semantics.paths.scopes import (
-    DIRECTED,
-    Directed,
+    Direction,
     Placed,
-    directions_of,
     parse_path,
     target_paths,
 )
@@ -37,8 +35,8 @@ from jausml.language.validation.rule import Finding, Note, rule
 _OPPOSITE = "have opposite signs"
 
 
-@rule("JML433", "axes do not match", kinds=DIRECTED)
-def frame_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML433", "axes do not match", kinds=Direction)
+def frame_mismatch(_: Subject, direction: Direction) -> Iterator[Finding]:
     """A number goes from axis to axis with the sign that the frames of both ends require.
 
     ROS bodies are forward-left-up, JAUS bodies forward-right-down: x stays, y and z change their
@@ -53,20 +51,19 @@ def frame_mismatch(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: the same with `<conversions kind="negate"/>`
     """
-    for side in directions_of(subject, directed):
-        turning: dict[bool, Placed[bridge.FieldAssignment]] = {}
-        for placed in side.of_kind(bridge.FieldAssignment):
-            finding = _finding(placed)
-            if finding is not None:
-                yield finding
-                continue
-            is_turned = _turns_local_axes(placed)
-            if is_turned is None:
-                continue
-            turning.setdefault(is_turned, placed)
-            other = turning.get(not is_turned)
-            if other is not None:
-                yield _inconsistent(placed, other, "exchanges" if is_turned else "keeps")
+    turning: dict[bool, Placed[bridge.FieldAssignment]] = {}
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        finding = _finding(placed)
+        if finding is not None:
+            yield finding
+            continue
+        is_turned = _turns_local_axes(placed)
+        if is_turned is None:
+            continue
+        turning.setdefault(is_turned, placed)
+        other = turning.get(not is_turned)
+        if other is not None:
+            yield _inconsistent(placed, other, "exchanges" if is_turned else "keeps")
 
 
 def _inconsistent(
@@ -255,8 +252,8 @@ def _exchange(source: Axis) -> str:
     return ""
 
 
-@rule("JML458", "coordinates exchanged", kinds=DIRECTED)
-def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML458", "coordinates exchanged", kinds=Direction)
+def geodetic_coordinates(_: Subject, direction: Direction) -> Iterator[Finding]:
     """A latitude stays a latitude, a longitude a longitude, and an altitude points up.
 
     Both ends say which of them they are. The z axis of a local frame of JAUS points down: an
@@ -266,11 +263,10 @@ def geodetic_coordinates(subject: Subject, directed: Directed) -> Iterator[Findi
 
     Good: `target="latitude" source="Latitude"`
     """
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            sources, targets = placed.source_attributes, placed.target_attributes
-            if len(sources) == len(targets) == 1:
-                yield from _exchanged(placed, sources[0], targets[0])
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        sources, targets = placed.source_attributes, placed.target_attributes
+        if len(sources) == len(targets) == 1:
+            yield from _exchanged(placed, sources[0], targets[0])
 
 
 def _exchanged(
@@ -302,8 +298,8 @@ _HEADER = "std_msgs/Header"
 _PARTS = ("stamp", "frame_id")
 
 
-@rule("JML460", "header without time or frame", severity=Severity.WARNING, kinds=DIRECTED)
-def headers_filled(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML460", "header without time or frame", severity=Severity.WARNING, kinds=Direction)
+def headers_filled(subject: Subject, direction: Direction) -> Iterator[Finding]:
     """A ROS message with a header gets its stamp and its frame_id, or leaves them out on purpose.
 
     A stamp of 0 lies in 1970, and tf2 transforms nothing that has no frame: subscribers drop such a
@@ -313,46 +309,42 @@ def headers_filled(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `header.stamp` by the clock or from the TimeStamp, and a constant for `header.frame_id`
     """
-    for direction in directions_of(subject, directed):
-        owner = direction.owner
-        if not direction.to_ros or not isinstance(owner, bridge.AttributeMap):
-            continue
-        if not owner.toRos or not subject.is_intact(owner, *owner.toRos):
-            continue
-        header = next((field for field in direction.map.type.fields if _is_header(field)), None)
-        if header is None:
-            continue
-        assigned = {
-            parse_path(path) for assignment in owner.toRos for path in target_paths(assignment)
-        }
-        names = [
-            f"{header.name}.{part}"
-            for part in _PARTS
-            if not assigned & {(header.name,), (header.name, part)}
-            and not any(path[:2] == (header.name, part) for path in assigned)
-        ]
-        if names:
-            message = f"map '{owner.name}' gives {' and '.join(names)} no value"
-            yield Finding(owner, message, "toRos", "assign it, or add an Ignore")
+    owner = direction.owner
+    if not direction.to_ros or not isinstance(owner, bridge.AttributeMap):
+        return
+    if not owner.toRos or not subject.is_intact(owner, *owner.toRos):
+        return
+    header = next((field for field in direction.map.type.fields if _is_header(field)), None)
+    if header is None:
+        return
+    assigned = {parse_path(path) for assignment in owner.toRos for path in target_paths(assignment)}
+    names = [
+        f"{header.name}.{part}"
+        for part in _PARTS
+        if not assigned & {(header.name,), (header.name, part)}
+        and not any(path[:2] == (header.name, part) for path in assigned)
+    ]
+    if names:
+        message = f"map '{owner.name}' gives {' and '.join(names)} no value"
+        yield Finding(owner, message, "toRos", "assign it, or add an Ignore")
 
 
-@rule("JML461", "frame id with a slash in front", kinds=DIRECTED)
-def frame_ids(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML461", "frame id with a slash in front", kinds=Direction)
+def frame_ids(_: Subject, direction: Direction) -> Iterator[Finding]:
     """The id of a frame does not begin with a slash, because tf2 refuses such ids.
 
     Bad: `target="header.frame_id" value="/odom"`
 
     Good: `target="header.frame_id" value="odom"`
     """
-    for direction in directions_of(subject, directed):
-        if not direction.to_ros:
-            continue
-        for placed in direction.of_kind(bridge.ConstantAssignment):
-            constant = placed.assignment
-            last = (constant.target or "").strip().rpartition(".")[2]
-            if last.endswith("frame_id") and (constant.value or "").startswith("/"):
-                message = f"frame id '{constant.value}' begins with a slash"
-                yield Finding(constant, message, "value", f"write {constant.value.lstrip('/')}")
+    if not direction.to_ros:
+        return
+    for placed in direction.of_kind(bridge.ConstantAssignment):
+        constant = placed.assignment
+        last = (constant.target or "").strip().rpartition(".")[2]
+        if last.endswith("frame_id") and (constant.value or "").startswith("/"):
+            message = f"frame id '{constant.value}' begins with a slash"
+            yield Finding(constant, message, "value", f"write {constant.value.lstrip('/')}")
 
 
 def _is_header(field: ros.Field) -> bool:

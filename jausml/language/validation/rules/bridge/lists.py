@@ -18,8 +18,8 @@ from jausml.language.validation.rule import Finding, Note, rule
 _INDEX = re.compile(r"(.*)\[([0-9]{1,9})\]", re.DOTALL)
 
 
-@rule("JML447", "list used wrongly", kinds=scopes.DIRECTED)
-def lists(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
+@rule("JML447", "list used wrongly", kinds=scopes.Direction)
+def lists(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     """A ListAssignment goes from a list or array to another.
 
     Elements that are matched by name have `keys`, a ROS sequence of texts, and `names`, each of
@@ -30,15 +30,14 @@ def lists(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
 
     Good: `<toRos xsi:type="bridge:ListAssignment" target="poses" source="WaypointList">`
     """
-    for direction in scopes.directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.ListAssignment):
-            yield from _end_findings(placed)
-            yield from _name_findings(placed)
-        yield from _gaps(direction)
+    for placed in direction.of_kind(bridge.ListAssignment):
+        yield from _end_findings(placed)
+        yield from _name_findings(placed)
+    yield from _gaps(direction)
 
 
-@rule("JML443", "message in a message used wrongly", kinds=scopes.DIRECTED)
-def nested_messages(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
+@rule("JML443", "message in a message used wrongly", kinds=scopes.Direction)
+def nested_messages(subject: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     """A MessageAssignment leads between a field with a JAUS message and a ROS message of its map.
 
     The JAUS end is a field of variable length or format, the ROS end has the type of the map. The
@@ -49,11 +48,10 @@ def nested_messages(subject: Subject, directed: scopes.Directed) -> Iterator[Fin
 
     Good: `source="ElementData"`
     """
-    for direction in scopes.directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.MessageAssignment):
-            used = placed.assignment.map
-            if used is not None and subject.is_intact(used.message, used.type):
-                yield from _message_findings(placed, used, direction)
+    for placed in direction.of_kind(bridge.MessageAssignment):
+        used = placed.assignment.map
+        if used is not None and subject.is_intact(used.message, used.type):
+            yield from _message_findings(placed, used, direction)
 
 
 def _end_findings(placed: scopes.Placed[bridge.ListAssignment]) -> Iterator[Finding]:

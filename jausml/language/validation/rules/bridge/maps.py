@@ -18,8 +18,8 @@ from jausml.language.validation.rule import Finding, rule
 _MANY = (attributes.LIST, attributes.NUMBERS)
 
 
-@rule("JML411", "no such attribute", kinds=scopes.DIRECTED)
-def paths(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
+@rule("JML411", "no such attribute", kinds=scopes.Direction)
+def paths(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     """The paths of an assignment lead to attributes of the JAUS message and of the ROS type.
 
     JAUS paths start at the members of the top record or sequence of the message; ROS paths at
@@ -32,20 +32,19 @@ def paths(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
 
     Good: `target="twist.linear.x"`
     """
-    for direction in scopes.directions_of(subject, directed):
-        for placed in direction.assignments:
-            for path, end in placed.targets:
-                if isinstance(end, attributes.PathFault):
-                    message = f"target '{path}': {end.message}"
-                    yield Finding(placed.assignment, message, "target", end.hint)
-            for path, end in placed.sources:
-                if isinstance(end, attributes.PathFault):
-                    message = f"source '{path}': {end.message}"
-                    yield Finding(placed.assignment, message, "source", end.hint)
+    for placed in direction.assignments:
+        for path, end in placed.targets:
+            if isinstance(end, attributes.PathFault):
+                message = f"target '{path}': {end.message}"
+                yield Finding(placed.assignment, message, "target", end.hint)
+        for path, end in placed.sources:
+            if isinstance(end, attributes.PathFault):
+                message = f"source '{path}': {end.message}"
+                yield Finding(placed.assignment, message, "source", end.hint)
 
 
-@rule("JML412", "value does not fit the target", kinds=scopes.DIRECTED)
-def types(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
+@rule("JML412", "value does not fit the target", kinds=scopes.Direction)
+def types(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     """The result of an assignment has the kind that its target accepts.
 
     Numbers go to numbers, text to text, bool to bool or to an unscaled integer and back, octets of
@@ -62,19 +61,18 @@ def types(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
 
     Good: the same with `<conversions kind="timestamp_to_time"/>`
     """
-    for direction in scopes.directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.ConstantAssignment, bridge.ClockAssignment):
-            if len(placed.targets) > 1:
-                message = f"{len(placed.targets)} targets of one value"
-                yield Finding(placed.assignment, message, "target", "write one assignment for each")
-        for timed in direction.of_kind(bridge.ClockAssignment):
-            yield from _time_findings(timed, "target")
-        for absent in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
-            if absent.assignment.whenAbsent.name == "receptionTime":
-                yield from _time_findings(absent, "whenAbsent")
-        for copied in direction.of_kind(bridge.FieldAssignment):
-            if copied.source_attributes and copied.target_attributes:
-                yield from _type_findings(copied)
+    for placed in direction.of_kind(bridge.ConstantAssignment, bridge.ClockAssignment):
+        if len(placed.targets) > 1:
+            message = f"{len(placed.targets)} targets of one value"
+            yield Finding(placed.assignment, message, "target", "write one assignment for each")
+    for timed in direction.of_kind(bridge.ClockAssignment):
+        yield from _time_findings(timed, "target")
+    for absent in direction.of_kind(bridge.FieldAssignment, bridge.ListAssignment):
+        if absent.assignment.whenAbsent.name == "receptionTime":
+            yield from _time_findings(absent, "whenAbsent")
+    for copied in direction.of_kind(bridge.FieldAssignment):
+        if copied.source_attributes and copied.target_attributes:
+            yield from _type_findings(copied)
 
 
 def _time_findings(placed: scopes.Placed[bridge.Assignment], feature: str) -> Iterator[Finding]:
@@ -87,8 +85,8 @@ def _time_findings(placed: scopes.Placed[bridge.Assignment], feature: str) -> It
             yield Finding(placed.assignment, message, feature)
 
 
-@rule("JML413", "constant does not fit the target", kinds=scopes.DIRECTED)
-def constants(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
+@rule("JML413", "constant does not fit the target", kinds=scopes.Direction)
+def constants(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     """A constant is a value of its target: a number in its range, true or false, or text.
 
     The same holds for the `defaultValue` of an assignment with `whenAbsent="useDefault"`, which
@@ -99,16 +97,15 @@ def constants(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
 
     Good: `value="100"`
     """
-    for direction in scopes.directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.ConstantAssignment):
-            value = placed.assignment.value
-            for path, target in placed.targets:
-                fault = _constant_fault(value, target)
-                if fault:
-                    message = f"constant {value!r} of '{path}' {fault}"
-                    yield Finding(placed.assignment, message, "value")
-        for copied in direction.of_kind(bridge.FieldAssignment):
-            yield from _default_findings(copied)
+    for placed in direction.of_kind(bridge.ConstantAssignment):
+        value = placed.assignment.value
+        for path, target in placed.targets:
+            fault = _constant_fault(value, target)
+            if fault:
+                message = f"constant {value!r} of '{path}' {fault}"
+                yield Finding(placed.assignment, message, "value")
+    for copied in direction.of_kind(bridge.FieldAssignment):
+        yield from _default_findings(copied)
 
 
 def _constant_fault(value: str | None, target: attributes.Found) -> str:

@@ -18,8 +18,8 @@ from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, rule
 
 
-@rule("JML515", "members that are crossed", severity=Severity.WARNING, kinds=scopes.DIRECTED)
-def members_crossed(subject: Subject, directed: scopes.Directed) -> Iterator[Finding]:
+@rule("JML515", "members that are crossed", severity=Severity.WARNING, kinds=scopes.Direction)
+def members_crossed(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     """A member goes to the one that is called as it is, where both sides have both names.
 
     Two members that are exchanged in both directions come back unchanged, so that no round trip
@@ -30,14 +30,13 @@ def members_crossed(subject: Subject, directed: scopes.Directed) -> Iterator[Fin
 
     Good: `PortTemp -> port_temp` and `StarTemp -> star_temp`
     """
-    for direction in scopes.directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            if names := crossed(placed):
-                source, target = placed.assignment.source, placed.assignment.target
-                message = f"'{source}' goes to '{target}', though there is '{names[0]}'"
-                message += f", and '{names[1]}' beside it"
-                hint = f"{source} -> {names[0]}, or an @allow with the reason"
-                yield Finding(placed.assignment, message, "target", hint)
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        if names := crossed(placed):
+            source, target = placed.assignment.source, placed.assignment.target
+            message = f"'{source}' goes to '{target}', though there is '{names[0]}'"
+            message += f", and '{names[1]}' beside it"
+            hint = f"{source} -> {names[0]}, or an @allow with the reason"
+            yield Finding(placed.assignment, message, "target", hint)
 
 
 @rule(
@@ -45,9 +44,9 @@ def members_crossed(subject: Subject, directed: scopes.Directed) -> Iterator[Fin
     "meaning that nothing can judge",
     severity=Severity.INFO,
     is_decision=True,
-    kinds=bridge.AttributeMap,
+    kinds=scopes.Direction,
 )
-def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Finding]:
+def meanings_known(subject: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     """What turns a sign or looks up a table has axes or names at both ends, or a test vector.
 
     Where rules know neither, a map that is wrong in both directions looks like one that is right.
@@ -59,27 +58,27 @@ def meanings_known(subject: Subject, used: bridge.AttributeMap) -> Iterator[Find
 
     Good: the same with `vector starboard JAUS->ROS ( Rudder = 0.2 => rudder = -0.2 ~ 1e-4 )`
     """
-    for direction in scopes.directions_of(subject, used):
-        if direction.owner is not used:
-            continue
-        doubtful = [
-            placed
-            for placed in direction.of_kind(bridge.FieldAssignment)
-            if turns_unseen(placed) or by_table(placed)
-        ]
-        unknown = dict(unknown_targets(used, to_ros=direction.to_ros)) if doubtful else {}
-        for placed in doubtful:
-            lacks = [path for path in scopes.target_paths(placed.assignment) if path in unknown]
-            if lacks:
-                does = "turns the sign" if turns_unseen(placed) else "looks up a table"
-                message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
-                hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
-                severity = Severity.ERROR if subject.model.is_library(used) else None
-                yield Finding(placed.assignment, message, "target", hint, severity=severity)
+    used = direction.map
+    if direction.owner is not used:
+        return
+    doubtful = [
+        placed
+        for placed in direction.of_kind(bridge.FieldAssignment)
+        if turns_unseen(placed) or by_table(placed)
+    ]
+    unknown = dict(unknown_targets(used, to_ros=direction.to_ros)) if doubtful else {}
+    for placed in doubtful:
+        lacks = [path for path in scopes.target_paths(placed.assignment) if path in unknown]
+        if lacks:
+            does = "turns the sign" if turns_unseen(placed) else "looks up a table"
+            message = f"'{lacks[0]}' {does}, and nothing says whether that is right"
+            hint = f"a test vector of a person; rules lack {unknown[lacks[0]]}"
+            severity = Severity.ERROR if subject.model.is_library(used) else None
+            yield Finding(placed.assignment, message, "target", hint, severity=severity)
 
 
-@rule("JML518", "vector that its map refutes", severity=Severity.WARNING, kinds=bridge.AttributeMap)
-def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Finding]:
+@rule("JML518", "vector that its map refutes", severity=Severity.WARNING, kinds=scopes.Direction)
+def vectors_kept(_: Subject, direction: scopes.Direction) -> Iterator[Finding]:
     """A map makes of what a test vector gives what the vector expects.
 
     What goes from one number to another is computed here; a generated test of the bridge tries the
@@ -89,19 +88,19 @@ def vectors_kept(subject: Subject, used: bridge.AttributeMap) -> Iterator[Findin
 
     Good: `Rudder -> rudder` with the same vector
     """
-    for direction in scopes.directions_of(subject, used):
-        if direction.owner is not used:
-            continue
-        by_target = {placed.assignment.target.strip(): placed for placed in _single(direction)}
-        way = "jausToRos" if direction.to_ros else "rosToJaus"
-        for vector in used.vectors:
-            inputs = {value.path: value.value for value in vector.given}
-            for value in vector.expected if vector.direction.name == way else ():
-                placed = by_target.get(value.path)
-                result = None if placed is None else outcome(placed, inputs, value)
-                if result is not None:
-                    message = f"'{vector.name}' expects {value.value} of '{value.path}', "
-                    yield Finding(value, f"{message}the map makes {result:.9g}", "value")
+    used = direction.map
+    if direction.owner is not used:
+        return
+    by_target = {placed.assignment.target.strip(): placed for placed in _single(direction)}
+    way = "jausToRos" if direction.to_ros else "rosToJaus"
+    for vector in used.vectors:
+        inputs = {value.path: value.value for value in vector.given}
+        for value in vector.expected if vector.direction.name == way else ():
+            placed = by_target.get(value.path)
+            result = None if placed is None else outcome(placed, inputs, value)
+            if result is not None:
+                message = f"'{vector.name}' expects {value.value} of '{value.path}', "
+                yield Finding(value, f"{message}the map makes {result:.9g}", "value")
 
 
 def _single(direction: scopes.Direction) -> Iterator[scopes.Placed[bridge.FieldAssignment]]:

@@ -20,11 +20,9 @@ from jausml.language.semantics.paths.attributes import (
     Found,
 )
 from jausml.language.semantics.paths.scopes import (
-    DIRECTED,
-    Directed,
+    Direction,
     Placed,
     direction_of,
-    directions_of,
 )
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
@@ -60,9 +58,9 @@ class _End:
     "JML434",
     "range of the source exceeds that of the target",
     severity=Severity.WARNING,
-    kinds=DIRECTED,
+    kinds=Direction,
 )
-def exceeding_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
+def exceeding_ranges(subject: Subject, direction: Direction) -> Iterator[Finding]:
     """The target can carry all values of the source, or the assignment handles the others.
 
     Ranges are followed through the conversions, expressions included. Only what is bounded counts:
@@ -74,7 +72,7 @@ def exceeding_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: the same with the conversion occupancy_to_cost, or with `outOfRange="clamp"`
     """
-    for placed, ends in _assignments(subject, directed):
+    for placed, ends in _assignments(subject, direction):
         if placed.assignment.outOfRange.name != "asConnection":
             continue
         for end in ends:
@@ -85,15 +83,15 @@ def exceeding_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML435", "nothing that an assignment yields fits", kinds=DIRECTED)
-def impossible_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML435", "nothing that an assignment yields fits", kinds=Direction)
+def impossible_ranges(subject: Subject, direction: Direction) -> Iterator[Finding]:
     """At least one possible result of an assignment is a value that its target can carry.
 
     Bad: `target="Latitude"`, which carries -90..90, with the conversion clamp(100, 200)
 
     Good: clamp(-90, 90)
     """
-    for placed, ends in _assignments(subject, directed):
+    for placed, ends in _assignments(subject, direction):
         for end in ends:
             if intervals.is_empty(end.given):
                 message = f"the conversions of '{placed.assignment.source}' never yield a number"
@@ -104,8 +102,8 @@ def impossible_ranges(subject: Subject, directed: Directed) -> Iterator[Finding]
                 yield Finding(placed.assignment, message, "target")
 
 
-@rule("JML436", "precision is lost", severity=Severity.WARNING, kinds=DIRECTED)
-def precision_loss(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML436", "precision is lost", severity=Severity.WARNING, kinds=Direction)
+def precision_loss(subject: Subject, direction: Direction) -> Iterator[Finding]:
     """Rounding in the target keeps within the `precision` that an assignment states.
 
     An integer is rounded to 1, a scaled JAUS field of n bits to its range / (2^n - 1), a float32 to
@@ -119,7 +117,7 @@ def precision_loss(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `precision="1e-4"`; a float64
     """
-    for placed, ends in _assignments(subject, directed):
+    for placed, ends in _assignments(subject, direction):
         precision = placed.assignment.precision
         if not (math.isfinite(precision) and precision >= 0):
             message = f"precision {precision:g} of '{placed.assignment.target}' is no distance"
@@ -141,8 +139,8 @@ def precision_loss(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 yield Finding(placed.assignment, message, "target", hint)
 
 
-@rule("JML439", "zero that cannot be sent", severity=Severity.INFO, kinds=DIRECTED)
-def missed_zeros(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML439", "zero that cannot be sent", severity=Severity.INFO, kinds=Direction)
+def missed_zeros(_: Subject, direction: Direction) -> Iterator[Finding]:
     """A constant 0 goes to a field that has a zero, or the author knows that it has none.
 
     A scaled field with a range such as -100..100 has an even number of steps, none of which is 0:
@@ -154,30 +152,28 @@ def missed_zeros(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: the same with `documentation="0.0015 % is sent, which the dead band of the motor hides"`
     """
-    for direction in directions_of(subject, directed):
-        if isinstance(direction.owner, bridge.Stop):
-            continue
-        for placed in direction.of_kind(bridge.ConstantAssignment):
-            for path, target in placed.targets:
-                sent = _sent_for_zero(placed.assignment.value, target)
-                if sent and not placed.assignment.documentation:
-                    message = f"0 for '{path}' is sent as {sent:.3g}"
-                    hint = "the field has no zero; the receiver needs a dead band"
-                    yield Finding(placed.assignment, message, "value", hint)
+    if isinstance(direction.owner, bridge.Stop):
+        return
+    for placed in direction.of_kind(bridge.ConstantAssignment):
+        for path, target in placed.targets:
+            sent = _sent_for_zero(placed.assignment.value, target)
+            if sent and not placed.assignment.documentation:
+                message = f"0 for '{path}' is sent as {sent:.3g}"
+                hint = "the field has no zero; the receiver needs a dead band"
+                yield Finding(placed.assignment, message, "value", hint)
 
 
 def _assignments(
-    subject: Subject, directed: Directed
+    subject: Subject, direction: Direction
 ) -> list[tuple[Placed[bridge.FieldAssignment], list[_End]]]:
-    return subject.once(_find_assignments, directed)
+    return subject.once(_find_assignments, direction)
 
 
 def _find_assignments(
-    subject: Subject, directed: Directed
+    _: Subject, direction: Direction
 ) -> list[tuple[Placed[bridge.FieldAssignment], list[_End]]]:
     return [
         (placed, _ends(placed))
-        for direction in directions_of(subject, directed)
         for placed in direction.of_kind(bridge.FieldAssignment)
         if placed.source_attributes and placed.target_attributes and not units.units_clash(placed)
     ]
@@ -291,8 +287,8 @@ _LIMITED = (NUMBER, TEXT, OCTETS)
 _MOST_NOTES = 3
 
 
-@rule("JML417", "field that cannot be left out", kinds=DIRECTED)
-def left_out_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML417", "field that cannot be left out", kinds=Direction)
+def left_out_fields(_: Subject, direction: Direction) -> Iterator[Finding]:
     """The policy dropField is for optional fields of JAUS messages.
 
     A JAUS message always has its other fields, and a ROS message has all of its fields: instead of
@@ -304,14 +300,13 @@ def left_out_fields(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: the same with `outOfRange="dropMessage"`
     """
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            if placed.assignment.outOfRange.name != _DROP_FIELD:
-                continue
-            path = _never_left_out(placed)
-            if path is not None:
-                message = f"'{path}' is no optional JAUS field, it is never left out"
-                yield Finding(placed.assignment, message, "outOfRange", _HINT)
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        if placed.assignment.outOfRange.name != _DROP_FIELD:
+            continue
+        path = _never_left_out(placed)
+        if path is not None:
+            message = f"'{path}' is no optional JAUS field, it is never left out"
+            yield Finding(placed.assignment, message, "outOfRange", _HINT)
 
 
 @left_out_fields.also(bridge.Connection)
@@ -322,8 +317,8 @@ def _left_out_fields_connection(
         yield from _connection_findings(subject, connection)
 
 
-@rule("JML418", "values that cannot be clamped", severity=Severity.WARNING, kinds=DIRECTED)
-def clamped_values(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML418", "values that cannot be clamped", severity=Severity.WARNING, kinds=Direction)
+def clamped_values(_: Subject, direction: Direction) -> Iterator[Finding]:
     """The policy clamp is for numbers; values that have names each mean something else.
 
     The value next to an unknown one is no better than any other, and a text that is cut has another
@@ -334,17 +329,16 @@ def clamped_values(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: the same with `outOfRange="dropMessage"`
     """
-    for direction in directions_of(subject, directed):
-        if direction.to_ros:
+    if direction.to_ros:
+        return
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        if placed.assignment.outOfRange.name != "clamp":
             continue
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            if placed.assignment.outOfRange.name != "clamp":
-                continue
-            for path, target in placed.targets:
-                message = _unclampable(path, target)
-                if message:
-                    hint = "dropField, dropMessage or error"
-                    yield Finding(placed.assignment, message, "outOfRange", hint)
+        for path, target in placed.targets:
+            message = _unclampable(path, target)
+            if message:
+                hint = "dropField, dropMessage or error"
+                yield Finding(placed.assignment, message, "outOfRange", hint)
 
 
 def _unclampable(path: str, target: Found) -> str:

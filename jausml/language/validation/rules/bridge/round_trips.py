@@ -13,8 +13,6 @@ from jausml.language.semantics.conversions import Effect, NoValueError, UnitEffe
 from jausml.language.semantics.conversions.numbers import Square, SquareRoot
 from jausml.language.semantics.paths.attributes import NUMBER, Attribute, Found
 from jausml.language.semantics.paths.scopes import (
-    DIRECTED,
-    Directed,
     Direction,
     Placed,
     directions_of,
@@ -60,8 +58,8 @@ def round_trips(subject: Subject, directed: bridge.AttributeMap) -> Iterator[Fin
                 yield from _trip_findings(placed, returns)
 
 
-@rule("JML438", "variance in a wrong place", severity=Severity.WARNING, kinds=DIRECTED)
-def covariances(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML438", "variance in a wrong place", severity=Severity.WARNING, kinds=Direction)
+def covariances(_: Subject, direction: Direction) -> Iterator[Finding]:
     """A root mean square goes to a variance on the diagonal of a covariance matrix, as its square.
 
     The matrices of ROS are 3x3 (cells 0, 4, 8) or 6x6 (0, 7, 14, 21, 28, 35), row by row.
@@ -70,13 +68,12 @@ def covariances(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `target="pose.covariance[0]"`
     """
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            ends = zip(placed.targets, placed.sources, strict=False)
-            yield from _cell_findings(placed, [*placed.sources, *placed.targets])
-            if len(placed.sources) == len(placed.targets) == 1:
-                for target, source in ends:
-                    yield from _square_findings(placed, source, target)
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        ends = zip(placed.targets, placed.sources, strict=False)
+        yield from _cell_findings(placed, [*placed.sources, *placed.targets])
+        if len(placed.sources) == len(placed.targets) == 1:
+            for target, source in ends:
+                yield from _square_findings(placed, source, target)
 
 
 def _pairs(directions: Iterable[Direction]) -> Iterator[tuple[Direction, Direction]]:

@@ -11,7 +11,7 @@ from jausml.language.model.diagnostics import Severity
 from jausml.language.semantics.conversions.authored import LookUp
 from jausml.language.semantics.paths import attributes
 from jausml.language.semantics.paths.markers import VALUE, is_said, marks_of
-from jausml.language.semantics.paths.scopes import DIRECTED, Directed, Placed, directions_of
+from jausml.language.semantics.paths.scopes import Direction, Placed
 from jausml.language.semantics.subject import Subject
 from jausml.language.validation.rule import Finding, Note, rule
 
@@ -19,8 +19,8 @@ _VALUES = (attributes.NUMBER, attributes.BOOL, attributes.TEXT)
 _MOST_NAMES = 5
 
 
-@rule("JML440", "table that does not fit", kinds=DIRECTED)
-def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML440", "table that does not fit", kinds=Direction)
+def tables(_: Subject, direction: Direction) -> Iterator[Finding]:
     """The entries of a table are values of what look_up reads and fills.
 
     An entry is a number, or the name of an enumerated JAUS value or of a constant of the ROS type,
@@ -35,26 +35,25 @@ def tables(subject: Subject, directed: Directed) -> Iterator[Finding]:
     Good: `Opened <-> true`, `Closed <-> false`
     """
     reported: set[tuple[EObject, str]] = set()
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            for position, conversion in enumerate(placed.assignment.conversions):
-                table = conversion.table
-                if conversion.kind.name != LookUp.name or table is None:
-                    continue
-                for finding in _findings(placed, position, table):
-                    key = (finding.element, finding.message)
-                    if key not in reported:
-                        reported.add(key)
-                        yield finding
-    for looked in _looked_up(subject, directed):
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        for position, conversion in enumerate(placed.assignment.conversions):
+            table = conversion.table
+            if conversion.kind.name != LookUp.name or table is None:
+                continue
+            for finding in _findings(placed, position, table):
+                key = (finding.element, finding.message)
+                if key not in reported:
+                    reported.add(key)
+                    yield finding
+    for looked in _looked_up(direction):
         for finding in _unnamed(looked):
             if (finding.element, finding.message) not in reported:
                 reported.add((finding.element, finding.message))
                 yield finding
 
 
-@rule("JML448", "named value with another number", kinds=DIRECTED)
-def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML448", "named value with another number", kinds=Direction)
+def renumbered(_: Subject, direction: Direction) -> Iterator[Finding]:
     """What both ends of an assignment call alike has one number, or a table maps the names.
 
     Without a conversion numbers pass as they are. Where `CLOSED` is 0 in ROS and `closed` is 1 in
@@ -68,7 +67,7 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: `State -> state : look_up(gate)` with `table gate ( open <-> OPEN  closed <-> CLOSED )`
     """
-    for placed, comparison in _enumerated(subject, directed):
+    for placed, comparison in _enumerated(direction):
         if wrong := comparison.renumbered:
             examples = ", ".join(
                 f"{one.name} is {one.number} and {other.name} {other.number}"
@@ -81,7 +80,7 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
                 "source",
                 f"look_up a table ( {table} )",
             )
-    for looked in _looked_up(subject, directed):
+    for looked in _looked_up(direction):
         if astray := looked.astray:
             examples = ", ".join(
                 f"{one.name} becomes {number:g}, but {other.name} is {other.number}"
@@ -94,8 +93,8 @@ def renumbered(subject: Subject, directed: Directed) -> Iterator[Finding]:
             yield Finding(looked.placed.assignment, message, "conversions", f"it is ( {meant} )")
 
 
-@rule("JML449", "named value that drops the message", severity=Severity.WARNING, kinds=DIRECTED)
-def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
+@rule("JML449", "named value that drops the message", severity=Severity.WARNING, kinds=Direction)
+def unmatched(_: Subject, direction: Direction) -> Iterator[Finding]:
     """Each named value of the source has a counterpart in the JAUS field that it fills.
 
     A message with another value is dropped when it comes, which nobody sees before.
@@ -104,7 +103,7 @@ def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
     Good: a table that maps STUCK to one of them, or a value set that has it
     """
-    for placed, comparison in _enumerated(subject, directed):
+    for placed, comparison in _enumerated(direction):
         (target,) = placed.target_attributes
         legal = target.values
         lost = [
@@ -117,17 +116,16 @@ def unmatched(subject: Subject, directed: Directed) -> Iterator[Finding]:
 
 
 def _enumerated(
-    subject: Subject, directed: Directed
+    direction: Direction,
 ) -> Iterator[tuple[Placed[bridge.FieldAssignment], attributes.Comparison]]:
     """Yields the assignments that pass numbers as they are between ends that both name values."""
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            ends = placed.source_attributes, placed.target_attributes
-            if placed.assignment.conversions or any(len(end) != 1 for end in ends):
-                continue
-            comparison = attributes.compared(ends[0][0], ends[1][0])
-            if comparison is not None:
-                yield placed, comparison
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        ends = placed.source_attributes, placed.target_attributes
+        if placed.assignment.conversions or any(len(end) != 1 for end in ends):
+            continue
+        comparison = attributes.compared(ends[0][0], ends[1][0])
+        if comparison is not None:
+            yield placed, comparison
 
 
 @dataclass(frozen=True)
@@ -164,16 +162,15 @@ class _LookedUp:
         ]
 
 
-def _looked_up(subject: Subject, directed: Directed) -> Iterator[_LookedUp]:
-    for direction in directions_of(subject, directed):
-        for placed in direction.of_kind(bridge.FieldAssignment):
-            steps = placed.assignment.conversions
-            ends = placed.source_attributes, placed.target_attributes
-            if len(steps) != 1 or any(len(end) != 1 for end in ends):
-                continue
-            table, comparison = steps[0].table, attributes.compared(ends[0][0], ends[1][0])
-            if steps[0].kind.name == LookUp.name and table is not None and comparison is not None:
-                yield _LookedUp(placed, table, comparison)
+def _looked_up(direction: Direction) -> Iterator[_LookedUp]:
+    for placed in direction.of_kind(bridge.FieldAssignment):
+        steps = placed.assignment.conversions
+        ends = placed.source_attributes, placed.target_attributes
+        if len(steps) != 1 or any(len(end) != 1 for end in ends):
+            continue
+        table, comparison = steps[0].table, attributes.compared(ends[0][0], ends[1][0])
+        if steps[0].kind.name == LookUp.name and table is not None and comparison is not None:
+            yield _LookedUp(placed, table, comparison)
 
 
 def _is_legal(number: int, attribute: attributes.Attribute) -> bool:
