@@ -1,7 +1,5 @@
 """Sizes are those that codecs, the packetizer and the middleware make."""
 
-from __future__ import annotations
-
 import functools
 
 import needs

@@ -1,7 +1,5 @@
 """What `import jausml` offers: models and messages, and its names."""
 
-from __future__ import annotations
-
 import ast
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What holds for all verbs."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

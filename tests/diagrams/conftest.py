@@ -1,7 +1,5 @@
 """Lets the tests import what they share with each other and with the generators', and a page."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,15 +1,13 @@
 """The commands that the documentation shows are there, and run in order, as a reader types them."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import build_site
 import click
@@ -23,9 +21,6 @@ from sweeps import sweep
 from warm import programs
 
 from jausml.cli import main
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 GUARDS = ("metamodels", "README.md", "docs")
 

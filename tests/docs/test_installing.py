@@ -1,7 +1,5 @@
 """Nobody is told to install jausml by its name, which no public index has."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

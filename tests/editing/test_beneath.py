@@ -1,20 +1,15 @@
 """Commands that meet a change beneath them: planned again by element, or given back."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import threading
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from jausml.authoring.editing.commands import EditError, Place, Remove, Rename, Set
 from jausml.authoring.editing.project import Project
 from jausml.language.metamodel.classes import jaus
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 FILE = "boat.ros2jaus"
 TEXT = """\

@@ -3,8 +3,6 @@
 `make emf` records the verdicts and the re-saved models; these tests need no Java.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil

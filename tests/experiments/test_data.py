@@ -1,18 +1,13 @@
 """A run is the same value after it was written and read."""
 
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from catvehicle.metrics import Sample
 
 from experiments.right_turn.data import Run, read_all
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 RUN = Run(
     system="J",

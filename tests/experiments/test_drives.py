@@ -1,7 +1,5 @@
 """Drives are cut and judged from their first motion on."""
 
-from __future__ import annotations
-
 import pytest
 from catvehicle.metrics import Sample
 

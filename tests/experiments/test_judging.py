@@ -1,22 +1,16 @@
 """Verdicts on drives whose difference is known: simulated without middleware, with known delays."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
 
 import pytest
 from catvehicle import VehicleParameters
 from catvehicle.closed_loop import Loop
 
 from experiments.right_turn.data import Run
-from experiments.right_turn.judging import TOLERATED_DELAY, judge, thresholds
+from experiments.right_turn.judging import TOLERATED_DELAY, Row, Verdict, judge, thresholds
 from experiments.right_turn.wall import judged_control
-
-if TYPE_CHECKING:
-    from experiments.right_turn.judging import Row, Verdict
 
 PARAMETERS = VehicleParameters()
 MILLISECOND = 0.001

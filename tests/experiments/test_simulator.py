@@ -1,7 +1,5 @@
 """A bridge beside the stand-in of a simulator, and what is worked out of its runs."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import math

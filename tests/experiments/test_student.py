@@ -1,7 +1,5 @@
 """Student's t distribution against tables."""
 
-from __future__ import annotations
-
 import pytest
 
 from experiments.right_turn.student import mean_interval, student_cdf, student_quantile

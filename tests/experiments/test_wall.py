@@ -1,8 +1,6 @@
 """A pair of J and R drives in real time, with real processes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -17,9 +15,6 @@ from experiments.right_turn.systems import (
     System,
     generate,
 )
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = [pytest.mark.live, pytest.mark.slow, pytest.mark.timeout(150)]
 

@@ -1,7 +1,5 @@
 """Clocks that jump, and stamps from other days: data goes on both ways."""
 
-from __future__ import annotations
-
 import time
 
 import needs

@@ -1,7 +1,5 @@
 """A port that is flooded: what becomes of the connections, beside the same time without a flood."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal

@@ -1,7 +1,5 @@
 """A log for which the disk has no room."""
 
-from __future__ import annotations
-
 import errno
 import time
 

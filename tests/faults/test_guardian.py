@@ -1,7 +1,5 @@
 """What the guardian of a bridge says when the bridge cannot, and that it is silent otherwise."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal

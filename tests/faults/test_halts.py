@@ -4,8 +4,6 @@ Halts around the timeout are the ones that matter: nothing has been lost by then
 was commanded meanwhile still waits, in sockets and in the queues of ROS.
 """
 
-from __future__ import annotations
-
 import signal
 import time
 

@@ -6,8 +6,6 @@ source is lost; and no command was obeyed late. Of what was sent by way of the n
 know how much came and how much was lost, exactly.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import needs

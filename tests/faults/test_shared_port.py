@@ -1,7 +1,5 @@
 """Programs of one host at one port: its owner is lost, or another one; the others go on."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import needs

@@ -1,7 +1,5 @@
 """The bridge and its peers over TCP, and at a node manager: cut, killed, and back."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import needs

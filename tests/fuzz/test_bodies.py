@@ -1,7 +1,5 @@
 """The fuzz target of the generated codecs, for a moment."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

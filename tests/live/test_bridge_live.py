@@ -1,7 +1,5 @@
 """A generated bridge between real JAUS components and real ROS nodes, in both directions."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Quality of service and parameters of bridges on real rclpy: who does not fit is named."""
 
-from __future__ import annotations
-
 import logging
 import signal
 import subprocess

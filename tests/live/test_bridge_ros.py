@@ -1,7 +1,5 @@
 """The ROS side of bridges on real rclpy: names, quality of service, parameters, clock, log."""
 
-from __future__ import annotations
-
 import logging
 from concurrent.futures import ThreadPoolExecutor
 

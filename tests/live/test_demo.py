@@ -1,20 +1,15 @@
 """The demonstration drives the turn with real processes, as `make demo` does."""
 
-from __future__ import annotations
-
 import os
 import re
 import struct
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from for_each import for_each
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(150)]

@@ -1,7 +1,5 @@
 """Generated bridges as deployments change them: parameter files, command lines, launch options."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import time

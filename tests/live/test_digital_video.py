@@ -3,8 +3,6 @@
 The camera is a bridge of its own and registers the address at the vehicle. The station asks that.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

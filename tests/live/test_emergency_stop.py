@@ -1,7 +1,5 @@
 """An emergency stop of ROS and the emergency of JAUS press and release each other, both ways."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs

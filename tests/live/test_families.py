@@ -1,7 +1,5 @@
 """A generated bridge and peers of other makes: each gets what it needs, and is known for it."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 from pathlib import Path

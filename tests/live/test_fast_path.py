@@ -1,7 +1,5 @@
 """Messages that a compiled core passes on alone, and those among them that it leaves to Python."""
 
-from __future__ import annotations
-
 import random
 import socket
 import struct

@@ -1,7 +1,5 @@
 """Two robots from one model, told apart by parameters alone, side by side."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A generated bridge whose peers are found by their services: they come, die, move."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A generated bridge and a peer that is not found by multicast and says nothing by itself."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A generated bridge that makes one JAUS report of two ROS topics."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

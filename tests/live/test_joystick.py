@@ -1,7 +1,5 @@
 """A joystick goes from a ROS node through two bridges to another, byte by byte."""
 
-from __future__ import annotations
-
 import sys
 
 import needs

@@ -1,7 +1,5 @@
 """A bridge as a managed node: transitions by real services, and what JAUS and ROS see of each."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 from ports import free_domain

@@ -1,7 +1,5 @@
 """The live view of the studio beside a generated bridge, a vehicle and a ROS node."""
 
-from __future__ import annotations
-
 import queue
 import sys
 

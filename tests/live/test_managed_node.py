@@ -1,7 +1,5 @@
 """A JAUS operator changes the life cycle and the mode of a ROS node, by the model of the page."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 

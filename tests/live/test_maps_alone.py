@@ -3,8 +3,6 @@
 So does the paper run its Figure 5. Each of two such bridges is the JAUS peer of the other.
 """
 
-from __future__ import annotations
-
 import needs
 import pytest
 from ports import free_domain, free_port

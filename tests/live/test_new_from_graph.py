@@ -1,7 +1,5 @@
 """`jausml new bridge --from-graph`: a bridge for what runs in ROS."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 from click.testing import CliRunner

@@ -1,7 +1,5 @@
 """Pictures and health go from a ROS node through two bridges to another, byte by byte."""
 
-from __future__ import annotations
-
 import sys
 
 import needs

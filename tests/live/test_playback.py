@@ -1,7 +1,5 @@
 """A running system is recorded, and its recording says why a message was not passed on."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The SROS 2 policy of a node allows what the node has, and nothing else."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs

@@ -4,8 +4,6 @@ The model is the text of the page. Operators of `jausml ocu` drive the generated
 loss the last Twist on cmd_vel is zero while efforts go on arriving, and /diagnostics tells why.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import signal

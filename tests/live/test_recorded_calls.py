@@ -1,7 +1,5 @@
 """Calls of ROS services are recorded where the bridge publishes them, and failures explained."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 from ports import free_domain

@@ -1,7 +1,5 @@
 """A running bridge is recorded on both sides, and both recordings say again what it said."""
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess

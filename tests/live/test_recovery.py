@@ -1,7 +1,5 @@
 """The bridge of the example is killed while the vehicle drives, and started again."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -10,15 +8,12 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 import warm
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "models" / "catvehicle"

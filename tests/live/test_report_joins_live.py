@@ -1,7 +1,5 @@
 """A generated bridge that makes one ROS message of two JAUS reports."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What `jausml report` tells of a system is what its sockets carry."""
 
-from __future__ import annotations
-
 import socket
 import struct
 import sys

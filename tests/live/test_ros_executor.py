@@ -1,7 +1,5 @@
 """The executor of a bridge on real rclpy: nothing that callbacks raise ends it."""
 
-from __future__ import annotations
-
 import threading
 
 import needs

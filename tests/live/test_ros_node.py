@@ -1,7 +1,5 @@
 """Generated nodes in processes of their own: topics, latched state, a service, signals."""
 
-from __future__ import annotations
-
 import os
 import queue
 import re

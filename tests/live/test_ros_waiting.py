@@ -1,7 +1,5 @@
 """How the ROS side waits: nothing is lost unseen, nobody starves, and it ends in any order."""
 
-from __future__ import annotations
-
 import logging
 import os
 import time

@@ -1,7 +1,5 @@
 """Calls of ROS services across a generated bridge, both ways: answered, refused, lost, late."""
 
-from __future__ import annotations
-
 import threading
 
 import needs

@@ -1,7 +1,5 @@
 """A bridge beside a simulation, on a real `/clock` that is slow, fast, at rest, and that ends."""
 
-from __future__ import annotations
-
 import threading
 
 import needs

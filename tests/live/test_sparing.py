@@ -1,7 +1,5 @@
 """A bridge does without the parts of ROS that make code of types."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """The steering controller of the example hands reports to its logic and publishes the steps."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -5,8 +5,6 @@ test loses something on the way; afterwards the topics of the vehicle carry a st
 behind it.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

@@ -1,7 +1,5 @@
 """Three kinds of new users, each from an empty folder to what they wanted."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

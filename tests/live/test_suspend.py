@@ -4,8 +4,6 @@ A halt of the bridge stands for the suspension, whose length its clocks tell (su
 the usual one rests meanwhile.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import struct

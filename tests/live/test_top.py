@@ -1,7 +1,5 @@
 """`jausml top` beside a generated bridge, a vehicle and a ROS node."""
 
-from __future__ import annotations
-
 import itertools
 import subprocess
 import sys

@@ -1,11 +1,10 @@
 """The generated dissector in tshark, against bytes of other implementations and against damage."""
 
-from __future__ import annotations
-
 import random
 import struct
 import subprocess
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from sweeps import sweep
@@ -35,9 +34,6 @@ from .wireshark_support import (
     write_capture,
     write_dissector,
 )
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = pytest.mark.needs("tshark")
 

@@ -1,7 +1,5 @@
 """Metamodels that several threads ask for at once: there is one of each."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """Scripts that run beside the packages of a model, which are generated once."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

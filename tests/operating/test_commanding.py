@@ -1,19 +1,19 @@
 """Who may command by a page, and what stops when nobody does, with a real component."""
 
-from __future__ import annotations
-
 import fcntl
 import signal
 import socket
 import subprocess
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack, suppress
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 import warm
 from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, Vehicle, take, until
-from studio_client import LONGEST, RefusedError, begun, operating
+from studio_client import LONGEST, Page, RefusedError, Server, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from jausml.live.operating.reading import read
@@ -35,14 +35,7 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import SetEmergency
 from jausml.runtime.services.definitions import CORE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Page, Server
-
-    from jausml.runtime.transports.transport import Transport
+from jausml.runtime.transports.transport import Transport
 
 pytestmark = pytest.mark.ports
 

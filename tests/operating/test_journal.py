@@ -1,7 +1,5 @@
 """Alarms say who is lost, that it is back, and take one reason for several."""
 
-from __future__ import annotations
-
 from jausml.live.operating.journal import Journal
 
 

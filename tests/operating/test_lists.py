@@ -1,23 +1,17 @@
 """Lists that a page has drawn: their bytes, their way, and what ends them, at a real component."""
 
-from __future__ import annotations
-
 import math
 import time
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from lossy_network import LossyTransport
 from simulated_vehicle import VEHICLE, Vehicle, take, until
-from studio_client import RefusedError, operating
+from studio_client import Page, RefusedError, Server, operating
 
 from jausml import Component
 from jausml.runtime.component import process
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page, Server
 
 pytestmark = pytest.mark.ports
 

@@ -1,22 +1,17 @@
 """Pictures of a component in a page: by their content, whatever they are labelled."""
 
-from __future__ import annotations
-
 import base64
 import struct
 import zlib
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from simulated_vehicle import until
-from studio_client import RefusedError
+from studio_client import Page, RefusedError
 
 from jausml import Component
 from jausml.live.operating.values import MOST_BYTES, picture_url
 from jausml.live.peers.query_client import Refused
-
-if TYPE_CHECKING:
-    from studio_client import Page
 
 CAMERA = "100.1.20"
 

@@ -1,29 +1,21 @@
 """A process of its own: what it does not load, what it learns, and what is said when it is gone."""
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from large_systems import large_system
-from simulated_vehicle import STOP, TIMEOUT, VEHICLE, take, until
-from studio_client import RefusedError, Server, operating, serving, started
+from simulated_vehicle import STOP, TIMEOUT, VEHICLE, Vehicle, take, until
+from studio_client import Page, RefusedError, Server, operating, serving, started
 
 from jausml.language.model.library import LIBRARY_URI
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from simulated_vehicle import Vehicle
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 

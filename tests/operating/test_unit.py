@@ -1,17 +1,17 @@
 """The operator unit in one process: whom its stops are for, and what they keep from being sent."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 import webbrowser
+from collections.abc import Iterator
 from contextlib import AsyncExitStack, suppress
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from simulated_vehicle import VEHICLE, Vehicle, until
+from starlette.types import Message
 from starlette.websockets import WebSocket
 
 from jausml import Component
@@ -22,8 +22,9 @@ from jausml.live.operating.reading import read
 from jausml.live.operating.seats import Seat
 from jausml.live.operating.serving import KEPT_SOCKETS, UnitSockets
 from jausml.live.operating.unit import OperatorUnit, Powers
+from jausml.live.peers.control import Hold
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
-from jausml.live.peers.operator import running_operator
+from jausml.live.peers.operator import Operator, running_operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.serving.rpc import Request, RpcError, parsed
 from jausml.live.serving.server import MOST_SOCKETS
@@ -32,14 +33,6 @@ from jausml.runtime import (
     ControlState,
 )
 from jausml.runtime.base.address import JausAddress
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from starlette.types import Message
-
-    from jausml.live.peers.control import Hold
-    from jausml.live.peers.operator import Operator
 
 pytestmark = pytest.mark.ports
 

@@ -1,7 +1,5 @@
 """The wheel works in an empty environment, without ROS, from any working directory."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
@@ -9,16 +7,14 @@ import sys
 import tarfile
 import venv
 import zipfile
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import pytest
 from for_each import for_each
 from packaging.requirements import Requirement
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -1,7 +1,5 @@
 """Pieces of work: the processes of a pool come to the results that are asked of them."""
 
-from __future__ import annotations
-
 import functools
 import operator
 import os

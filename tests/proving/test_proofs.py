@@ -1,33 +1,24 @@
 """Proofs find what becomes of values, and every fault that is planted in one direction of a map."""
 
-from __future__ import annotations
-
 import struct
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from sweeps import sweep
 
 from jausml.generation.native import compiler
+from jausml.language.model import Model
 from jausml.language.validation.engine import check_project
-from jausml.proving.compiled_form import CompiledForm, compiled, proof_code
+from jausml.language.validation.rule import Report
+from jausml.proving.compiled_form import CompiledForm, ProofCode, Tally, compiled, proof_code
 from jausml.proving.plan import plan
-from jausml.proving.results import with_proofs
-from jausml.proving.round_trips import round_trips
+from jausml.proving.results import FieldResult, with_proofs
+from jausml.proving.round_trips import RoundTrip, round_trips
 from jausml.proving.running import Settings, prove
 from tests.generators.assignment_support import generated
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from jausml.language.model import Model
-    from jausml.language.validation.rule import Report
-    from jausml.proving.compiled_form import ProofCode, Tally
-    from jausml.proving.results import FieldResult
-    from jausml.proving.round_trips import RoundTrip
 
 GUARDS = ("generators/jausml_generators/cpp",)
 

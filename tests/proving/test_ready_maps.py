@@ -1,9 +1,7 @@
 """Proofs of the ready maps and of the examples find no fault in them, and both forms agree."""
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from for_each import for_each
@@ -11,14 +9,9 @@ from for_each import for_each
 from jausml.generation.native import compiler
 from jausml.language.model import library_root
 from jausml.language.validation.engine import check_project
-from jausml.proving.results import PROOF_RULES, with_proofs
+from jausml.proving.results import PROOF_RULES, MapResult, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.proving.results import MapResult
 
 GUARDS = ("generators/jausml_generators/cpp", "models/library/mappings")
 

@@ -1,7 +1,5 @@
 """Services and actions in recordings: what their topics say, in the words of others."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs

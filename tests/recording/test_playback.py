@@ -1,7 +1,5 @@
 """A recording at any moment is the fold of all before, and what was dropped is explained."""
 
-from __future__ import annotations
-
 import struct
 from functools import cache, reduce
 

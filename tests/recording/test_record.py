@@ -1,7 +1,5 @@
 """`jausml record` beside those who speak: what passes on loopback stands in both files."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

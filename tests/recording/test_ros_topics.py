@@ -1,7 +1,5 @@
 """Topics of ROS as they are recorded: latched ones in each file of a row, lost messages counted."""
 
-from __future__ import annotations
-
 import re
 import time
 from threading import Event

@@ -1,7 +1,5 @@
 """Enumerations of both sides are compared by their names."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,8 +1,6 @@
 """Zeros stop a command of which all numbers are rates, and no other."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -10,9 +8,6 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.semantics.assignments.units import fills_rates_alone
 from jausml.language.text.notation import NOTATIONS
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SPEED = "X -> twist.twist.linear.x"
 TIME = "TimeStamp -> header.stamp : timestamp_to_time"

@@ -1,17 +1,13 @@
 """What pages ask for is typed while the program runs: a name that is not there fails at the ask."""
 
-from __future__ import annotations
-
 from inspect import signature
-from typing import TYPE_CHECKING, get_type_hints
+from pathlib import Path
+from typing import get_type_hints
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.session import Session
 from jausml.live.operating.seats import Seat
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_types_of_what_the_studio_answers_are_there(tmp_path: Path) -> None:

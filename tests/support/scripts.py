@@ -1,16 +1,12 @@
 """Scripts that start others beside them, of which nothing is left."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
 import time
+from collections.abc import Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+from typing import Any
 
 PATIENCE = 20.0
 """Seconds in which what was started shall end when it is told to."""

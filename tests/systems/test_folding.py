@@ -1,7 +1,5 @@
 """The state of a running system, folded from what is told of it."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """Where the last messages of a connection are, and how they are shown."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs

@@ -1,7 +1,5 @@
 """What changed decides which tests run, and those nearest to it come first."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

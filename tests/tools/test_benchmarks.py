@@ -1,7 +1,5 @@
 """Benchmarks: what they import is there, each of them works, and the page is that of its data."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import importlib.util

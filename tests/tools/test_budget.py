@@ -1,7 +1,5 @@
 """A run of tests ends in the time that it has."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,22 +1,18 @@
 """The tool that writes the library: from facts to models that our reader takes as they are."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import sys
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import pytest
 from needs import SHARED
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "models" / "library" / "jaus"

@@ -1,19 +1,14 @@
 """The compiler of the suite makes what the real one makes, and of the same text only once."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import compile_once
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 GUARDS = ("tests/support/compile_once.py",)
 REAL = next(filter(None, map(shutil.which, ("g++", "clang++"))), None)

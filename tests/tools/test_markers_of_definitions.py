@@ -4,23 +4,18 @@ What a definition says in words is looked for by words. Each field with one of t
 stands below with the reason why it has none. A definition that changes is to be read again.
 """
 
-from __future__ import annotations
-
 import configparser
 import re
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
 
 import pytest
 
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import read_models
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "models" / "library" / "ros"

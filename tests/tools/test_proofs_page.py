@@ -1,9 +1,7 @@
 """The page of proofs has each map, and says of each what was found."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import build_proofs
 import pytest
@@ -12,9 +10,6 @@ from jausml.language.metamodel.classes import bridge
 from jausml.language.model.library import library_paths
 from jausml.language.validation.engine import check_project
 from jausml.proving.results import FieldResult, MapResult, outcome_text
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 GUARDS = ("tools/build_proofs.py", "models/library/mappings")
 

@@ -1,7 +1,5 @@
 """What a release must have, without building one."""
 
-from __future__ import annotations
-
 from importlib import metadata
 
 import pytest

@@ -1,24 +1,17 @@
 """Workspaces that tests share are those of their documents, targets and state of the project."""
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import type_support
 import workspaces
 
-from jausml.language.model import read_models
+from jausml.language.model import Model, read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.runtime.target import TARGET as RUNTIME
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from jausml.language.model import Model
 
 GUARDS = ("tests/support/workspaces.py",)
 

@@ -1,10 +1,9 @@
 """Tests of the wire model: every kind of field of the metamodel has a layout, free of the model."""
 
-from __future__ import annotations
-
+from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import get_args
 
 import pytest
 
@@ -13,9 +12,6 @@ from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import library_root, read_models
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 EVERY_KIND = Path(__file__).parents[1] / "generators" / "every_kind.xmi"
 HEAD = (

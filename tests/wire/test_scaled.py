@@ -1,7 +1,5 @@
 """Scaled integers (AS5684, scale_range): 0 means the lower limit, the largest integer the upper."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Goals of ROS actions become lists of JAUS: real processes, a real client of rclpy."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 

@@ -1,7 +1,5 @@
 """Lists of JAUS become goals of ROS actions: real processes, a real action server of rclpy."""
 
-from __future__ import annotations
-
 import os
 import signal
 

@@ -1,7 +1,5 @@
 """Path segments of JAUS become the path of a ROS action: real processes, a real action server."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 

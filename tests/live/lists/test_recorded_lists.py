@@ -1,7 +1,5 @@
 """Lists and goals are recorded, and what became of them is explained."""
 
-from __future__ import annotations
-
 import os
 
 import needs

@@ -1,7 +1,5 @@
 """States of both connections of an action, as `/diagnostics` tells them: the table of the docs."""
 
-from __future__ import annotations
-
 from itertools import takewhile
 from pathlib import Path
 

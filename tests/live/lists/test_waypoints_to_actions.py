@@ -1,7 +1,5 @@
 """Waypoints of JAUS become goals of a ROS action: real processes, a real action server of rclpy."""
 
-from __future__ import annotations
-
 from importlib import import_module
 
 import needs

@@ -4,8 +4,6 @@ Expected numbers are those of an independent simulation of the same equations; t
 how the pose is integrated between two reports, which moves the path error by centimetres.
 """
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

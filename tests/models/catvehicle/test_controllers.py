@@ -1,7 +1,5 @@
 """Steering law, velocity law and dead reckoning, each on its own."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

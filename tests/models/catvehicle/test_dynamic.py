@@ -1,7 +1,5 @@
 """The dynamic bicycle against closed forms, and the choice of plants by name."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

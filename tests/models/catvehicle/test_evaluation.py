@@ -1,8 +1,6 @@
 """Judging a run by its logs, on logs with known answers."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from catvehicle.evaluation import counted, delays, driven, report
@@ -10,9 +8,6 @@ from catvehicle.events import EventLog, read_events
 from catvehicle.metrics import Sample, write_log
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def sample(t: float, v: float) -> Sample:

@@ -1,7 +1,5 @@
 """The figure is a PNG of the declared size, made without touching the caller's matplotlib."""
 
-from __future__ import annotations
-
 import struct
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The controllers know the angle at the time of each speed, and obey the operator."""
 
-from __future__ import annotations
-
 import pytest
 from catvehicle import SteeringController, StraightArcStraight, VehicleParameters
 from catvehicle.logic import AngleSignal, SpeedLogic, SpeedReport, SteeringLogic

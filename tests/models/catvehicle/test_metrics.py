@@ -1,10 +1,8 @@
 """Metrics on runs whose answer is known, logs, and the text table."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from catvehicle import (
@@ -26,9 +24,6 @@ from catvehicle.metrics import (
 )
 from hypothesis import given
 from hypothesis import strategies as st
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 PARAMETERS = VehicleParameters()
 PATH = StraightArcStraight.right_turn(PARAMETERS)

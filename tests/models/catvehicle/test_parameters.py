@@ -1,7 +1,5 @@
 """Every parameter says what it is, in which unit, and where it comes from."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 

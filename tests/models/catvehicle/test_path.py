@@ -1,7 +1,5 @@
 """Geometry of the prescribed path, with absolute positions and signs."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """The plant against closed forms, with absolute directions."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,8 +1,6 @@
 """What an operator says of a drive follows from where and when the vehicle was, never from how its
 reports bunch on their way."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

@@ -1,17 +1,11 @@
 """The plant on a clock that the test moves."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
+from catvehicle.metrics import Sample
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import Pose
 from catvehicle.plant import BicyclePlant
 from catvehicle.realtime import RealTimePlant
-
-if TYPE_CHECKING:
-    from catvehicle.metrics import Sample
 
 
 class Clock:

@@ -1,11 +1,10 @@
 """Ready maps do from bytes to bytes what they do with objects, whatever comes."""
 
-from __future__ import annotations
-
 import importlib
 import struct
+from collections.abc import Callable
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from by_chance import by_bytes, cdr, outcome, ros_value
@@ -18,9 +17,6 @@ from mapping_support import (
     is_of_call,
     ready_maps,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 GUARDS = ("models/library/mappings",)
 

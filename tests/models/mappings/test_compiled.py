@@ -1,14 +1,13 @@
 """The compiled core makes of ready maps what the methods make, bit by bit, or gives way."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import struct
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import needs
 import pytest
@@ -17,15 +16,11 @@ from codec_strategies import messages
 from for_each import for_each
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from mapping_support import Translator
 from test_by_chance import SEEDS, maps, name, to_jaus
 
 from jausml.generation.native import SOURCE, build, compiler
 from jausml_generators.python.codec.message_builder import build_message_map
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings", "generators/jausml_generators/cpp")
 

@@ -3,11 +3,9 @@
 The expected figures come from trigonometry here, not from the conversions of the runtime.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Callable
 from itertools import product
-from typing import TYPE_CHECKING
 
 import pytest
 from for_each import for_each
@@ -18,13 +16,9 @@ from geometry_msgs.msg import (
     Twist,
     TwistStamped,
 )
+from mapping_support import Translator
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import Imu, NavSatFix, NavSatStatus
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 

@@ -1,15 +1,10 @@
 """Translations of ready maps and shipped models stay short enough to be read."""
 
-from __future__ import annotations
-
 import ast
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from mapping_support import ROOT, generated, read
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SHIPPED = (
     "catvehicle/catvehicle.xmi",

@@ -1,20 +1,14 @@
 """Ready maps of arms, pan-tilt units and tools, by what the figures mean."""
 
-from __future__ import annotations
-
 import importlib
 import math
+from collections.abc import Callable
 from random import Random
-from typing import TYPE_CHECKING
 
 import pytest
 from geometry_msgs.msg import PoseStamped, TwistStamped
+from mapping_support import Translator
 from sensor_msgs.msg import JointState
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 

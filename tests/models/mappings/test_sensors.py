@@ -1,19 +1,14 @@
 """Ready maps of grids, scans, batteries, lamps and joints, by what the figures mean."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
+from mapping_support import Translator
 from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import BatteryState, JointState, LaserScan
 from std_msgs.msg import Bool, Float32
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 

@@ -1,12 +1,12 @@
 """The ready maps as files: free of findings, used by bridges, listed, with vectors that hold."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from for_each import for_each
@@ -24,12 +24,7 @@ from sweeps import sweep
 from workspaces import packages_of
 
 from jausml.language.metamodel.classes import bridge
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from jausml.language.model.reading.reader import ReadResult
+from jausml.language.model.reading.reader import ReadResult
 
 GUARDS = ("models/library/mappings",)
 

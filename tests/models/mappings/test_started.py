@@ -1,21 +1,16 @@
 """Each ready map is in a bridge that really starts, with rclpy and sockets, on both sides."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import needs
 import pytest
 from mapping_support import FILES
 from ports import free_domain, free_port
 from workspaces import python_path
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = [pytest.mark.slow, pytest.mark.live]
 

@@ -1,17 +1,11 @@
 """What ready maps make of what nobody knows, where no vector can say it: times of arrival."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable
 
 import pytest
+from mapping_support import Translator
 from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import CompressedImage, LaserScan
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 

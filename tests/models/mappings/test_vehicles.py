@@ -1,19 +1,14 @@
 """Ready maps of two sides, steering, brakes, health and pictures, by what the figures mean."""
 
-from __future__ import annotations
-
 import importlib
+from collections.abc import Callable
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
+from mapping_support import Translator
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Float32, Float64, Float64MultiArray
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 

@@ -1,7 +1,5 @@
 """The example winch runs with real processes through all its states, and stops when left alone."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

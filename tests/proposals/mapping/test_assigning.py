@@ -1,7 +1,5 @@
 """Proposed assignments: as authors of the shipped maps have them, and none that is wrong."""
 
-from __future__ import annotations
-
 import pytest
 from scope_support import CAR, SHIPPED, scope_of
 from sweeps import sweep

@@ -1,13 +1,11 @@
 """One browser for the tests of a module, and a studio for all of them or for each."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 import pytest
@@ -16,9 +14,6 @@ from needs import CHROMIUM
 from studio_client import Server
 
 from jausml.language.model.library import LIBRARY_URI
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 MODELS = Path(__file__).parents[3] / "models"
 PATIENCE = 40_000

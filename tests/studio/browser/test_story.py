@@ -1,7 +1,5 @@
 """A newcomer's story: from an empty folder to a running system that is watched."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,16 +1,9 @@
 """What a model begins with, and what of one project goes into another: by the clipboard."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-from studio_client import RefusedError, serving
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page
+from studio_client import Page, RefusedError, serving
 
 pytestmark = pytest.mark.ports
 

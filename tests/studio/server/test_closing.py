@@ -1,17 +1,12 @@
 """A session ends in order, whatever is under way."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.session import Session
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 def test_what_another_program_wrote_is_taken_over_before_the_end(folder: Path) -> None:

@@ -1,22 +1,16 @@
 """Garbage: nobody waits for the collector at rest, nor for what stays forever."""
 
-from __future__ import annotations
-
 import gc
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio import checking
-from jausml.authoring.studio.checking import Checking, Verdicts, prepare
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from jausml.authoring.studio.checking import Verdict
+from jausml.authoring.studio.checking import Checking, Verdict, Verdicts, prepare
 
 FILE = "catvehicle.xmi"
 

@@ -1,10 +1,9 @@
 """What is remembered of views: what it is good for, and that faults in it keep nobody out."""
 
-from __future__ import annotations
-
 import logging
-from typing import TYPE_CHECKING
+from pathlib import Path
 
+import pytest
 from large_systems import large_system
 
 from jausml.authoring.editing.project import Project
@@ -13,11 +12,6 @@ from jausml.authoring.studio.drawing import Drawings
 from jausml.authoring.studio.handlers import editing, showing
 from jausml.language.metamodel.classes import bridge
 from jausml.views.diagrams.graph import Graph, Node
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    import pytest
 
 
 def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(

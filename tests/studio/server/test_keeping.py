@@ -1,25 +1,19 @@
 """Edits that met a change beneath them are kept; faults of the studio can be read."""
 
-from __future__ import annotations
-
 import os
 import resource
 import signal
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
-from studio_client import RefusedError, serving, started
+from studio_client import Page, RefusedError, Server, serving, started
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers import showing
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Page, Server
 
 pytestmark = pytest.mark.ports
 

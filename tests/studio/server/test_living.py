@@ -1,17 +1,10 @@
 """A running system is watched while a page looks; what it tells has the ids of the system view."""
 
-from __future__ import annotations
-
 import time
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-from studio_client import LONGEST, RefusedError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page, Server
+from studio_client import LONGEST, Page, RefusedError, Server
 
 pytestmark = [pytest.mark.ports, pytest.mark.live]
 

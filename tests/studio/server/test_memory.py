@@ -1,9 +1,8 @@
 """Opening again: boxes and lines stand where they stood, dropped ones where one dropped them."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,9 +11,6 @@ from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers import editing, showing
 from jausml.authoring.studio.memory import FOLDER
 from jausml.language.metamodel.classes import bridge, system
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 FILE, SYSTEM = "catvehicle.xmi", "system"
 

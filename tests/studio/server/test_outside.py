@@ -1,18 +1,11 @@
 """Changes by other programs, broken ones among them."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-from studio_client import RefusedError
+from studio_client import Page, RefusedError
 
 from jausml.authoring.studio.memory import FOLDER
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 

@@ -1,19 +1,12 @@
 """The process of `jausml studio`: how it begins and ends."""
 
-from __future__ import annotations
-
 import signal
 import socket
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-from studio_client import LONGEST, begun, serving, started
+from studio_client import LONGEST, Server, begun, serving, started
 from sweeps import sweep
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Server
 
 pytestmark = pytest.mark.ports
 

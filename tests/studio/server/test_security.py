@@ -1,28 +1,22 @@
 """Who is answered: hosts, origins, tokens and files, asked over real sockets."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import socket
+from collections.abc import Iterator
 from contextlib import ExitStack
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
-from studio_client import RefusedError, serving
+from studio_client import RefusedError, Server, serving
 from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection
 
 from jausml.live.serving.security import HEADERS, Served
 from jausml.live.serving.server import MOST_SOCKETS
 from jausml.live.serving.sockets import LARGEST_MESSAGE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Server
-    from websockets.sync.client import ClientConnection
 
 pytestmark = pytest.mark.ports
 

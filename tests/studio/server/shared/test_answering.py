@@ -1,17 +1,10 @@
 """Questions that need thought, over a real socket: forms, ends, trials, plans."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page
+from studio_client import Page, RefusedError
 
 pytestmark = pytest.mark.ports
 

@@ -1,17 +1,10 @@
 """Edits by a page, and by two of them."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page, Server
+from studio_client import Page, RefusedError, Server
 
 pytestmark = pytest.mark.ports
 

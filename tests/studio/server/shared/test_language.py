@@ -1,18 +1,11 @@
 """The language server for the text editor of the page."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from studio_client import Page, RefusedError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Server
+from studio_client import Page, RefusedError, Server
 
 pytestmark = pytest.mark.ports
 

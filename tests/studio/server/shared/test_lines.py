@@ -1,13 +1,7 @@
 """Lines in the views of machines and services, and maps that are filled, over a real socket."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
-
-if TYPE_CHECKING:
-    from studio_client import Page
+from studio_client import Page
 
 pytestmark = pytest.mark.ports
 

@@ -1,14 +1,9 @@
 """Which bridge carries which connections, over a real socket: proposed, edited, dragged, undone."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from studio_client import Page
+from studio_client import Page, RefusedError
 
 pytestmark = pytest.mark.ports
 

@@ -1,16 +1,9 @@
 """What a page is shown of texts."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
-from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page
+from studio_client import Page, RefusedError
 
 pytestmark = pytest.mark.ports
 

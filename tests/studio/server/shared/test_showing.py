@@ -1,14 +1,7 @@
 """What a page is shown of a project."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
-from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from studio_client import Page
+from studio_client import Page, RefusedError
 
 pytestmark = pytest.mark.ports
 
