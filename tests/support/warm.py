@@ -58,11 +58,13 @@ _WINGS = (
 _OF_EDITORS = "jausml.authoring.editor.server"
 """What needs a protocol that takes long to load, and that no test speaks with a warm process."""
 _OF_SERVERS = (
+    "anyio._backends._asyncio",
+    "anyio._core._synchronization",
     "uvicorn.lifespan.on",
     "uvicorn.protocols.http.h11_impl",
     "uvicorn.protocols.websockets.auto",
 )
-"""What uvicorn loads when it begins to serve."""
+"""What a server loads when it begins to serve."""
 
 _servers: list[int] = []
 """The process, once it was started."""
