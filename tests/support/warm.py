@@ -29,6 +29,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -278,7 +279,21 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
         serving.PAGE = operating.PAGE = Path(page)
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", OF_PYGLS)
-    program()
+    try:
+        program()
+    except SystemExit as end:
+        _leave(end.code)
+        raise
+
+
+def _leave(status: object) -> None:
+    """Ends this process without taking apart what it has loaded, if all is said."""
+    threading._shutdown()
+    atexit._run_exitfuncs()
+    with contextlib.suppress(OSError, TypeError):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status or 0)
 
 
 if __name__ == "__main__":
