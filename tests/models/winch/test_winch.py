@@ -57,7 +57,7 @@ def workspace(tmp_path):
 
 def start(workspace: Path, *options: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "jausml", "run", str(workspace), *options],
+        [*warm.command(), "run", str(workspace), *options],
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -3,11 +3,11 @@
 import os
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 import needs
 import pytest
+import warm
 from desktop import Desktop
 from playwright.sync_api import expect
 
@@ -67,7 +67,7 @@ def running(tmp_path):
         started.append(
             (
                 subprocess.Popen(
-                    [sys.executable, "-m", "jausml", *words],
+                    [*warm.command(), *words],
                     stdout=log,
                     stderr=subprocess.STDOUT,
                     env={**os.environ, "PYTHONUNBUFFERED": "1"},
