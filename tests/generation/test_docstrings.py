@@ -1,7 +1,5 @@
 """Docstrings say a long text once, and end their first line where a thought ends."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.generation.literals import model_docstring

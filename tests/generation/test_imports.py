@@ -1,7 +1,5 @@
 """Rendered Python gets the import statements for what it uses, and knows all of it."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.generation.python import Imports, Modules, Origin, UnknownNameError, offered

@@ -1,7 +1,5 @@
 """Rendered Python is laid out as ruff's formatter lays it out, which judges here."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,15 +1,10 @@
 """The build of compiled cores tells what the compiler refuses."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from jausml.generation.native import SOURCE, State, build, compiler, library_of
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 @pytest.mark.needs("compiler")

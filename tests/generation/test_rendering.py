@@ -1,7 +1,5 @@
 """Rendering to memory: strict templates, headers, located errors."""
 
-from __future__ import annotations
-
 import io
 import re
 import subprocess

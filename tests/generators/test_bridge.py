@@ -1,7 +1,5 @@
 """Generated bridges: what stands in them, that they are clean, and that their own tests pass."""
 
-from __future__ import annotations
-
 import ast
 import os
 import subprocess

@@ -1,14 +1,13 @@
 """The C++ headers with messages: the vectors, damaged ones too, and names that C++ has itself."""
 
-from __future__ import annotations
-
 import re
 import struct
 import subprocess
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import needs
 import pytest
@@ -36,9 +35,6 @@ from jausml_generators.cpp.types import (
 )
 from jausml_generators.python.codec.examples import example_bytes
 from jausml_generators.python.codec.message_builder import build_message_map
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 GUARDS = ("tests/vectors", "generators/jausml_generators/cpp")
 
@@ -121,7 +117,7 @@ class Messages:
     names: dict[tuple[str, str], FieldNames]
 
     @classmethod
-    def read(cls) -> Messages:
+    def read(cls):
         model = read_models(MODELS).model
         services = [
             service

@@ -4,8 +4,6 @@ Each definition of each service set has its own tests. A long run takes more exa
 JAUSML_EXAMPLES=1000 (see CONTRIBUTING.md).
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import tracemalloc

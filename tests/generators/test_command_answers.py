@@ -1,8 +1,6 @@
 """Which commands a generated bridge tells by itself when somebody asks for them."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -10,9 +8,6 @@ from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """
 import mappings.{maps}

@@ -1,7 +1,5 @@
 """The compiled core of a bridge: when it is used, and what it leaves to Python."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import os
@@ -10,18 +8,14 @@ import shutil
 import struct
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 from jausml.generation.native import FLAGS, LIBRARY, SOURCE, State, build, compiler
-from tests.generators.assignment_support import generated
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from tests.generators.assignment_support import Generated
+from tests.generators.assignment_support import Generated, generated
 
 GUARDS = ("generators/jausml_generators/cpp", "jausml/runtime/bridge/messages/compiled.py")
 

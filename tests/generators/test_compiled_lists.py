@@ -1,25 +1,19 @@
 """Lists, element by element: what is made of them, by the method and by the compiled core."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import re
 import struct
+from collections.abc import Callable
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jausml.generation.native import SOURCE, build, compiler
-from tests.generators.assignment_support import generated
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from tests.generators.assignment_support import Generated
+from tests.generators.assignment_support import Generated, generated
 
 TEXT = """
 service Lists

@@ -1,24 +1,23 @@
 """The runtime's own messages are what the library says, and what generators would write."""
 
-from __future__ import annotations
-
 import random
 import sys
 import types
+from collections.abc import Iterator
 from dataclasses import asdict, fields, is_dataclass
 from enum import IntEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from codec_support import library
 from for_each import for_each
 
 from jausml.generation.rendering import render
-from jausml.generation.target import FileTask, Target
+from jausml.generation.target import FileTask, Target, Task
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
+from jausml.language.model import Model, read_models
 from jausml.language.semantics.jaus.core_services import (
     CORE,
     CORE_MESSAGES,
@@ -32,12 +31,6 @@ from jausml.runtime.wire import DecodeError, EncodeError, Message
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.messages import MessagesModule
 from jausml_generators.python.package import PACKAGE_TEMPLATES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.generation.target import Task
-    from jausml.language.model import Model
 
 LIBRARY = Path(__file__).parents[2] / "models" / "library" / "jaus"
 SOURCE = LIBRARY / "core-1.1.xmi"

@@ -1,7 +1,5 @@
 """Codecs in C++ of the messages that the library ships: what is printed of them can be compiled."""
 
-from __future__ import annotations
-
 import subprocess
 from contextlib import suppress
 from pathlib import Path

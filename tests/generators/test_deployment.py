@@ -1,7 +1,5 @@
 """What is generated for each host: units, containers, firewalls, keys; judged by their readers."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -3,8 +3,6 @@
 In tests/live/test_wireshark.py tshark shows them.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A name that generated code uses itself may stand anywhere in a model, in every target."""
 
-from __future__ import annotations
-
 import ast
 import builtins
 import re
@@ -12,7 +10,8 @@ from functools import cache
 from keyword import iskeyword, kwlist, softkwlist
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
+from types import ModuleType
+from typing import Any, get_args, get_origin, get_type_hints
 
 import needs
 import pytest
@@ -24,6 +23,7 @@ from workspaces import python_path, write
 
 from jausml.generation.native import compiler
 from jausml.generation.python.modules import STANDARD
+from jausml.generation.target import Target
 from jausml.language.interfaces import parse_definition
 from jausml.language.model import Severity, read_models
 from jausml.language.semantics.names import DEVICES, LONGEST, is_identifier, snake_case
@@ -41,12 +41,6 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml_generators.wireshark.target import TARGET as WIRESHARK
 
 from .codec_support import load, read_messages, render
-
-if TYPE_CHECKING:
-    from types import ModuleType
-
-    from jausml.generation.target import Target
-
 
 MESSAGE = """
     <outputs name="{message}" code="{code:#06x}">

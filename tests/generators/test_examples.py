@@ -1,7 +1,5 @@
 """The shipped examples: what is generated from them is what a careful engineer would write."""
 
-from __future__ import annotations
-
 import compileall
 import os
 import shutil

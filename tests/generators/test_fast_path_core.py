@@ -1,7 +1,5 @@
 """The fast path of a core on its own, with whatever comes, under the sanitizers of the compiler."""
 
-from __future__ import annotations
-
 import random
 import struct
 import subprocess

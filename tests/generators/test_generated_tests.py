@@ -1,7 +1,5 @@
 """The tests of generated bridges can fail: each kind of damage to a translation is found."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Generated codecs as text: formatted, linted, typed, deterministic, and safe from model text."""
 
-from __future__ import annotations
-
 import ast
 import os
 import subprocess

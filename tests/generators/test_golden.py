@@ -1,7 +1,5 @@
 """Our codecs against the bytes that other implementations made."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

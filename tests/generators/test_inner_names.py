@@ -1,14 +1,9 @@
 """Names of the classes inside of a message: plain ones, and qualified ones where they clash."""
 
-from __future__ import annotations
-
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from .codec_support import load, read_messages, render
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"

@@ -1,7 +1,5 @@
 """Packages of JAUS components: what is in them, and that they run."""
 
-from __future__ import annotations
-
 import inspect
 import os
 import subprocess

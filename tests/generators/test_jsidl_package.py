@@ -1,18 +1,13 @@
 """A service in JSIDL, all the way: imported, generated, clean, and the package's own tests pass."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from codec_support import ROOT
 from workspaces import python_path
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 JSIDL = ROOT / "tests" / "importers" / "winch"
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>

@@ -1,10 +1,9 @@
 """What generated classes do with bytes and values; tests/vectors has plain bytes and fields."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import pytest
 from codec_support import library, load, read_messages, render
@@ -14,9 +13,6 @@ from hypothesis import strategies as st
 from jausml.runtime import messages as core
 from jausml.runtime.wire.codec import scaled
 from jausml.runtime.wire.message import DecodeError, EncodeError
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 
 @pytest.fixture(scope="module")

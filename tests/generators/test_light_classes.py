@@ -1,7 +1,5 @@
 """Light classes: the bytes of rclpy for every type of the library, and sound with any bytes."""
 
-from __future__ import annotations
-
 import functools
 import importlib
 import os

@@ -1,16 +1,11 @@
 """What a generated list driver tells besides its active element."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """
 import mappings.global_waypoint_driver

@@ -1,7 +1,5 @@
 """Components with modelled state machines: base, skeleton, its drift, and generated tests."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,13 +1,11 @@
 """Markers: a ROS field that says that it has no value is as absent as a JAUS field left out."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import os
 from array import array
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -15,10 +13,7 @@ from hypothesis import strategies as st
 from workspaces import packages_of
 
 from jausml.generation.native import SOURCE, State, build, compiler
-from tests.generators.assignment_support import generated
-
-if TYPE_CHECKING:
-    from tests.generators.assignment_support import Generated
+from tests.generators.assignment_support import Generated, generated
 
 GUARDS = ("generators/jausml_generators/cpp", "jausml/language/semantics/paths/markers.py")
 

@@ -1,7 +1,5 @@
 """Names: valid, free of collisions, the same each time, whatever the model says."""
 
-from __future__ import annotations
-
 import builtins
 import keyword
 import sys

@@ -1,7 +1,5 @@
 """What makes a folder an ament_python package: manifests, metadata, and a real installation."""
 
-from __future__ import annotations
-
 import configparser
 import os
 import re

@@ -1,7 +1,5 @@
 """SROS 2 policies: of the form that `ros2 security` takes, and no more than a bridge needs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs

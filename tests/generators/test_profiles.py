@@ -1,7 +1,5 @@
 """The profiles of IOP that `jausml init` begins with, straight from the generator."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

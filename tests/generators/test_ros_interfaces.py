@@ -1,7 +1,5 @@
 """Interface packages: what rosidl reads out of them is what the model says."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

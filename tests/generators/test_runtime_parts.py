@@ -1,10 +1,8 @@
 """The part of the runtime that a workspace has: what its code imports, and nothing else."""
 
-from __future__ import annotations
-
 import ast
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from workspaces import python_path
@@ -22,9 +20,6 @@ from jausml_generators.runtime.modules import copied, needed, runtime_modules
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
 from .node_support import run
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HEAD = "import jaus.mobility\nimport mappings.velocity_state_sensor\n"
 TALKER = f"{HEAD}component talker {{ address: 1.1.1  provides: VelocityStateSensor }}\n"

@@ -1,7 +1,5 @@
 """Names that meet in generated code: those of programs, messages, events and actions."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

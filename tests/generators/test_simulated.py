@@ -1,7 +1,5 @@
 """Simulated components: what is set is reported, by a skeleton in which nothing is written."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,8 +1,6 @@
 """Names of connections: none hides what a bridge has anyway."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -14,9 +12,6 @@ from jausml.runtime.bridge.bridge import Bridge
 from jausml_generators.bridge.parameters import parameter_lines
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.bridge.views import bridge_views
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """
 import mappings.local_waypoint_driver

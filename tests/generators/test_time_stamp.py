@@ -1,7 +1,5 @@
 """One class for the time stamp of AS5710, and one of its own for every other layout."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 from typing import Any

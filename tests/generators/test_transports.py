@@ -1,7 +1,5 @@
 """The transport of a host, from the model to processes that talk."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

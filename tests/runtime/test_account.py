@@ -1,9 +1,8 @@
 """What is said of lost messages, against what was lost."""
 
-from __future__ import annotations
-
 import random
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,9 +10,6 @@ from hypothesis import strategies as st
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.transports.packets.duplicates import SPAN, Account, DuplicateWindow
 from jausml.runtime.transports.packets.packet import Packet
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 SENDER, OTHER, HERE = JausAddress(2, 1, 1), JausAddress(3, 1, 1), JausAddress(9, 1, 1)
 

@@ -5,8 +5,6 @@ often, does about it. Ours is equal or better; where the standard and Junior dif
 the standard and accepts the peer as well. ``remark`` says what is better, and why.
 """
 
-from __future__ import annotations
-
 import socket
 from dataclasses import dataclass, field
 

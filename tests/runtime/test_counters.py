@@ -1,13 +1,9 @@
-from __future__ import annotations
-
 import logging
 import threading
-from typing import TYPE_CHECKING
+
+import pytest
 
 from jausml.runtime.base.counters import Counters
-
-if TYPE_CHECKING:
-    import pytest
 
 
 def test_a_flood_of_one_name_is_one_line_each_interval(

@@ -1,7 +1,5 @@
 """What elements of lists hold: the runtime and the toolchain know the same drivers."""
 
-from __future__ import annotations
-
 from jausml.language.semantics.connections.calls import ELEMENTS
 from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
 

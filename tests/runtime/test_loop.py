@@ -1,17 +1,12 @@
-from __future__ import annotations
-
 import socket
 import threading
 import weakref
+from collections.abc import Iterator
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
 
 import pytest
 
 from jausml.runtime.base.loop import Loop
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @pytest.fixture

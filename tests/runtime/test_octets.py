@@ -1,7 +1,5 @@
 """Lists of small numbers as bytes, against the conversions of lists."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """What is under way to a destination, and in which order, with a clock that the test moves."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

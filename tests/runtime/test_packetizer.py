@@ -1,7 +1,5 @@
 """Each destination gets consecutive numbers."""
 
-from __future__ import annotations
-
 import itertools
 
 import pytest

@@ -1,7 +1,5 @@
 """Datagrams are read from a socket, and what the kernel drops or is too old is counted."""
 
-from __future__ import annotations
-
 import socket
 import time
 from contextlib import ExitStack

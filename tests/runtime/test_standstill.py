@@ -1,7 +1,5 @@
 """What a loop says of the time in which it did not turn."""
 
-from __future__ import annotations
-
 import os
 import time
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """What a stranger gets: nothing much before it has proved where it is, and nobody else's place."""
 
-from __future__ import annotations
-
 import socket
 
 import pytest

@@ -1,21 +1,16 @@
 """Several processes of one host on one JUDP port."""
 
-from __future__ import annotations
-
 import queue
 import subprocess
 import sys
 import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Packet
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.ports
 

@@ -1,7 +1,5 @@
 """What a component keeps to itself."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -1,7 +1,5 @@
 """Events beyond the rows of the table: rates, beats, expiry, changes of queries."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import JausComponent, ServiceIdentity

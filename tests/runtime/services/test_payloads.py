@@ -1,12 +1,11 @@
 """Messages that a component takes and gives encoded: nobody decodes or encodes them on the way."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from jausml.runtime import Guard
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import (
     CreateCommandEvent,
     QueryTime,
@@ -15,9 +14,6 @@ from jausml.runtime.messages import (
     SetTime,
 )
 from jausml.runtime.wire.message import DecodeError, Message
-
-if TYPE_CHECKING:
-    from jausml.runtime.base.address import JausAddress
 
 NOON = ReportTime(
     time_stamp=ReportTime.TimeStamp(hour=12), date_stamp=ReportTime.DateStamp(month=3)

@@ -1,9 +1,6 @@
 """How many messages a second are taken of one source."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,9 +8,6 @@ from jausml.runtime.bridge.connections import shaping
 from jausml.runtime.bridge.connections.shaping import OVER_RATE, RateCap
 
 from .bridge_support import OWN, PEER, message_connection, minutes
-
-if TYPE_CHECKING:
-    import pytest
 
 
 class Gate:

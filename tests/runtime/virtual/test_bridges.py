@@ -1,7 +1,5 @@
 """Generated bridges in virtual time: both directions, stops by its clock, the same each time."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Missions of AS6062 that bridges give one another, from ROS to ROS, in virtual time."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess
