@@ -11,7 +11,7 @@ RUN = Path(__file__).with_name("run.py")
 
 
 @pytest.mark.slow
-def test_bodies_are_refused_or_go_out_as_they_came() -> None:
+def test_bodies_are_refused_or_go_out_as_they_came():
     done = subprocess.run(
         [sys.executable, str(RUN), "bodies", "--plain", "--runs", "20000", "--seed", "7"],
         capture_output=True,

@@ -1,14 +1,12 @@
 """The build of compiled cores tells what the compiler refuses."""
 
-from pathlib import Path
-
 import pytest
 
 from jausml.generation.native import SOURCE, State, build, compiler, library_of
 
 
 @pytest.mark.needs("compiler")
-def test_the_error_is_told_and_not_where_it_is(tmp_path: Path) -> None:
+def test_the_error_is_told_and_not_where_it_is(tmp_path):
     program = compiler()
     assert program is not None
     source = tmp_path / "front" / SOURCE

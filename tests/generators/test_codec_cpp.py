@@ -298,7 +298,7 @@ def run(
     )
 
 
-def test_the_vectors(messages: Messages, run: Run) -> None:
+def test_the_vectors(messages, run):
     for vector in vectors():
         name, payload = vector["name"], payload_of(vector)
         kind = vector["error"]["kind"] if "error" in vector else "ok"
@@ -317,14 +317,14 @@ def test_the_vectors(messages: Messages, run: Run) -> None:
                 assert stage == "encoded", name
 
 
-def test_few_errors_are_excluded_by_the_types(run: Run) -> None:
+def test_few_errors_are_excluded_by_the_types(run):
     encoded = [vector for vector in vectors() if fields(vector) is not None]
     left = [vector["error"]["kind"] for vector in encoded if vector["name"] not in run.given]
     assert {"not Latin-1"} <= {*left} <= {"not Latin-1", "not legal", "number of elements"}
     assert len(run.given) > 0.8 * len(encoded)
 
 
-def test_damaged_payloads_are_treated_as_in_python(run: Run) -> None:
+def test_damaged_payloads_are_treated_as_in_python(run):
     stages = set()
     for (names, payload), said in run.decoded.items():
         try:
@@ -343,7 +343,7 @@ def test_damaged_payloads_are_treated_as_in_python(run: Run) -> None:
 
 
 @pytest.mark.needs("compiler")
-def test_no_macro_of_the_standard_library_is_a_name() -> None:
+def test_no_macro_of_the_standard_library_is_a_name():
     source = (HERE / "codec_cpp.cpp").read_text(encoding="utf-8")
     includes = "".join(re.findall(r"#include <.*\n", source))
     command = [str(compiler()), "-std=c++17", "-dM", "-E", "-x", "c++", "-"]
@@ -357,7 +357,7 @@ def test_no_macro_of_the_standard_library_is_a_name() -> None:
 
 
 @pytest.mark.slow
-def test_the_whole_library_compiles_for_small_computers(program: str, tmp_path: Path) -> None:
+def test_the_whole_library_compiles_for_small_computers(program, tmp_path):
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     for artifact in render_artifacts(model, [TARGET.for_whole_library()]):
         path = tmp_path / Path(artifact.path).name
@@ -386,7 +386,7 @@ jausml::Outcome answer(const std::uint8_t* data, std::size_t size, std::uint8_t*
 """
 
 
-def test_more_than_fits_is_refused_without_heap(program: str, tmp_path: Path) -> None:
+def test_more_than_fits_is_refused_without_heap(program, tmp_path):
     (tmp_path / JAUS).write_text(support(JAUS), encoding="utf-8")
     (tmp_path / "full.cpp").write_text(FULL, encoding="utf-8")
     compiled(program, *STRICT, *BARE, "-o", tmp_path / "full", tmp_path / "full.cpp")
@@ -420,7 +420,7 @@ int main() {
 """
 
 
-def test_a_header_is_the_same_each_time() -> None:
+def test_a_header_is_the_same_each_time():
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     first, second = (render_artifacts(model, [TARGET]) for _ in range(2))
     assert first == second

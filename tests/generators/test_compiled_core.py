@@ -9,7 +9,6 @@ import struct
 import subprocess
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -125,7 +124,7 @@ def by_python(made: Generated, name: str, data: bytes) -> Any:
     return result, dict(counts)
 
 
-def test_a_command_as_bytes(made: Generated) -> None:
+def test_a_command_as_bytes(made):
     data = twist("map", x=25.0, y=4.0, z=5.0, a=2.5, b=9.0)
     # Code, presence of the first five, 50 of -100 .. 100, -4, 5 of 0 .. 10, 2.5, "map", 9.
     expected = "01d3 1f00 ffffffbf 00000000000010c0 0080 00002040 03 6d6170 09"
@@ -134,7 +133,7 @@ def test_a_command_as_bytes(made: Generated) -> None:
     assert found.hex(" ") == bytes.fromhex(expected).hex(" ")
 
 
-def test_both_forms_make_the_same(made: Generated) -> None:
+def test_both_forms_make_the_same(made):
     for fields in (
         {"class_": 25.0},
         {"class_": -100.0, "delete": 1.5, "int": 5.0, "std": 2.0, "errno": "abc", "check": 7},
@@ -171,14 +170,14 @@ def attribute(made: Generated, name: str) -> str:
     ],
     ids=lambda parameter: parameter if isinstance(parameter, str) else "",
 )
-def test_what_is_not_usual_is_left_to_python(made: Generated, what: str, data: bytes) -> None:
+def test_what_is_not_usual_is_left_to_python(made, what, data):
     counts = made.bridge.speed_down.statistics.out_of_range
     counts.clear()
     assert function(made, "speed_down")(data) is None, what
     assert counts == {}
 
 
-def test_what_is_unknown_is_left_out_and_counted(made: Generated) -> None:
+def test_what_is_unknown_is_left_out_and_counted(made):
     data = twist(z=math.nan)
     counts = made.bridge.speed_down.statistics.out_of_range
     expected = by_python(made, "speed_down", data)
@@ -187,7 +186,7 @@ def test_what_is_unknown_is_left_out_and_counted(made: Generated) -> None:
     assert (function(made, "speed_down")(data), dict(counts)) == expected
 
 
-def test_what_changes_while_the_bridge_runs(made: Generated) -> None:
+def test_what_changes_while_the_bridge_runs(made):
     data = core_message(made, **{attribute(made, "class"): 5.0})
     call, bridge = function(made, "speed_up"), made.bridge
     speed, frame = bridge.top_speed, bridge.speed_up_frame_id
@@ -205,7 +204,7 @@ def test_what_changes_while_the_bridge_runs(made: Generated) -> None:
         bridge.top_speed, bridge.speed_up_frame_id = speed, frame
 
 
-def test_an_override_has_no_compiled_form(made: Generated) -> None:
+def test_an_override_has_no_compiled_form(made):
     class Mine(type(made.bridge)):  # type: ignore[misc]
         def translate_speed_up(self, source: Any) -> Any:
             return super().translate_speed_up(source)
@@ -217,9 +216,7 @@ def test_an_override_has_no_compiled_form(made: Generated) -> None:
 @pytest.mark.parametrize(
     ("wanted", "told"), [(True, "no compiled core: it is not built;"), (False, "core is off;")]
 )
-def test_the_log_says_what_python_costs(
-    made: Generated, tmp_path: Path, caplog: pytest.LogCaptureFixture, wanted: bool, told: str
-) -> None:
+def test_the_log_says_what_python_costs(made, tmp_path, caplog, wanted, told):
     class Unbuilt(type(made.bridge)):  # type: ignore[misc]
         core = type(made.bridge.core)(str(tmp_path / "base.py"), made.bridge.core.digest)
 
@@ -229,7 +226,7 @@ def test_the_log_says_what_python_costs(
     assert "20 to 100 times as much" in caplog.text
 
 
-def test_forms_that_differ_are_told(made: Generated) -> None:
+def test_forms_that_differ_are_told(made):
     """By the check that stands in the generated tests for each connection."""
     differing_forms = importlib.import_module("jausml_runtime").differing_forms
     conversion_error = made.error("ConversionError")
@@ -263,7 +260,7 @@ def test_forms_that_differ_are_told(made: Generated) -> None:
     assert ": by Python: ConversionError, compiled: 00010000" in line
 
 
-def test_a_library_of_another_text_is_not_used(made: Generated, tmp_path: Path) -> None:
+def test_a_library_of_another_text_is_not_used(made, tmp_path):
     module = importlib.import_module(type(made.bridge.core).__module__)
     package = tmp_path / "compiled_core"
     package.mkdir()
@@ -280,7 +277,7 @@ def test_a_library_of_another_text_is_not_used(made: Generated, tmp_path: Path) 
         other.load()
 
 
-def test_names_of_models_are_no_code(made: Generated) -> None:
+def test_names_of_models_are_no_code(made):
     text = made.artifacts["compiled_core/core/core.cpp"].text
     assert "class_" in text
     assert "delete_" in text
@@ -330,7 +327,7 @@ print(taken, left)
 
 @pytest.mark.needs("sanitizers", "preloaded sanitizer")
 @pytest.mark.slow
-def test_no_bytes_do_what_c_leaves_undefined(made: Generated, tmp_path: Path) -> None:
+def test_no_bytes_do_what_c_leaves_undefined(made, tmp_path):
     program = str(compiler())
     found = subprocess.run(
         [program, "-print-file-name=libasan.so"], capture_output=True, text=True

@@ -20,7 +20,7 @@ CHECKED = ("-fsyntax-only", "-Wall", "-Wextra", "-Werror")
 
 @pytest.mark.needs("compiler")
 @pytest.mark.parametrize("name", sweep(shipped_sets(), every=8))
-def test_messages_compile(name: str, tmp_path: Path) -> None:
+def test_messages_compile(name, tmp_path):
     codec = jaus_codec.JausCodec()
     for view in dict.fromkeys(definitions(name).values()):
         with suppress(UnprintableError):

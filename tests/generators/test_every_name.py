@@ -161,7 +161,7 @@ def filled(message: Any, module: ModuleType) -> Any:
     return message
 
 
-def test_names_of_generated_python_may_stand_in_messages(tmp_path: Path) -> None:
+def test_names_of_generated_python_may_stand_in_messages(tmp_path):
     names = names_used(tmp_path)
     assert {"Octet", "octet_records", "write_records", "offset", "CODE", "DecodeError"} <= {*names}
     module = load(render(read_messages(model(tmp_path / "names.xmi", tuple(names)))), "every_name")
@@ -366,7 +366,7 @@ FOUND = ["Number", "self", "EAGAIN", "cls", "data"]
 
 @settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
 @given(drawn=names(12))
-def test_any_names_may_stand_anywhere(drawn: list[str]) -> None:
+def test_any_names_may_stand_anywhere(drawn):
     with TemporaryDirectory() as folder:
         generated(Path(folder), with_found(drawn))
 
@@ -388,7 +388,7 @@ def run_tests(workspace: Path, node: str) -> None:
 @pytest.mark.slow
 @settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
 @given(drawn=names(24 if WHOLE else 12).map(with_found))
-def test_any_names_may_stand_in_every_target(drawn: list[str]) -> None:
+def test_any_names_may_stand_in_every_target(drawn):
     needs.ask("compiler")
     with TemporaryDirectory() as folder:
         every = [*OTHERS, ROS_INTERFACES.for_whole_library()]

@@ -95,7 +95,7 @@ def run(*arguments: str, cwd: Path | None = None, path: str | None = None) -> st
     return result.stdout + result.stderr
 
 
-def test_no_skeleton_has_drifted(workspace: Path) -> None:
+def test_no_skeleton_has_drifted(workspace):
     name = workspace.parent.name.rstrip("0123456789")
     (example,) = (path for path in EXAMPLES if Path(path).name == name)
     model = model_in(ROOT / "models" / example)
@@ -104,11 +104,11 @@ def test_no_skeleton_has_drifted(workspace: Path) -> None:
     assert "warning" not in said
 
 
-def test_compiles(workspace: Path) -> None:
+def test_compiles(workspace):
     assert compileall.compile_dir(workspace, quiet=1)
 
 
-def test_is_formatted_and_clean(workspace: Path) -> None:
+def test_is_formatted_and_clean(workspace):
     isolated = ["--isolated", "--config", "line-length=100", "--target-version", "py310"]
     run("-m", "ruff", "format", "--check", *isolated, str(workspace))
     docs = ["--config", "lint.pydocstyle.convention='google'", "--ignore", "D105,D107,D417"]
@@ -119,7 +119,7 @@ def test_is_formatted_and_clean(workspace: Path) -> None:
 
 
 @pytest.mark.slow
-def test_is_typed(workspace: Path, judged: Path) -> None:
+def test_is_typed(workspace, judged):
     packages = [path for path in sorted(workspace.iterdir()) if (path / path.name).is_dir()]
     run(
         "-m",

@@ -46,16 +46,16 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_ruff_would_format_nothing(generated: Path) -> None:
+def test_ruff_would_format_nothing(generated):
     run("ruff", "format", "--check", "--config", str(ROOT / "pyproject.toml"), ".", cwd=generated)
 
 
-def test_ruff_finds_nothing(generated: Path) -> None:
+def test_ruff_finds_nothing(generated):
     run("ruff", "check", "--config", str(ROOT / "pyproject.toml"), ".", cwd=generated)
 
 
 @pytest.mark.slow
-def test_mypy_finds_nothing(generated: Path) -> None:
+def test_mypy_finds_nothing(generated):
     # What generated code imports of jausml is judged as it is by `make lint`.
     options = (
         "--config-file",
@@ -67,17 +67,17 @@ def test_mypy_finds_nothing(generated: Path) -> None:
     run("mypy", *options, ".", cwd=generated)
 
 
-def test_it_is_python_3_10(generated: Path) -> None:
+def test_it_is_python_3_10(generated):
     for path in generated.glob("*.py"):
         ast.parse(path.read_text("utf-8"), feature_version=(3, 10))
 
 
-def test_the_same_model_gives_the_same_bytes() -> None:
+def test_the_same_model_gives_the_same_bytes():
     for path in (EVERY_KIND, LIBRARY / "mobility.xmi"):
         assert render(read_messages(path)) == render(read_messages(path))
 
 
-def test_text_of_the_model_is_data() -> None:
+def test_text_of_the_model_is_data():
     text = render(read_messages(HOSTILE))
     calls = {ast.unparse(node.func) for node in ast.walk(ast.parse(text)) if type(node) is ast.Call}
     assert not {"exec", "eval", "print", "__import__", "os.system"} & calls
@@ -91,7 +91,7 @@ def test_text_of_the_model_is_data() -> None:
         assert view.jaus_name == message.NAME
 
 
-def test_struct_formats_are_shared_and_merged() -> None:
+def test_struct_formats_are_shared_and_merged():
     views, text, _ = library("mobility")
     waypoint = next(view for view in views if view.jaus_name == "SetGlobalWaypoint")
     assert [segment.kind for segment in waypoint.body.segments] == ["run", *["single"] * 6]
@@ -99,7 +99,7 @@ def test_struct_formats_are_shared_and_merged() -> None:
     assert text.count('= struct.Struct("<BII")') == 1
 
 
-def test_members_are_found_by_their_path() -> None:
+def test_members_are_found_by_their_path():
     views, _, _ = library("mobility")
     report = next(view for view in views if view.jaus_name == "ReportVelocityState")
     found = report.find("TimeStamp.Hour")

@@ -43,14 +43,14 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_machine_of_the_service_is_generated(workspace: Path) -> None:
+def test_the_machine_of_the_service_is_generated(workspace):
     base = (workspace / "hoist/hoist/hoist_base.py").read_text(encoding="utf-8")
     assert "self.add_machine(" in base
     assert "self.handle_by_machines(" in base
 
 
 @pytest.mark.slow
-def test_the_package_is_clean(workspace: Path) -> None:
+def test_the_package_is_clean(workspace):
     config = ["--config", ROOT / "pyproject.toml", "--no-cache"]
     run("ruff", "format", "--check", *config, "hoist", cwd=workspace)
     # Here the runtime stands beside the package; where that is built, it is installed.
@@ -62,7 +62,7 @@ def test_the_package_is_clean(workspace: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_tests_of_the_package_pass(workspace: Path) -> None:
+def test_the_tests_of_the_package_pass(workspace):
     done = run("pytest", "-q", "-W", "error", "hoist/test", cwd=workspace)
     assert " passed" in done
 
@@ -125,7 +125,7 @@ BALER = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 @pytest.mark.slow
-def test_a_service_refines_the_states_of_access_control(tmp_path: Path) -> None:
+def test_a_service_refines_the_states_of_access_control(tmp_path):
     """Where Management has further states, which the service knows nothing of."""
     (tmp_path / "Baler.xml").write_text(BALER, encoding="utf-8")
     said = run("jausml", "import", "jsidl", "Baler.xml", "-o", "services.xmi", cwd=tmp_path)

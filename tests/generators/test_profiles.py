@@ -37,7 +37,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.mark.slow
-def test_vehicle_and_unit_meet(path: str) -> None:
+def test_vehicle_and_unit_meet(path):
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "profiles_meet.py"],
         env={**os.environ, "PYTHONPATH": path},

@@ -48,27 +48,27 @@ def run(workspace: Path, *arguments: str | Path, **variables: str) -> str:
 
 
 @pytest.mark.slow
-def test_the_component_does_as_it_is_told(workspace: Path) -> None:
+def test_the_component_does_as_it_is_told(workspace):
     told = run(workspace, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "simulated_arm.py")
     assert "8 passed" in told
 
 
 @pytest.mark.slow
 @pytest.mark.ports
-def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path: Path) -> None:
+def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path):
     robot = generated(HERE / "judged.ros2jaus", tmp_path)
     words = ("-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "judges_messages.py")
     assert "1 passed" in run(robot, *words, JUDGED_PORT=str(free_port()))
 
 
 @pytest.mark.slow
-def test_its_code_is_clean(workspace: Path) -> None:
+def test_its_code_is_clean(workspace):
     base = workspace / "arm" / "arm" / "arm_base.py"
     run(workspace, "-m", "mypy", "--strict", base)
     run(workspace, "-m", "ruff", "check", "--isolated", base)
 
 
-def test_other_components_are_as_before(tmp_path: Path) -> None:
+def test_other_components_are_as_before(tmp_path):
     path = tmp_path / "plain.ros2jaus"
     path.write_text(MODEL.read_text(encoding="utf-8").replace("simulated: true", ""), "utf-8")
     model = read_models([path], notations=NOTATIONS).model

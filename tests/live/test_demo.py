@@ -5,7 +5,6 @@ import re
 import struct
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -31,7 +30,7 @@ def run(tmp_path: Path) -> tuple[Path, str]:
     return folder, result.stdout
 
 
-def test_a_drive_that_does_not_arrive_has_failed(tmp_path: Path) -> None:
+def test_a_drive_that_does_not_arrive_has_failed(tmp_path):
     result = subprocess.run(
         [sys.executable, str(ROOT / "models/catvehicle/demo.py"), str(tmp_path), "--limit", "14"],
         env={**os.environ, "ROS_DOMAIN_ID": "88"},
@@ -129,7 +128,5 @@ HOLDING = [
 
 
 @for_each("holds", HOLDING, ids=lambda holds: holds.__name__)
-def test_the_demonstration(
-    holds: Callable[[tuple[Path, str]], None], run: tuple[Path, str]
-) -> None:
+def test_the_demonstration(holds, run):
     holds(run)

@@ -106,7 +106,7 @@ def kill_bridge(bridge: System) -> None:
     bridge.process.wait(20)
 
 
-def test_vehicle_stops_without_the_bridge_and_goes_on_with_a_new_one(workspace: Path) -> None:
+def test_vehicle_stops_without_the_bridge_and_goes_on_with_a_new_one(workspace):
     with running(workspace, *OTHERS) as others:
         with running(workspace, "bridge") as bridge:
             wait_for(lambda: max(others.speeds(), default=0.0) > 2.0, "never drove", others)

@@ -56,7 +56,7 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     ]
 
 
-def test_steps(packages: list[str]) -> None:
+def test_steps(packages):
     messages = [("angle", 0.1), ("odometry", 1), ("odometry", 2), ("angle", 0.2), ("odometry", 3)]
     environment = {
         **os.environ,

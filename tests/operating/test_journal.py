@@ -3,7 +3,7 @@
 from jausml.live.operating.journal import Journal
 
 
-def test_alarms_come_newest_first_and_say_when_their_subject_is_back() -> None:
+def test_alarms_come_newest_first_and_say_when_their_subject_is_back():
     journal = Journal(lambda *_: None)
     journal.alarm("gps (1.1.2)", "lost: silent")
     journal.alarm("gps (1.1.2)", "no source", "connection bridge.fix")
@@ -18,7 +18,7 @@ def test_alarms_come_newest_first_and_say_when_their_subject_is_back() -> None:
     assert len(journal.alarms) == 3
 
 
-def test_one_reason_silences_several() -> None:
+def test_one_reason_silences_several():
     journal = Journal(lambda *_: None)
     for number in range(3):
         journal.alarm(f"component {number}", "lost")

@@ -7,7 +7,6 @@ import sys
 import tarfile
 import venv
 import zipfile
-from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
@@ -192,5 +191,5 @@ HOLDING = [
 
 
 @for_each("holds", HOLDING, ids=lambda holds: holds.__name__)
-def test_the_wheel(holds: Callable[[Made], None], made: Made) -> None:
+def test_the_wheel(holds, made):
     holds(made)

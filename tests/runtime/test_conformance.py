@@ -350,7 +350,7 @@ RECEIVED = [
 
 
 @pytest.mark.parametrize("row", RECEIVED, ids=[row.clause for row in RECEIVED])
-def test_what_is_received(row: Row, station, peer, wait_until) -> None:
+def test_what_is_received(row, station, peer, wait_until):
     here = station().attach(DRIVER, SENSOR)
     for data in row.datagrams:
         peer.send(data)

@@ -4,5 +4,5 @@ from jausml.language.semantics.connections.calls import ELEMENTS
 from jausml.runtime.services.list_elements import ELEMENTS_OF_DRIVERS
 
 
-def test_both_know_the_same_elements() -> None:
+def test_both_know_the_same_elements():
     assert ELEMENTS == ELEMENTS_OF_DRIVERS

@@ -46,7 +46,7 @@ def parts(layout: object) -> Iterator[object]:
             yield from parts(getattr(layout, field.name))
 
 
-def test_every_kind_is_reached_from_every_class_of_fields() -> None:
+def test_every_kind_is_reached_from_every_class_of_fields():
     found = messages_of(EVERY_KIND)
     layouts = tuple(wire.resolve(message) for message in found.values())
     kinds = {type(part.kind) for part in parts(layouts) if isinstance(part, wire.Field)}
@@ -57,7 +57,7 @@ def test_every_kind_is_reached_from_every_class_of_fields() -> None:
     assert used == {subtype.name for subtype in subtypes if not subtype.abstract}
 
 
-def test_nothing_of_the_model_is_left_in_a_layout() -> None:
+def test_nothing_of_the_model_is_left_in_a_layout():
     for path in (EVERY_KIND, *sorted((library_root() / "jaus").glob("*.xmi"))):
         for message in messages_of(path).values():
             layout = wire.resolve(message)
@@ -65,7 +65,7 @@ def test_nothing_of_the_model_is_left_in_a_layout() -> None:
             assert hash(layout) == hash(wire.resolve(message))
 
 
-def test_the_layout_of_a_message() -> None:
+def test_the_layout_of_a_message():
     report = messages_of(library_root() / "jaus" / "core-1.1.xmi")["ReportStatus"]
     layout = wire.resolve(report)
     assert (layout.code, layout.header.name, layout.is_command) == (0x4002, "uint16", False)
@@ -77,7 +77,7 @@ def test_the_layout_of_a_message() -> None:
     assert status.legal.is_closed
 
 
-def test_a_reference_lends_its_name_and_its_optionality(tmp_path: Path) -> None:
+def test_a_reference_lends_its_name_and_its_optionality(tmp_path):
     layout = resolved(
         tmp_path,
         '<body xsi:type="jaus:Record" name="B" presenceVector="uint8">'
@@ -93,7 +93,7 @@ def test_a_reference_lends_its_name_and_its_optionality(tmp_path: Path) -> None:
     assert isinstance(layout.body.kind, wire.Record)  # type: ignore[union-attr]
 
 
-def test_without_a_presence_vector_all_members_are_there(tmp_path: Path) -> None:
+def test_without_a_presence_vector_all_members_are_there(tmp_path):
     layout = resolved(
         tmp_path,
         '<body xsi:type="jaus:Record" name="B">'
@@ -130,7 +130,7 @@ def test_without_a_presence_vector_all_members_are_there(tmp_path: Path) -> None
         ),
     ],
 )
-def test_what_has_no_layout_says_where(tmp_path: Path, body: str, reason: str) -> None:
+def test_what_has_no_layout_says_where(tmp_path, body, reason):
     with pytest.raises(wire.LayoutError) as caught:
         resolved(tmp_path, body)
     assert str(caught.value) == reason
@@ -156,7 +156,7 @@ def test_what_has_no_layout_says_where(tmp_path: Path, body: str, reason: str) -
         ),
     ],
 )
-def test_legal_integers(tmp_path: Path, values: str, ranges: wire.Ranges) -> None:
+def test_legal_integers(tmp_path, values, ranges):
     wanted = f"<values>{values}</values>" if values else ""
     layout = resolved(tmp_path, f'<body xsi:type="jaus:FixedField" name="F">{wanted}</body>')
     kind = layout.members[0].kind
@@ -175,9 +175,7 @@ def test_legal_integers(tmp_path: Path, values: str, ranges: wire.Ranges) -> Non
         ),
     ],
 )
-def test_limits_of_single_reals_are_singles(
-    tmp_path: Path, limits: str, legal: tuple[float, float]
-) -> None:
+def test_limits_of_single_reals_are_singles(tmp_path, limits, legal):
     layout = resolved(
         tmp_path,
         '<body xsi:type="jaus:FixedField" name="F" type="float32"><values>'
@@ -189,7 +187,7 @@ def test_limits_of_single_reals_are_singles(
     assert (kind.legal.lower, kind.legal.upper) == legal
 
 
-def test_layouts_compare_by_what_matters(tmp_path: Path) -> None:
+def test_layouts_compare_by_what_matters(tmp_path):
     field = '<body xsi:type="jaus:FixedField" name="{}" units="{}"/>'
     one = resolved(tmp_path, field.format("F", "meter"))
     other = resolved(tmp_path, field.format("F", "second"))

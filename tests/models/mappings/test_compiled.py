@@ -3,7 +3,6 @@
 import importlib
 import math
 import struct
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -155,14 +154,7 @@ def view_of(message: Any) -> Any:
 @for_each(("stem", "each"), to_ros, ids=name, shards=32, slow=True, rest=8)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)
-def test_to_ros(
-    program: str,
-    translator: Callable[[str], Translator],
-    stem: str,
-    each: Any,
-    data: Any,
-    seed: int,
-) -> None:
+def test_to_ros(program, translator, stem, each, data, seed):
     maps, way = translator(stem), f"{each.name}_to_ros"
     function = Function(maps, way, program)
     assert (function.compiled is None) is (way in LEFT_TO_PYTHON)
@@ -184,13 +176,7 @@ def test_to_ros(
 @for_each(("stem", "each"), to_jaus, ids=name, shards=32, slow=True, rest=8)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
-def test_to_jaus(
-    program: str,
-    translator: Callable[[str], Translator],
-    stem: str,
-    each: Any,
-    seed: int,
-) -> None:
+def test_to_jaus(program, translator, stem, each, seed):
     maps, way = translator(stem), f"{each.name}_to_jaus"
     function = Function(maps, way, program)
     assert (function.compiled is None) is (way in LEFT_TO_PYTHON)

@@ -4,7 +4,6 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import needs
 import pytest
@@ -53,7 +52,7 @@ WITHOUT_WHEELS = ("ackermann_msgs", "geographic_msgs")
 """Packages of messages that may not be installed; their maps are tried by their vectors."""
 
 
-def test_bridges_with_each_ready_map_start(workspace: Path) -> None:
+def test_bridges_with_each_ready_map_start(workspace):
     needs.ask("rclpy")
     done = subprocess.run(
         [sys.executable, "-c", START, str(free_port()), *(file.stem for file in FILES)],

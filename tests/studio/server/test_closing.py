@@ -9,7 +9,7 @@ from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.session import Session
 
 
-def test_what_another_program_wrote_is_taken_over_before_the_end(folder: Path) -> None:
+def test_what_another_program_wrote_is_taken_over_before_the_end(folder):
     project = Project(folder)
     asyncio.run(asyncio.wait_for(closed_while_busy(Session(StudioContext(project)), folder), 120))
     assert project.log

@@ -3,7 +3,6 @@
 import gc
 import threading
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -31,8 +30,8 @@ def collections() -> Iterator[list[int]]:
 
 
 def test_garbage_is_collected_once_after_a_change_and_never_at_rest(
-    folder: Path, collections: list[int], monkeypatch: pytest.MonkeyPatch
-) -> None:
+    folder, collections, monkeypatch
+):
     monkeypatch.setattr(checking, "_PAUSE", 0.01)
     thresholds = gc.get_threshold()
     prepare()
