@@ -25,8 +25,6 @@ CONNECTIONS = {
 """What the bridge carries, and who gets it."""
 
 COMMANDS = ("drive", "cruise")
-WITH_STOP = ("drive", "cruise", "odometry")
-"""Those for which something stands when their source is lost."""
 
 STALE = 2.5
 """Seconds after which a command must not be obeyed; bridges let none wait for more than two."""

@@ -244,10 +244,6 @@ def move(page: Page, number: int, effort: float) -> None:
     page.ask("stick.move", stick=number, fields={"PropulsiveLinearEffortX": effort})
 
 
-def texts_of(told: list[dict[str, Any]]) -> list[str]:
-    return [entry["text"] for entry in told]
-
-
 def test_a_stick_that_is_released_stops(holding, vehicle):
     number = held(holding)
     move(holding, number, 30.0)

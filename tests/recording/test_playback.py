@@ -120,7 +120,6 @@ def test_a_drop_is_explained_word_for_word(opened):
 ROOT = MODEL.parents[3]
 LAMPS = ROOT / "tests" / "live" / "services.ros2jaus"
 LISTS = ROOT / "models" / "examples" / "nav2" / "nav2.ros2jaus"
-ROUTES = ROOT / "tests" / "live" / "waypoint_lists.ros2jaus"
 CATVEHICLE = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
 CALLER = "20.1.1"
 

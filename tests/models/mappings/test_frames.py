@@ -21,7 +21,6 @@ from sensor_msgs.msg import Imu, NavSatFix, NavSatStatus
 GUARDS = ("models/library/mappings",)
 
 HALF = math.sqrt(0.5)
-ANGLE_STEP = 2 * math.pi / 65535
 ATTITUDES = list(product((-0.5, 0.0, 1.0), (-1.2, 0.0, 0.4), (-2.5, 0.0, 0.7, 3.0)))
 
 

@@ -12,8 +12,6 @@ from jausml.authoring.proposals.mapping.members import member
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import CONVERSIONS
 
-CHANGES_VALUES = {"deadband", "clamp", "limit"}
-
 
 class Map:
     """A map of a shipped model."""

@@ -25,7 +25,6 @@ from jausml.runtime.messages import (
 PERIODIC, EVERY_CHANGE = 0, 1
 STATUS = QueryStatus().encode()
 PULSE = QueryHeartbeatPulse().encode()
-LEAST_STEP = 1092 / 65535
 
 
 @pytest.fixture
