@@ -49,7 +49,7 @@ MODELS = [
 ]
 STRICT = ("-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 BARE = ("-fno-exceptions", "-fno-rtti")
-WATCHED = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+WATCHED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 STATUS = [
     "ok",

@@ -333,7 +333,7 @@ def test_no_bytes_do_what_c_leaves_undefined(made, tmp_path):
         [program, "-print-file-name=libasan.so"], capture_output=True, text=True
     ).stdout.strip()
     library = tmp_path / "_core.so"
-    flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1"]
+    flags = ["-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1"]
     source = made.folder / made.package / SOURCE
     subprocess.run([program, *FLAGS, *flags, "-o", library, source], check=True)
     full = {"class": 1.0, "delete": 2.0, "int": 3.0, "std": 4.0, "errno": "abc", "check": 5}

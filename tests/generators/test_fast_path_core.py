@@ -19,7 +19,7 @@ GUARDS = ("generators/jausml_generators/cpp",)
 TEMPLATES = Path(jaus_codec.__file__).parent / "templates"
 DRIVER = Path(__file__).with_name("fast_path_driver.cpp")
 WARNED = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
-FLAGS = ("-std=c++17", "-O1", "-g", "-pthread", "-fno-sanitize-recover=all", *WARNED)
+FLAGS = ("-std=c++17", "-O1", "-g1", "-pthread", "-fno-sanitize-recover=all", *WARNED)
 
 PEER, BRIDGE = 0x00010101, 0x0001010A
 ENOUGH, OTHER = 0, 1
