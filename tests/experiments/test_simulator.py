@@ -19,8 +19,6 @@ from experiments.simulator.stage import Condition, run_conditions
 STAND_IN = MODELS / "examples" / "simulator" / "stand_in.py"
 SETTER = Path(results.__file__).with_name("change_factor.py")
 
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 
 @pytest.fixture(scope="module")
 def stand_in():

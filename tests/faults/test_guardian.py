@@ -17,13 +17,7 @@ from tests.live.bridge_support import wait_for
 
 from .conftest import running
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 
 COMMANDS = ("cruise", "drive")
 SPEECH = re.compile(r"jausml guardian: .*")

@@ -14,13 +14,7 @@ needs.ask("rclpy")
 
 from .rover_system import COMMANDS
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 
 SILENCE = {"drive": 0.4, "cruise": 0.5}
 """Silence timeouts of the model in seconds."""

@@ -18,10 +18,7 @@ from workspaces import packages_of
 
 from .bridge_support import Process, RosPeer, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
 BRIDGES = {"waypoints": "waypoint_vehicle", "catvehicle": "bridge"}

@@ -14,11 +14,7 @@ from workspaces import packages_of
 
 from .bridge_support import Process, Repeater, RosPeer, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet"
 ADDRESSES = {"first": "100.1.10", "second": "100.1.20"}

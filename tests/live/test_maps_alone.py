@@ -16,12 +16,7 @@ from jausml.cli import main
 
 from .bridge_support import Process, Repeater, RosPeer, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 MAPS = """\
 WinchState {

@@ -17,13 +17,7 @@ from jausml.live.systems.playback import indexed
 
 from .bridge_support import MODEL, Process, Repeater, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.ports,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.ports]
 VEHICLE = str(MODEL.parents[2] / "live" / "bridge_vehicle.py")
 BRIDGE = "/loop_bridge"
 PATIENCE = 90.0

@@ -34,10 +34,7 @@ from jausml.runtime.services.definitions import Status
 
 from .bridge_support import ROOT, Process, Repeater, RosPeer, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 FRAGILE = ROOT / "tests" / "live" / "fragile_rover.py"
 PAGE = ROOT / "docs" / "how-to" / "ready-mappings.md"

@@ -25,10 +25,7 @@ from jausml.views.analysis.sizes import Assumptions
 
 from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 VEHICLE = str(Path(__file__).resolve().parent / "bridge_vehicle.py")
 ETH_P_ALL, PACKET_OUTGOING, ETHERNET = 3, 4, 1

@@ -10,10 +10,7 @@ needs.ask("rclpy")
 
 from .bridge_support import wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 FAILED = "ros.callback_failed"
 

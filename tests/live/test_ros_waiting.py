@@ -20,10 +20,7 @@ from jausml.runtime.bridge.ros.taking import AT_ONCE
 
 from .bridge_support import wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 
 @pytest.fixture

@@ -97,7 +97,6 @@ def test_without_sources_it_says_so():
     inspection.close()
 
 
-@pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 def test_ros_messages_as_lines():
     needs.ask("rclpy")
     from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
