@@ -4,7 +4,6 @@ import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -16,7 +15,7 @@ import pytest
 from click.testing import CliRunner
 from for_each import for_each
 from nav2 import nav2
-from scripts import run_script
+from scripts import run_script, succeeded
 from sweeps import sweep
 from warm import programs
 
@@ -151,8 +150,7 @@ def test_readme_shows_a_system_that_generates(tmp_path):
     (shown,) = re.findall(r"^```ros2jaus\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     (tmp_path / "front.ros2jaus").write_text(shown, encoding="utf-8")
     command = [sys.executable, "-m", "jausml", "generate", "front.ros2jaus", "-o", "src"]
-    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert result.returncode == 0, result.stderr
+    succeeded(command, cwd=tmp_path, timeout=60)
     base = (tmp_path / "src" / "front" / "front" / "front_base.py").read_text(encoding="utf-8")
     assert "target.twist.twist.linear.y = conversions.negate(source.velocity_y)" in base
 

@@ -6,12 +6,12 @@
 import hashlib
 import json
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 import warm
 from for_each import for_each
+from scripts import succeeded
 
 GUARDS = ("metamodels", "models")
 
@@ -46,8 +46,7 @@ def generate(models: Path, place: Path, out: Path) -> dict[str, bytes]:
     model = models / place
     verb = [*warm.command(), "generate"]
     command = [*verb, str(model), "-o", str(out), "--project-root", str(models)]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=100)
-    assert result.returncode == 0, result.stderr
+    succeeded(command, timeout=100)
     return {
         path.relative_to(out).as_posix(): path.read_bytes()
         for path in sorted(out.rglob("*"))

@@ -1,12 +1,12 @@
 """Rendered Python is laid out as ruff's formatter lays it out, which judges here."""
 
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from scripts import succeeded
 from sources import PACKAGES, modules_below
 
 from jausml.generation.python import layout
@@ -89,11 +89,9 @@ statements = st.one_of(
 
 def formatted(text: str) -> str:
     """Returns a text as ruff formats it."""
-    return subprocess.run(
-        [Path(sys.executable).with_name("ruff"), "format", "--isolated", "--line-length=100",
-         "--target-version=py310", "-"],
-        input=text, capture_output=True, text=True, check=True,
-    ).stdout  # fmt: skip
+    options = ("--isolated", "--line-length=100", "--target-version=py310")
+    ruff = Path(sys.executable).with_name("ruff")
+    return succeeded([ruff, "format", *options, "-"], input=text).stdout
 
 
 @settings(

@@ -2,13 +2,13 @@
 
 import importlib
 import os
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from scripts import succeeded
 from workspaces import packages_of, python_path
 
 from jausml.generation.rendering import render
@@ -53,14 +53,11 @@ class Generated:
         return found
 
     def tool(self, *arguments: str, **environment: str) -> None:
-        done = subprocess.run(
+        succeeded(
             [sys.executable, "-m", *arguments],
             cwd=self.folder / self.package,
             env={**os.environ, **environment},
-            capture_output=True,
-            text=True,
         )
-        assert done.returncode == 0, done.stdout + done.stderr
 
     def check_text(self) -> None:
         """Formatter, linter and type checker find nothing."""

@@ -12,6 +12,7 @@ from typing import Any
 import needs
 import pytest
 from codec_support import FieldNames, load, render
+from scripts import succeeded
 from sweeps import sweep
 from wire_vectors import given, payload_of, vectors
 
@@ -94,8 +95,7 @@ def watched(program: str) -> tuple[str, ...]:
 
 def compiled(program: str, *arguments: object) -> None:
     command = [program, *map(str, arguments)]
-    made = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert made.returncode == 0, made.stderr[:3000]
+    succeeded(command)
 
 
 def header(folder: Path, view: HeaderView) -> None:
@@ -287,10 +287,7 @@ def run(
     )
     flags = (*STRICT, *sanitizers, f"-I{folder}")
     compiled(program, *flags, HERE / "codec_cpp.cpp", "-o", folder / "turn")
-    said = subprocess.run(
-        [folder / "turn", folder / "payloads"], capture_output=True, text=True, check=False
-    )
-    assert said.returncode == 0, said.stderr[:3000]
+    said = succeeded([folder / "turn", folder / "payloads"])
     lines = [told(line) for line in said.stdout.splitlines()]
     at = len(made)
     return Run(
@@ -347,9 +344,7 @@ def test_no_macro_of_the_standard_library_is_a_name():
     source = (HERE / "codec_cpp.cpp").read_text(encoding="utf-8")
     includes = "".join(re.findall(r"#include <.*\n", source))
     command = [str(compiler()), "-std=c++17", "-dM", "-E", "-x", "c++", "-"]
-    text = subprocess.run(
-        command, input=includes, capture_output=True, text=True, check=True
-    ).stdout
+    text = succeeded(command, input=includes).stdout
     names = re.findall(r"^#define (\w+)(?= )", text, re.MULTILINE)
     assert {"EOF", "errno", "INT_MAX"} <= {*names}
     assert not [n for n in names if re.fullmatch("[A-Z][A-Za-z0-9]*", n) and cpp_class(n) == n]
@@ -367,9 +362,7 @@ def test_the_whole_library_compiles_for_small_computers(program, tmp_path):
     (tmp_path / "small.cpp").write_text(SMALL, encoding="utf-8")
     flags = (*STRICT, *BARE, "-Os", "-DJAUSML_NO_HEAP", "-c", "-o", tmp_path / "small.o")
     compiled(program, *flags, tmp_path / "small.cpp")
-    needed = subprocess.run(
-        ["nm", "-u", tmp_path / "small.o"], capture_output=True, text=True, check=True
-    ).stdout.split()
+    needed = succeeded(["nm", "-u", tmp_path / "small.o"]).stdout.split()
     assert not [symbol for symbol in needed if re.match("_Zn|_Zd|malloc|__cxa", symbol)]
 
 

@@ -1,11 +1,11 @@
 """Codecs in C++ of the messages that the library ships: what is printed of them can be compiled."""
 
-import subprocess
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from codec_support import definitions, shipped_sets
+from scripts import succeeded
 from sweeps import sweep
 
 from jausml.generation.native import FLAGS, compiler
@@ -30,5 +30,4 @@ def test_messages_compile(name, tmp_path):
     source = tmp_path / "messages.cpp"
     source.write_text("\n".join(lines), encoding="utf-8")
     command = [str(compiler()), *FLAGS, *CHECKED, f"-I{SUPPORT}", str(source)]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    succeeded(command)

@@ -3,12 +3,12 @@
 import compileall
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from scripts import succeeded
 from sweeps import sweep
 
 from jausml.cli import main
@@ -88,10 +88,7 @@ def run(*arguments: str, cwd: Path | None = None, path: str | None = None) -> st
     """Runs Python; returns what it printed."""
     environment = {**os.environ, **({"MYPYPATH": path} if path else {})}
     command = [sys.executable, *arguments]
-    result = subprocess.run(
-        command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=110
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
+    result = succeeded(command, cwd=cwd, env=environment, timeout=110)
     return result.stdout + result.stderr
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from scripts import succeeded
 
 from jausml.generation.native import compiler
 from jausml.runtime.base.counters import Counters
@@ -33,8 +34,7 @@ def built(folder, sanitizer):
     needs.ask("sanitizers")
     made = folder / "driver"
     line = [str(compiler()), *FLAGS, sanitizer, f"-I{TEMPLATES}", str(DRIVER), "-o", str(made)]
-    done = subprocess.run(line, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    succeeded(line)
     return made
 
 

@@ -2,7 +2,6 @@
 
 import ast
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from codec_support import (
     render,
     shipped_sets,
 )
+from scripts import succeeded
 
 HERE = Path(__file__).parent
 EVERY_KIND = HERE / "every_kind.xmi"
@@ -24,15 +24,12 @@ HOSTILE = HERE / "hostile_messages.xmi"
 
 
 def run(*command: str, cwd: Path) -> None:
-    done = subprocess.run(
+    succeeded(
         [sys.executable, "-m", *command],
         cwd=cwd,
         env={**os.environ, "MYPYPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.fixture(scope="module")

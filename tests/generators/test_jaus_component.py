@@ -2,7 +2,6 @@
 
 import inspect
 import os
-import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import pytest
 from codec_support import ROOT
 from ports import free_port
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import python_path
 
@@ -50,15 +50,12 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run(*command: str, cwd: Path, workspace: Path) -> None:
     path = python_path(workspace)
-    done = subprocess.run(
+    succeeded(
         [sys.executable, *command],
         cwd=cwd,
         env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("package", PACKAGES)

@@ -1,12 +1,12 @@
 """A service in JSIDL, all the way: imported, generated, clean, and the package's own tests pass."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from scripts import succeeded
 from workspaces import python_path
 
 JSIDL = ROOT / "tests" / "importers" / "winch"
@@ -22,15 +22,12 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 
 def run(*command: str | Path, cwd: Path) -> str:
     path = python_path(cwd)
-    done = subprocess.run(
+    done = succeeded(
         [sys.executable, "-m", *map(str, command)],
         cwd=cwd,
         env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 import warm
 from profiles import decided
+from scripts import succeeded
 from workspaces import python_path
 
 HERE = Path(__file__).parent
@@ -16,8 +17,7 @@ GUARDS = ("jausml/authoring/projects/templates", "models/library/mappings")
 
 def jausml(*arguments: str | Path) -> None:
     line = [*warm.command(), *map(str, arguments)]
-    done = subprocess.run(line, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stdout + done.stderr
+    succeeded(line, timeout=120)
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,13 @@
 """Simulated components: what is set is reported, by a skeleton in which nothing is written."""
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import warm
 from ports import free_port
+from scripts import succeeded
 from workspaces import python_path
 
 from jausml.generation.rendering import render
@@ -22,8 +22,7 @@ SUPPORT = HERE.parent / "support"
 
 def generated(model: Path, folder: Path) -> Path:
     line = [*warm.command(), "generate", str(model), "--all", "-o", str(folder)]
-    done = subprocess.run(line, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
+    succeeded(line, timeout=60)
     return folder
 
 
@@ -35,15 +34,12 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def run(workspace: Path, *arguments: str | Path, **variables: str) -> str:
     path = python_path(workspace)
     environment = {**os.environ, "MYPYPATH": path, **variables}
-    done = subprocess.run(
+    done = succeeded(
         [sys.executable, *map(str, arguments)],
         env={**environment, "PYTHONPATH": os.pathsep.join([path, str(SUPPORT)])},
         cwd=workspace,
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 

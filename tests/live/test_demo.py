@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from for_each import for_each
+from scripts import succeeded
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(150)]
@@ -18,15 +19,12 @@ pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(150)]
 def run(tmp_path: Path) -> tuple[Path, str]:
     """Runs the demonstration; returns its folder and what it printed."""
     folder = tmp_path / "out"
-    result = subprocess.run(
+    result = succeeded(
         [sys.executable, str(ROOT / "models" / "catvehicle" / "demo.py"), str(folder)],
         env={**os.environ, "ROS_DOMAIN_ID": "88"},
         cwd=folder.parent,
-        capture_output=True,
-        text=True,
         timeout=120,
     )
-    assert result.returncode == 0, result.stdout[-4000:] + result.stderr[-4000:]
     return folder, result.stdout
 
 

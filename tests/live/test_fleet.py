@@ -7,6 +7,7 @@ import needs
 import pytest
 import warm
 from ports import free_domain, free_port
+from scripts import succeeded
 
 needs.ask("rclpy")
 
@@ -47,8 +48,7 @@ def fleet(tmp_path_factory):
 
 def ocu(port, *arguments):
     command = [*warm.command(), "ocu", *arguments, "--port", port]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = succeeded(command, timeout=60)
     return done.stdout
 
 

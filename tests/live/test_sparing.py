@@ -1,10 +1,10 @@
 """A bridge does without the parts of ROS that make code of types."""
 
-import subprocess
 import sys
 
 import needs
 import pytest
+from scripts import succeeded
 
 pytestmark = pytest.mark.live
 
@@ -20,7 +20,5 @@ print(callable(generate_py))
 
 def test_what_generates_code_of_types_is_not_loaded_with_a_node_and_can_be_later():
     needs.ask("rclpy")
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM], capture_output=True, text=True, timeout=60, check=True
-    )
+    done = succeeded([sys.executable, "-c", PROGRAM], timeout=60)
     assert done.stdout.splitlines() == ["rosidl_generator_py", "True"]

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import warm
+from scripts import succeeded
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle"
 pytestmark = pytest.mark.live
@@ -64,12 +65,7 @@ def test_steps(packages):
         "ROS_DOMAIN_ID": "90",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
-    result = subprocess.run(
-        [sys.executable, "-c", SCRIPT, json.dumps(messages)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=60,
+    result = succeeded(
+        [sys.executable, "-c", SCRIPT, json.dumps(messages)], env=environment, timeout=60
     )
-    assert result.returncode == 0, result.stderr
     assert json.loads(result.stdout) == [[1, 0.1], [2, 0.2], [3, 0.3]]

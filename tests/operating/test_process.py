@@ -2,7 +2,6 @@
 
 import json
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Iterator
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from large_systems import large_system
+from scripts import succeeded
 from simulated_vehicle import STOP, TIMEOUT, VEHICLE, Vehicle, take, until
 from studio_client import Page, RefusedError, Server, operating, serving, started
 
@@ -34,7 +34,7 @@ def test_it_loads_nothing_that_reads_models():
     code = "import sys; from jausml.cli.live import operate;"
     code += "from jausml.live.operating import serving; print('\\n'.join(sys.modules))"
     line = [sys.executable, "-c", code]
-    loaded = subprocess.run(line, capture_output=True, text=True, check=True).stdout.split()
+    loaded = succeeded(line).stdout.split()
     heavy = ("jausml.authoring", "jausml.language.metamodel", "jausml.language.model", "pyecore")
     assert [name for name in loaded if name.startswith(heavy)] == []
 

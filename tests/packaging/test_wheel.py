@@ -14,6 +14,7 @@ from typing import NamedTuple
 import pytest
 from for_each import for_each
 from packaging.requirements import Requirement
+from scripts import succeeded
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -23,15 +24,7 @@ pytestmark = [pytest.mark.timeout(400), pytest.mark.slow]
 def run(*command: str | Path, cwd: Path) -> str:
     """Runs a command outside the checkout; returns what it printed."""
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
-    result = subprocess.run(
-        list(map(str, command)),
-        cwd=cwd,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert result.returncode == 0, f"{command}\n{result.stdout}\n{result.stderr}"
+    result = succeeded(list(map(str, command)), cwd=cwd, env=environment, timeout=300)
     return result.stdout
 
 
@@ -60,9 +53,7 @@ def copy_distribution(name: str, target: Path) -> None:
 
 def tracked() -> list[str]:
     """The files of the checkout that git knows and that are there."""
-    names = subprocess.run(
-        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
-    ).stdout.split("\0")
+    names = succeeded(["git", "ls-files", "-z"], cwd=ROOT).stdout.split("\0")
     return [name for name in names if name and (ROOT / name).exists()]
 
 

@@ -6,6 +6,7 @@ import subprocess
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 PATIENCE = 20.0
@@ -44,3 +45,10 @@ def _end(group: int) -> None:
             time.sleep(0.05)
             os.killpg(group, 0)
         os.killpg(group, signal.SIGKILL)
+
+
+def succeeded(line: Sequence[str | Path], **options: Any) -> subprocess.CompletedProcess[str]:
+    """Runs a program as `subprocess.run` does, with its output as text; it must not fail."""
+    done = subprocess.run(line, capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import compile_once
 import pytest
+from scripts import succeeded
 
 GUARDS = ("tests/support/compile_once.py",)
 REAL = next(filter(None, map(shutil.which, ("g++", "clang++"))), None)
@@ -39,7 +40,7 @@ class Compiler:
         if done.returncode:
             assert not made.exists()
             return done.stderr
-        return subprocess.run([made], capture_output=True, text=True, check=True).stdout
+        return succeeded([made]).stdout
 
     @property
     def times(self) -> int:

@@ -2,7 +2,6 @@
 
 import os
 import re
-import subprocess
 import sys
 from collections.abc import Iterator
 from typing import Any
@@ -19,6 +18,7 @@ from mapping_support import (
     read,
     ready_maps,
 )
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import packages_of
 
@@ -105,18 +105,15 @@ def test_the_vectors_of_each_file_hold(workspace, part):
     packages = [workspace / f"{stem}_bridge" for stem in [*ready_maps()][part::4]]
     paths = packages_of(workspace)
     tests = [str(package / "test") for package in packages]
-    done = subprocess.run(
+    succeeded(
         [sys.executable, "-m", "pytest", "-q", "--assert=plain", *tests],
         env={
             **os.environ,
             "PYTHONPATH": os.pathsep.join(map(str, paths)),
         },
         cwd=workspace,
-        capture_output=True,
-        text=True,
         timeout=120,
     )
-    assert done.returncode == 0, done.stdout[-4000:]
 
 
 def test_the_example_uses_ready_maps_alone():

@@ -2,13 +2,13 @@
 
 import json
 import os
-import subprocess
 import sys
 
 import needs
 import pytest
 from mapping_support import FILES
 from ports import free_domain, free_port
+from scripts import succeeded
 from workspaces import python_path
 
 pytestmark = [pytest.mark.slow, pytest.mark.live]
@@ -54,7 +54,7 @@ WITHOUT_WHEELS = ("ackermann_msgs", "geographic_msgs")
 
 def test_bridges_with_each_ready_map_start(workspace):
     needs.ask("rclpy")
-    done = subprocess.run(
+    done = succeeded(
         [sys.executable, "-c", START, str(free_port()), *(file.stem for file in FILES)],
         env={
             **os.environ,
@@ -62,12 +62,8 @@ def test_bridges_with_each_ready_map_start(workspace):
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "ROS_DOMAIN_ID": free_domain(),
         },
-        capture_output=True,
-        text=True,
         timeout=300,
-        check=False,
     )
-    assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout.splitlines()[-1])
     lacking = {
         stem

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 import warm
 from ports import free_port
+from scripts import succeeded
 from workspaces import python_path
 
 HERE = Path(__file__).resolve().parent
@@ -50,8 +51,7 @@ def workspace(tmp_path):
     folder = tmp_path / "ws"
     shutil.copytree(EXAMPLE / "src", folder, ignore=shutil.ignore_patterns("__pycache__"))
     command = ["generate", tmp_path / "winch.xmi", "-o", folder]
-    done = subprocess.run([*warm.command(), *command], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout + done.stderr
+    succeeded([*warm.command(), *command], timeout=60)
     return folder
 
 
