@@ -31,7 +31,7 @@ settings.register_profile(
 )
 settings.load_profile("jausml")
 
-pytest_plugins = ["browser", "expected_skips", "needs", "processor_time", "shared_library"]
+pytest_plugins = ["expected_skips", "needs", "processor_time", "shared_library", "browser"]
 SHARED_NETWORK = pytest.StashKey[str]()
 
 
