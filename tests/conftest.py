@@ -1,14 +1,13 @@
 """What holds for all tests."""
 
-from __future__ import annotations
-
 import gc
 import os
 import re
 import shlex
 import signal
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Generator
+from pathlib import Path
 
 import compile_once
 import execnet
@@ -19,16 +18,10 @@ from hypothesis.internal.conjecture import providers
 from isolation import announce_often, isolate, own_domain
 from ports import MOST_WORKERS, worker
 from sweeps import MARKING
-from xdist.scheduler import LoadFileScheduling
+from xdist.remote import Producer
+from xdist.scheduler import LoadFileScheduling, Scheduling
 
 from jausml.generation.native import compiler
-
-if TYPE_CHECKING:
-    from collections.abc import Generator
-    from pathlib import Path
-
-    from xdist.remote import Producer
-    from xdist.scheduler import Scheduling
 
 # No test judges the clock: an example that imports something for the first time may take long.
 # Examples are few and the same in each run, or JAUSML_EXAMPLES random ones (make test-random).
@@ -38,7 +31,7 @@ settings.register_profile(
 )
 settings.load_profile("jausml")
 
-pytest_plugins = ["expected_skips", "needs", "processor_time", "shared_library"]
+pytest_plugins = ["expected_skips", "needs", "processor_time", "shared_library", "browser"]
 SHARED_NETWORK = pytest.StashKey[str]()
 
 

@@ -91,7 +91,7 @@ def _model(model: Model, trip: RoundTrip) -> Model:
 
 _LONGEST = 600.0
 _FASTER = (
-    *("-O3", "-pthread"),
+    "-pthread",
     *(("-march=native",) if platform.machine() in {"x86_64", "AMD64"} else ()),
 )
 """Billions of values are worth it. Without contractions the bits are those of bridges."""

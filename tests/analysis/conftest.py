@@ -1,7 +1,5 @@
 """Systems for the tests of the analysis."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The figures that the analysis reads in the files of the runtime are those that it runs with."""
 
-from __future__ import annotations
-
 import needs
 
 from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings

@@ -1,7 +1,5 @@
 """The forms of a report: text of a hundred columns, JSON by its schema, a page for itself."""
 
-from __future__ import annotations
-
 import json
 import re
 from html.parser import HTMLParser

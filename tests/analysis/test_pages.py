@@ -1,7 +1,5 @@
 """Pages by templates: what models and files say is text, and nothing is loaded or run."""
 
-from __future__ import annotations
-
 import re
 from html.parser import HTMLParser
 

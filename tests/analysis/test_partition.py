@@ -1,7 +1,5 @@
 """Which bridge carries which connections: the weight, the limits, and all other partitions."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import pytest

@@ -1,7 +1,5 @@
 """Reports: loads, budgets and warnings of systems, against figures that were worked out by hand."""
 
-from __future__ import annotations
-
 import pytest
 from efforts import EFFORTS
 

@@ -1,7 +1,5 @@
 """Sizes are those that codecs, the packetizer and the middleware make."""
 
-from __future__ import annotations
-
 import functools
 
 import needs
@@ -108,7 +106,6 @@ TYPES = [
 ]
 
 
-@pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 @pytest.mark.parametrize("name", TYPES)
 def test_the_least_ros_message_has_the_size_that_the_middleware_makes(name):
     needs.ask("rclpy")
@@ -116,7 +113,6 @@ def test_the_least_ros_message_has_the_size_that_the_middleware_makes(name):
     assert len(serialized(message)) == ros_size(ros_types()[name], 0).least
 
 
-@pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 @pytest.mark.parametrize("count", [0, 1, 2, 7, 100])
 def test_sequences_are_counted_with_their_alignment(count):
     needs.ask("rclpy")

@@ -1,7 +1,5 @@
 """Components without a model, which speak with each other over real sockets."""
 
-from __future__ import annotations
-
 import asyncio
 import errno
 import socket

@@ -1,13 +1,11 @@
 """What `import jausml` offers: models and messages, and its names."""
 
-from __future__ import annotations
-
 import ast
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from scripts import succeeded
 
 import jausml
 
@@ -28,7 +26,7 @@ def test_every_name_is_there_and_typed():
 
 def test_the_package_alone_loads_nothing():
     code = "import sys, jausml; print([m for m in sys.modules if m.startswith('jausml.')])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = succeeded([sys.executable, "-c", code])
     assert done.stdout == "[]\n"
 
 

@@ -1,7 +1,5 @@
 """Requests: what comes back for a command, and why nothing does."""
 
-from __future__ import annotations
-
 import asyncio
 from pathlib import Path
 from queue import SimpleQueue

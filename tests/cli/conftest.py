@@ -1,7 +1,5 @@
 """Models and a runner for the tests of the command line."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Each kind of JAUS attribute against each kind of ROS field: accepted maps can be generated."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 from pathlib import Path

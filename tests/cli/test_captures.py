@@ -1,7 +1,5 @@
 """Captures of the verbs: how far they are read."""
 
-from __future__ import annotations
-
 import struct
 import subprocess
 import sys

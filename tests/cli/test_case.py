@@ -1,7 +1,5 @@
 """`jausml case`: what it writes, which evidence it takes, and what a case may lose."""
 
-from __future__ import annotations
-
 import json
 import shutil
 from hashlib import sha256

@@ -1,7 +1,5 @@
 """Completion, tried in the shells that are there."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 

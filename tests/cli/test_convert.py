@@ -1,7 +1,5 @@
 """`jausml convert`: what it writes, what it says, and what it leaves alone."""
 
-from __future__ import annotations
-
 import os
 import stat
 

@@ -1,7 +1,5 @@
 """`jausml decode` and `jausml encode`."""
 
-from __future__ import annotations
-
 import json
 import os
 import pty

@@ -1,7 +1,5 @@
 """`jausml diagram`: what it writes, and what it refuses."""
 
-from __future__ import annotations
-
 import struct
 from pathlib import Path
 

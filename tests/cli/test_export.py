@@ -1,7 +1,5 @@
 """`jausml export jsidl`: which services it writes, what it says, and what it leaves alone."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`jausml format`."""
 
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -1,7 +1,5 @@
 """`jausml generate`, with small targets in place of the shipped ones."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Text of a model is data: it is refused with a place, or it stays data in everything generated."""
 
-from __future__ import annotations
-
 import ast
 import re
 from functools import cache

@@ -1,7 +1,5 @@
 """`jausml import jsidl`: what it writes, what it says, and what it leaves alone."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

@@ -1,7 +1,5 @@
 """The importing verbs report in every format of reports on models."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.validation.formats import RENDERERS

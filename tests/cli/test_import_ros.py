@@ -1,12 +1,10 @@
 """`jausml import ros`: what it writes, what it says, and what it leaves alone."""
 
-from __future__ import annotations
-
 import json
-import subprocess
 import sys
 
 import pytest
+from scripts import succeeded
 
 WINCH = "# A winch.\n\nstd_msgs/Header header\nfloat64 speed # Of the rope [m/s].\nuint8 IDLE=0\n"
 
@@ -146,6 +144,5 @@ def test_ros_itself_is_not_needed(folder):
         "from jausml.cli import main\n"
         "main(['import', 'ros', 'ship_msgs', '-o', 'ship.xmi'])\n"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    succeeded([sys.executable, "-c", program])
     assert (folder / "ship.xmi").is_file()

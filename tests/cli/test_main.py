@@ -1,7 +1,5 @@
 """What holds for all verbs."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -9,6 +7,7 @@ from pathlib import Path
 
 import click
 import pytest
+from scripts import succeeded
 from sweeps import sweep
 
 from jausml.cli import VERBS, main
@@ -25,8 +24,7 @@ def test_help_lists_the_verbs_without_loading_them():
         "heavy = {'pyecore', 'jinja2', 'multigen', 'lxml'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"
     )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
+    result = succeeded([sys.executable, "-c", code])
     for verb, (_, text) in VERBS.items():
         assert f"  {verb}" in result.stdout
         assert text in result.stdout
@@ -48,8 +46,7 @@ def test_looking_up_messages_loads_neither_runtime_nor_text(words):
         " 'jausml_generators'}\n"
         "assert not heavy & set(sys.modules), heavy & set(sys.modules)\n"
     )
-    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
+    succeeded([sys.executable, "-c", code])
 
 
 def commands():
@@ -176,7 +173,5 @@ def test_a_short_process_collects_no_garbage(arguments, collects):
         "import gc, sys\nfrom jausml import cli\ntry:\n    cli.program()\n"
         "finally:\n    print('collects', gc.isenabled())"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments.split()], capture_output=True, text=True, check=True
-    )
+    done = succeeded([sys.executable, "-c", code, *arguments.split()])
     assert f"collects {collects}" in done.stdout

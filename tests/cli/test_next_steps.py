@@ -1,7 +1,5 @@
 """What goes wrong often says what to do next."""
 
-from __future__ import annotations
-
 import pytest
 
 NEXT = {

@@ -1,7 +1,5 @@
 """Options that have no effect beside others are refused, and nothing is written."""
 
-from __future__ import annotations
-
 import shlex
 
 import pytest

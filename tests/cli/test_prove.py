@@ -1,7 +1,5 @@
 """`jausml prove`: what it prints and writes, and what it refuses."""
 
-from __future__ import annotations
-
 import json
 from hashlib import sha256
 

@@ -1,7 +1,5 @@
 """What a verb works with is loaded when it works: help and completion of the shell are quick."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

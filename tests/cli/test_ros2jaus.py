@@ -1,7 +1,5 @@
 """The verbs that take models take ros2jaus text."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`jausml run`, with real processes."""
 
-from __future__ import annotations
-
 import ast
 import json
 import os

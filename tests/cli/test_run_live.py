@@ -1,7 +1,5 @@
 """`jausml generate` and `jausml run` with the shipped targets, JUDP and ROS 2."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -1,7 +1,5 @@
 """`jausml show` and `jausml list maps`."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

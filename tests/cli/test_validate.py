@@ -1,7 +1,5 @@
 """`jausml validate`."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """`jausml validate --baseline`: what was there before does not count."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

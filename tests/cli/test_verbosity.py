@@ -1,7 +1,5 @@
 """How much the command line says, and to whom."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

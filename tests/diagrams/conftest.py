@@ -1,30 +1,13 @@
 """Lets the tests import what they share with each other and with the generators', and a page."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
-import needs
 import pytest
+from browser import PATIENCE
 
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "generators")]
-
-PATIENCE = 30_000
-"""Milliseconds: long enough for a computer that is busy with other tests."""
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    """A browser without windows; it is ended soon, for its driver runs an event loop here."""
-    needs.ask("chromium")
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=needs.CHROMIUM)
-        yield started
-        started.close()
 
 
 @pytest.fixture

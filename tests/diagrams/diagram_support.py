@@ -1,7 +1,5 @@
 """Graphs of models, and what must hold of each."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from jausml.language.model import read_models

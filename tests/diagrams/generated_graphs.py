@@ -1,7 +1,5 @@
 """Systems by chance: the same number makes the same graph."""
 
-from __future__ import annotations
-
 import random
 
 from jausml.views.diagrams.graph import Edge, End, Graph, Group, Node, Port

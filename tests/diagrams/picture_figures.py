@@ -1,7 +1,5 @@
 """What is wrong with a picture, in numbers: what one sees who would draw it by hand."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from dataclasses import astuple, dataclass
 from itertools import combinations, pairwise

@@ -1,7 +1,5 @@
 """Figures of pictures: what one would draw better by hand must not grow."""
 
-from __future__ import annotations
-
 from dataclasses import astuple
 
 import pytest

@@ -1,7 +1,5 @@
 """Large pictures: what closed frames tell, and that nothing moves when they are opened."""
 
-from __future__ import annotations
-
 import json
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Lines of all shipped models: labels lie on nothing else, ways keep off frames and corners."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import pytest

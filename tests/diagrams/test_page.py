@@ -1,7 +1,5 @@
 """The page: one file that asks nobody, and in which texts of a model stay texts."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 import json

@@ -1,7 +1,5 @@
 """The page in a real browser: what its script does with what is drawn."""
 
-from __future__ import annotations
-
 import pytest
 from diagram_support import CAR, read
 from sweeps import sweep

@@ -1,7 +1,5 @@
 """Pictures: what stands in SVG, where, and that texts of a model stay texts."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from xml.etree import ElementTree

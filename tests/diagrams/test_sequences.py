@@ -1,7 +1,5 @@
 """Sequences of events, as text of Mermaid and as pictures."""
 
-from __future__ import annotations
-
 import re
 
 from jausml.views.diagrams.writers.sequence import Event, SequenceDiagram, mermaid, svg

@@ -1,7 +1,5 @@
 """Values: sizes and places for a page, which stay while the model changes."""
 
-from __future__ import annotations
-
 import json
 import os
 from copy import deepcopy

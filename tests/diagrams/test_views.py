@@ -1,7 +1,5 @@
 """Views: what the graphs of models hold, whatever the model."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Diagrams of what changed: what came, went and changed in colours and signs."""
 
-from __future__ import annotations
-
 import re
 import xml.etree.ElementTree as ET
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`jausml diff`: what changed, in the words of the models, and whom it breaks."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,15 +1,12 @@
 """The commands that the documentation shows are there, and run in order, as a reader types them."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex
 import shutil
-import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import build_site
 import click
@@ -18,14 +15,11 @@ import pytest
 from click.testing import CliRunner
 from for_each import for_each
 from nav2 import nav2
-from scripts import run_script
+from scripts import run_script, succeeded
 from sweeps import sweep
 from warm import programs
 
 from jausml.cli import main
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 GUARDS = ("metamodels", "README.md", "docs")
 
@@ -71,7 +65,7 @@ def verbs(page: Path) -> Iterator[list[str]]:
 
 
 @for_each("page", WITH_COMMANDS, ids=lambda page: page.stem)
-def test_verbs_and_options_that_pages_name_are_there(page: Path) -> None:
+def test_verbs_and_options_that_pages_name_are_there(page):
     for words in verbs(page):
         take(main, words)
 
@@ -99,7 +93,7 @@ GUARDING = {"decode", "install", "jaus-and-ros", "report"}
     sweep(WITH_COMMANDS, every=lambda page: page.stem in GUARDING, rest=1),
     ids=lambda page: page.stem,
 )
-def test_commands_run(page: Path, tmp_path: Path) -> None:
+def test_commands_run(page, tmp_path):
     if page.stem in NEED_A_COMPILER:
         needs.ask("compiler")
     (tmp_path / "models").symlink_to(ROOT / "models")
@@ -121,7 +115,7 @@ def test_commands_run(page: Path, tmp_path: Path) -> None:
     assert result.returncode == 0, result.stdout + result.stderr
 
 
-def test_findings_that_pages_show_have_the_form_of_findings() -> None:
+def test_findings_that_pages_show_have_the_form_of_findings():
     shown = [
         (page.name, line)
         for page in PAGES
@@ -131,33 +125,32 @@ def test_findings_that_pages_show_have_the_form_of_findings() -> None:
     assert [page_line for page_line in shown if not WHOLE_FINDING.match(page_line[1])] == []
 
 
-def test_tutorials_have_commands() -> None:
+def test_tutorials_have_commands():
     tutorials = {*(ROOT / "docs" / "tutorials").glob("*.md")}
     assert len(tutorials) == 3
     assert tutorials <= {*WITH_COMMANDS}
 
 
 @for_each("page", [*PAGES, *REFERENCES], ids=lambda page: page.relative_to(ROOT).as_posix())
-def test_links_lead_somewhere(page: Path) -> None:
+def test_links_lead_somewhere(page):
     text = REFERENCES[page]() if page in REFERENCES else page.read_text(encoding="utf-8")
     for link in LINK.findall(text):
         goal = Path(os.path.normpath(page.parent / link))
         assert goal in REFERENCES or goal.exists(), f"{page.name} links to {link}"
 
 
-def test_readme_names_exactly_the_two_commands() -> None:
+def test_readme_names_exactly_the_two_commands():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert re.findall(r"^    (\S.*)$", text, re.MULTILINE) == ["make demo", "make test"]
 
 
 @pytest.mark.slow
-def test_readme_shows_a_system_that_generates(tmp_path: Path) -> None:
+def test_readme_shows_a_system_that_generates(tmp_path):
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     (shown,) = re.findall(r"^```ros2jaus\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     (tmp_path / "front.ros2jaus").write_text(shown, encoding="utf-8")
     command = [sys.executable, "-m", "jausml", "generate", "front.ros2jaus", "-o", "src"]
-    result = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
-    assert result.returncode == 0, result.stderr
+    succeeded(command, cwd=tmp_path, timeout=60)
     base = (tmp_path / "src" / "front" / "front" / "front_base.py").read_text(encoding="utf-8")
     assert "target.twist.twist.linear.y = conversions.negate(source.velocity_y)" in base
 
@@ -169,12 +162,12 @@ BOTH_NOTATIONS = [
 ]
 
 
-def test_there_are_models_in_both_notations() -> None:
+def test_there_are_models_in_both_notations():
     assert len(BOTH_NOTATIONS) >= 3
 
 
 @pytest.mark.parametrize(("text", "xmi"), BOTH_NOTATIONS)
-def test_text_and_xmi_side_by_side_are_the_same(text: str, xmi: str, tmp_path: Path) -> None:
+def test_text_and_xmi_side_by_side_are_the_same(text, xmi, tmp_path):
     named = NAME.search(xmi)
     assert named is not None
     source, made = tmp_path / f"{named[1]}.ros2jaus", tmp_path / "made.xmi"

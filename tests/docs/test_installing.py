@@ -1,7 +1,5 @@
 """Nobody is told to install jausml by its name, which no public index has."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 
@@ -19,7 +17,7 @@ def texts() -> list[Path]:
     return [path for path in found if path.suffix in TEXTS and "node_modules" not in path.parts]
 
 
-def test_no_text_installs_jausml_by_its_name() -> None:
+def test_no_text_installs_jausml_by_its_name():
     assert SOURCE.endswith(".whl"), "once it is on an index, this test may go"
     told = {
         str(path.relative_to(ROOT)): match.group()
@@ -29,7 +27,7 @@ def test_no_text_installs_jausml_by_its_name() -> None:
     assert told == {}
 
 
-def test_what_is_looked_for_is_found() -> None:
+def test_what_is_looked_for_is_found():
     for text in ("pip install jausml", "pip install 'jausml[ros]'", "pipx install jausml"):
         assert BY_NAME.search(text)
     assert BY_NAME.search('pip install --find-links wheels "jausml==0.1.0"')

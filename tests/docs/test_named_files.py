@@ -1,7 +1,5 @@
 """Pages about the code: what they name is there."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

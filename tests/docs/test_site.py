@@ -1,7 +1,5 @@
 """The site of the documentation: it is built without a warning, and what it needs is there."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path, PurePosixPath

@@ -1,7 +1,5 @@
 """Random commands on the elements of a file."""
 
-from __future__ import annotations
-
 from jausml.authoring.editing.commands import Add, Child, Move, Movement, Remove, Rename, Set
 from jausml.language.metamodel import FeatureKind, ValueKind
 from jausml.language.metamodel.filling import contents

@@ -1,20 +1,15 @@
 """Commands that meet a change beneath them: planned again by element, or given back."""
 
-from __future__ import annotations
-
 import fcntl
 import os
 import threading
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
 from jausml.authoring.editing.commands import EditError, Place, Remove, Rename, Set
 from jausml.authoring.editing.project import Project
 from jausml.language.metamodel.classes import jaus
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 FILE = "boat.ros2jaus"
 TEXT = """\
@@ -51,7 +46,7 @@ def documented(project: Project, name: str, words: str = "said") -> Set:
     return Set(ref(project, name), "documentation", (words,))
 
 
-def test_two_projects_change_different_elements_and_keep_both(project: Project) -> None:
+def test_two_projects_change_different_elements_and_keep_both(project):
     other = Project(project.root)
     first = Rename(ref(project, "helm"), "rudder")
     second = Rename(ref(other, "winch"), "crane")
@@ -67,9 +62,7 @@ def test_two_projects_change_different_elements_and_keep_both(project: Project) 
 
 
 @pytest.mark.parametrize("told", [True, False], ids=["told", "met"])
-def test_a_command_finds_its_element_where_positions_have_shifted(
-    project: Project, *, told: bool
-) -> None:
+def test_a_command_finds_its_element_where_positions_have_shifted(project, *, told):
     base, command = project.revision, documented(project, "winch")
     save(project, f"component anchor {{ address: 1.1.9 }}\n{TEXT}")
     if told:
@@ -79,7 +72,7 @@ def test_a_command_finds_its_element_where_positions_have_shifted(
     assert text(project).count("said") == 1
 
 
-def test_what_both_have_changed_is_given_back_and_can_be_insisted_on(project: Project) -> None:
+def test_what_both_have_changed_is_given_back_and_can_be_insisted_on(project):
     base, command = project.revision, Set(ref(project, "winch"), "address", ("1.1.77",))
     changed = TEXT.replace("1.1.2", "1.1.55")
     save(project, changed)
@@ -92,7 +85,7 @@ def test_what_both_have_changed_is_given_back_and_can_be_insisted_on(project: Pr
 
 
 @pytest.mark.parametrize("make", [Remove, lambda reference: Rename(reference, "x")])
-def test_what_is_gone_or_has_another_name_is_given_back(project: Project, make) -> None:
+def test_what_is_gone_or_has_another_name_is_given_back(project, make):
     base, command = project.revision, make(ref(project, "winch"))
     changed = TEXT.replace("winch", "crane")
     save(project, changed)
@@ -102,7 +95,7 @@ def test_what_is_gone_or_has_another_name_is_given_back(project: Project, make) 
     assert text(project) == changed
 
 
-def test_what_somebody_has_worked_on_is_not_removed(project: Project) -> None:
+def test_what_somebody_has_worked_on_is_not_removed(project):
     base, command = project.revision, Remove(ref(project, "winch"))
     changed = TEXT.replace("1.1.2 }", "1.1.2  provides: VelocityStateSensor }")
     save(project, f"import jaus.mobility\n{changed}")
@@ -111,7 +104,7 @@ def test_what_somebody_has_worked_on_is_not_removed(project: Project) -> None:
     assert caught.value.conflict
 
 
-def test_what_has_no_name_is_found_by_what_it_is_or_not_at_all(tmp_path: Path) -> None:
+def test_what_has_no_name_is_found_by_what_it_is_or_not_at_all(tmp_path):
     model = (
         '<?xml version="1.0" encoding="UTF-8"?>\n<system:System xmi:version="2.0"'
         ' xmlns:xmi="http://www.omg.org/XMI" xmlns:system="http://www.jausml.org/system/1.0"'
@@ -132,7 +125,7 @@ def test_what_has_no_name_is_found_by_what_it_is_or_not_at_all(tmp_path: Path) -
     assert caught.value.conflict
 
 
-def test_adding_moving_and_placing_follow_their_owners(project: Project) -> None:
+def test_adding_moving_and_placing_follow_their_owners(project):
     base = project.revision
     winch, sounder = ref(project, "winch"), ref(project, "sounder")
     commands = [
@@ -145,7 +138,7 @@ def test_adding_moving_and_placing_follow_their_owners(project: Project) -> None
     assert project.positions(FILE, "system") == {"component:winch": (4, 5)}
 
 
-def test_an_edit_of_a_file_that_cannot_be_read_is_a_conflict(project: Project) -> None:
+def test_an_edit_of_a_file_that_cannot_be_read_is_a_conflict(project):
     base, command = project.revision, documented(project, "winch")
     broken = TEXT.replace("winch {", "winch {{{ ??")
     save(project, broken)
@@ -160,7 +153,7 @@ def test_an_edit_of_a_file_that_cannot_be_read_is_a_conflict(project: Project) -
     assert component(project, "winch").documentation == "said"
 
 
-def test_undo_of_what_others_did_is_followed_too(project: Project) -> None:
+def test_undo_of_what_others_did_is_followed_too(project):
     save(project, f"component anchor {{ address: 1.1.9 }}\n{TEXT}")
     project.refresh()
     base, command = project.revision, documented(project, "winch")
@@ -169,7 +162,7 @@ def test_undo_of_what_others_did_is_followed_too(project: Project) -> None:
     assert component(project, "winch").documentation == "said"
 
 
-def test_projects_that_write_at_once_lose_nothing(project: Project) -> None:
+def test_projects_that_write_at_once_lose_nothing(project):
     projects = [project, Project(project.root)]
     owners = ("helm", "winch")
     faults: list[Exception] = []
@@ -194,9 +187,7 @@ def test_projects_that_write_at_once_lose_nothing(project: Project) -> None:
     assert [component(found, owner).documentation for owner in owners] == ["helm 11", "winch 11"]
 
 
-def test_a_program_that_holds_the_folder_is_not_waited_for_forever(
-    project: Project, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_program_that_holds_the_folder_is_not_waited_for_forever(project, monkeypatch):
     monkeypatch.setattr("jausml.authoring.editing.reading._PATIENCE", 0.05)
     held = os.open(project.root, os.O_RDONLY)
     fcntl.flock(held, fcntl.LOCK_EX)
@@ -207,7 +198,7 @@ def test_a_program_that_holds_the_folder_is_not_waited_for_forever(
     project.do([documented(project, "helm")], "say")
 
 
-def test_a_preview_is_of_the_elements_that_were_meant(project: Project) -> None:
+def test_a_preview_is_of_the_elements_that_were_meant(project):
     base, command = project.revision, Remove(ref(project, "winch"))
     save(project, f"component anchor {{ address: 1.1.9 }}\n{TEXT}")
     project.refresh()

@@ -1,7 +1,5 @@
 """What is pasted is any text: it is read and judged, and never fails otherwise."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st

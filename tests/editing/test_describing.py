@@ -1,7 +1,5 @@
 """Copies of elements: described, and pasted in either notation under names that are free."""
 
-from __future__ import annotations
-
 import itertools
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What is kept from one edit to the next says what all would say that is read anew."""
 
-from __future__ import annotations
-
 import random
 import tempfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The layout file: readable differences, bad ones do no harm, boxes keep their place."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

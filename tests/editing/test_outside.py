@@ -1,7 +1,5 @@
 """Files that other programs change, delete or break; writes that are cut off."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -3,8 +3,6 @@
 That an edit does what it says, `Project.do` checks itself; that check failing is a failure here.
 """
 
-from __future__ import annotations
-
 import difflib
 import random
 import re

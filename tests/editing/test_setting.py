@@ -1,7 +1,5 @@
 """Setting of attributes in XMI: the edit changes a file as Eclipse lays it out, and no more."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.authoring.editing.commands import EditError, Set

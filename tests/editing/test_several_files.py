@@ -1,7 +1,5 @@
 """Random commands on models of several files, in both notations, that refer to each other."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

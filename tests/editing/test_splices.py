@@ -1,7 +1,5 @@
 """What two sequences have in common."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.authoring.editing.splices import common_ends

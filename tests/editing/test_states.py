@@ -1,7 +1,5 @@
 """Targets of transitions follow the states that they name, in XMI and in text."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

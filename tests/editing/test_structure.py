@@ -1,7 +1,5 @@
 """Adding, removing, moving and renaming in XMI, over several files; new files."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.authoring.editing.commands import (

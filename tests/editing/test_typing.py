@@ -1,7 +1,5 @@
 """What is typed: written as it is, read as far as it goes, and undone by what was typed at once."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """A small client of the language server protocol, over the pipes of a process."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

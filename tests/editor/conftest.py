@@ -1,7 +1,5 @@
 """What the tests of the editor share."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

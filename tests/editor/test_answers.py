@@ -1,7 +1,5 @@
 """What the editor is answered, as functions of a text and a place."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """A session with the language server as editors have it: over the pipes of a process."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

@@ -1,7 +1,5 @@
 """What stands in other files of the project is offered with the import that it needs."""
 
-from __future__ import annotations
-
 from jausml.authoring.editor.completion import complete
 from jausml.language.metamodel.classes import ros
 

@@ -1,7 +1,5 @@
 """The extension of Visual Studio Code: its files are sound, and its colours know the language."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

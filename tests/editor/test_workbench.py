@@ -1,7 +1,5 @@
 """The workbench: texts are parsed once, whoever asks."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from pathlib import Path

@@ -3,17 +3,15 @@
 `make emf` records the verdicts and the re-saved models; these tests need no Java.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 import warm
 from for_each import for_each
+from scripts import succeeded
 
 GUARDS = ("metamodels", "models")
 
@@ -30,14 +28,14 @@ JUDGED = [
 
 
 @for_each("path", JUDGED, ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_emf_reports_no_error(path: Path) -> None:
+def test_emf_reports_no_error(path):
     verdict = VERDICTS[path.relative_to(ROOT).as_posix()]
     digest = hashlib.sha256(path.read_bytes()).hexdigest()
     assert verdict["sha256"] == digest, "changed since EMF judged it: run `make emf`"
     assert not [line for line in verdict["lines"] if line.startswith("ERROR")]
 
 
-def test_every_example_was_saved_again() -> None:
+def test_every_example_was_saved_again():
     examples = [path for path in JUDGED if path.suffix == ".xmi" and "library" not in path.parts]
     saved = {path.relative_to(HERE / "resaved") for path in RESAVED}
     assert saved == {path.relative_to(ROOT / "models") for path in examples}
@@ -48,8 +46,7 @@ def generate(models: Path, place: Path, out: Path) -> dict[str, bytes]:
     model = models / place
     verb = [*warm.command(), "generate"]
     command = [*verb, str(model), "-o", str(out), "--project-root", str(models)]
-    result = subprocess.run(command, capture_output=True, text=True, timeout=100)
-    assert result.returncode == 0, result.stderr
+    succeeded(command, timeout=100)
     return {
         path.relative_to(out).as_posix(): path.read_bytes()
         for path in sorted(out.rglob("*"))
@@ -59,7 +56,7 @@ def generate(models: Path, place: Path, out: Path) -> dict[str, bytes]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("saved", SYSTEMS, ids=lambda path: path.stem)
-def test_saved_again_generates_the_same(saved: Path, tmp_path: Path) -> None:
+def test_saved_again_generates_the_same(saved, tmp_path):
     place = saved.relative_to(HERE / "resaved")
     models = tmp_path / "models"
     shutil.copytree(ROOT / "models" / "library", models / "library")
@@ -70,5 +67,5 @@ def test_saved_again_generates_the_same(saved: Path, tmp_path: Path) -> None:
     assert ours == theirs
 
 
-def test_there_are_systems_among_the_saved() -> None:
+def test_there_are_systems_among_the_saved():
     assert {path.stem for path in SYSTEMS} == {"catvehicle", "jaus_only", "minimal", "winch"}

@@ -1,7 +1,5 @@
 """Makes the experiments and the example's package importable."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,18 +1,12 @@
 """A run is the same value after it was written and read."""
 
-from __future__ import annotations
-
 import json
 import math
-from typing import TYPE_CHECKING
 
 import pytest
 from catvehicle.metrics import Sample
 
 from experiments.right_turn.data import Run, read_all
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 RUN = Run(
     system="J",
@@ -26,14 +20,14 @@ RUN = Run(
 )
 
 
-def test_a_run_comes_back_as_it_was(tmp_path: Path) -> None:
+def test_a_run_comes_back_as_it_was(tmp_path):
     RUN.write(RUN.place(tmp_path))
 
     assert Run.read(tmp_path / "J" / "03") == RUN
     assert read_all(tmp_path) == [RUN]
 
 
-def test_a_hop_is_summarised_where_messages_took_it(tmp_path: Path) -> None:
+def test_a_hop_is_summarised_where_messages_took_it(tmp_path):
     RUN.write(tmp_path)
     latency = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))["latency"]
 
@@ -47,7 +41,7 @@ def test_a_hop_is_summarised_where_messages_took_it(tmp_path: Path) -> None:
     }
 
 
-def test_a_metric_that_is_not_finite_is_no_number_in_the_file(tmp_path: Path) -> None:
+def test_a_metric_that_is_not_finite_is_no_number_in_the_file(tmp_path):
     Run("R", "0", arrived=False, metrics={"closeness": math.inf}).write(tmp_path)
 
     assert json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))["metrics"] == {
@@ -56,7 +50,7 @@ def test_a_metric_that_is_not_finite_is_no_number_in_the_file(tmp_path: Path) ->
     assert math.isnan(Run.read(tmp_path).metrics["closeness"])
 
 
-def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
+def test_a_file_of_another_kind_is_refused(tmp_path):
     RUN.write(tmp_path)
     (tmp_path / "latencies.csv").write_text("a,b\n", encoding="utf-8")
 

@@ -1,7 +1,5 @@
 """Figures of the right turn: all that shall be seen is drawn, and equal data gives equal files."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """How far two drives are apart that are not sampled at equal times."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,22 +1,16 @@
 """Verdicts on drives whose difference is known: simulated without middleware, with known delays."""
 
-from __future__ import annotations
-
 import random
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
 
 import pytest
 from catvehicle import VehicleParameters
 from catvehicle.closed_loop import Loop
 
 from experiments.right_turn.data import Run
-from experiments.right_turn.judging import TOLERATED_DELAY, judge, thresholds
+from experiments.right_turn.judging import TOLERATED_DELAY, Row, Verdict, judge, thresholds
 from experiments.right_turn.wall import judged_control
-
-if TYPE_CHECKING:
-    from experiments.right_turn.judging import Row, Verdict
 
 PARAMETERS = VehicleParameters()
 MILLISECOND = 0.001
@@ -53,7 +47,7 @@ def rows(verdict: Verdict) -> dict[str, Row]:
 
 
 @pytest.mark.slow
-def test_the_same_system_twice_is_equivalent() -> None:
+def test_the_same_system_twice_is_equivalent():
     verdict = judge(drives(0.0002, 1, 4), drives(0.0002, 2, 4), PARAMETERS)
 
     assert verdict.passes, verdict
@@ -62,14 +56,14 @@ def test_the_same_system_twice_is_equivalent() -> None:
 
 
 @pytest.mark.slow
-def test_a_good_bridge_is_equivalent() -> None:
+def test_a_good_bridge_is_equivalent():
     verdict = judge(drives(0.0002, 1, 4), drives(0.002, 3, 4), PARAMETERS)
 
     assert verdict.passes, verdict
 
 
 @pytest.mark.slow
-def test_a_delay_of_100_ms_is_shown_to_differ() -> None:
+def test_a_delay_of_100_ms_is_shown_to_differ():
     verdict = judge(drives(0.0002, 1, 4), drives(0.1, 4, 3), PARAMETERS)
 
     assert not verdict.passes
@@ -88,7 +82,7 @@ def test_a_delay_of_100_ms_is_shown_to_differ() -> None:
 
 
 @pytest.mark.slow
-def test_a_delay_of_20_ms_is_shown_to_differ() -> None:
+def test_a_delay_of_20_ms_is_shown_to_differ():
     # Four times what is tolerated: the test is sharp, not only able to see the absurd.
     verdict = judge(drives(0.0002, 1, 4), drives(0.02, 5, 4), PARAMETERS)
 
@@ -96,7 +90,7 @@ def test_a_delay_of_20_ms_is_shown_to_differ() -> None:
 
 
 @pytest.mark.slow
-def test_rare_long_delays_are_shown_to_differ() -> None:
+def test_rare_long_delays_are_shown_to_differ():
     # Two of a hundred messages wait 50 ms each way: no median tells of them.
     def with_tail(run: Run) -> Run:
         ways = {way: [series[0]] * 98 + [0.05] * 2 for way, series in run.latencies.items()}
@@ -115,14 +109,14 @@ def test_rare_long_delays_are_shown_to_differ() -> None:
 
 
 @pytest.mark.slow
-def test_a_plant_that_understeers_is_shown_to_differ() -> None:
+def test_a_plant_that_understeers_is_shown_to_differ():
     verdict = judge(drives(0.0002, 1, 4), drives(0.0002, 6, 3, understeer=0.0015), PARAMETERS)
 
     assert verdict.differs
     assert rows(verdict)["largest path error, m"].differs
 
 
-def test_too_few_drives_prove_nothing() -> None:
+def test_too_few_drives_prove_nothing():
     verdict = judge(drives(0.0002, 1, 4)[:1], drives(0.0002, 2, 4)[:1], PARAMETERS)
 
     assert not verdict.passes
@@ -130,7 +124,7 @@ def test_too_few_drives_prove_nothing() -> None:
     assert rows(verdict)["largest path error, m"].interval is None
 
 
-def test_scatter_makes_a_verdict_impossible_and_not_positive() -> None:
+def test_scatter_makes_a_verdict_impossible_and_not_positive():
     # Means are equal, but one drive of the second system is 40 ms late and one early.
     first = drives(0.02, 7, 2)
     second = [drives(0.0002, 1, 4)[0], drives(0.04, 8, 1)[0]]
@@ -141,7 +135,7 @@ def test_scatter_makes_a_verdict_impossible_and_not_positive() -> None:
     assert not rows(verdict)["steering activity, relative"].passes
 
 
-def test_a_drive_that_did_not_arrive_fails() -> None:
+def test_a_drive_that_did_not_arrive_fails():
     good = drives(0.0002, 1, 4)
     stuck = [replace(good[0], arrived=False), *good[1:]]
 
@@ -154,7 +148,7 @@ def test_a_drive_that_did_not_arrive_fails() -> None:
 
 
 @pytest.mark.slow
-def test_a_control_whose_drive_did_not_arrive_is_not_measured() -> None:
+def test_a_control_whose_drive_did_not_arrive_is_not_measured():
     good, late = drives(0.0002, 1, 4), drives(0.1, 4, 3)
     stuck = [*late[:2], replace(late[2], arrived=False)]
 
@@ -165,7 +159,7 @@ def test_a_control_whose_drive_did_not_arrive_is_not_measured() -> None:
     assert (found["drives"], found["arrived"]) == (3, 2)
 
 
-def test_a_vehicle_that_never_moved_fails() -> None:
+def test_a_vehicle_that_never_moved_fails():
     standing = Run("R", "0", arrived=False)
 
     verdict = judge(drives(0.0002, 1, 4)[:1], [standing], PARAMETERS)
@@ -174,12 +168,12 @@ def test_a_vehicle_that_never_moved_fails() -> None:
     assert verdict.pairs == 0
 
 
-def test_no_runs_are_no_verdict() -> None:
+def test_no_runs_are_no_verdict():
     with pytest.raises(ValueError, match="no pair"):
         judge([], drives(0.0002, 1, 4), PARAMETERS)
 
 
-def test_bounds_are_what_the_tolerated_delay_does() -> None:
+def test_bounds_are_what_the_tolerated_delay_does():
     bounds = thresholds(PARAMETERS)
 
     # Nothing that a person in the car would feel, and more than the steps of the messages.

@@ -1,7 +1,5 @@
 """The page and the table say what the data says, and no more."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

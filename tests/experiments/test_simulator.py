@@ -1,7 +1,5 @@
 """A bridge beside the stand-in of a simulator, and what is worked out of its runs."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import math
@@ -21,8 +19,6 @@ from experiments.simulator.stage import Condition, run_conditions
 STAND_IN = MODELS / "examples" / "simulator" / "stand_in.py"
 SETTER = Path(results.__file__).with_name("change_factor.py")
 
-pytestmark = pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
-
 
 @pytest.fixture(scope="module")
 def stand_in():
@@ -35,7 +31,7 @@ def stand_in():
 
 @pytest.mark.slow
 @pytest.mark.live
-def test_events_keep_the_pace_of_the_simulation(tmp_path) -> None:
+def test_events_keep_the_pace_of_the_simulation(tmp_path):
     told = []
     half, wall_clock = run_conditions(
         tmp_path,
@@ -60,7 +56,7 @@ def test_events_keep_the_pace_of_the_simulation(tmp_path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.live
-def test_the_factor_changes_and_a_wrong_one_is_refused(tmp_path) -> None:
+def test_the_factor_changes_and_a_wrong_one_is_refused(tmp_path):
     log = tmp_path / "simulator.csv"
     with Processes(tmp_path, {"ROS_DOMAIN_ID": "79"}) as processes:
         processes.start("simulator", STAND_IN, "--ros-args", "-p", f"log:={log}")
@@ -72,7 +68,7 @@ def test_the_factor_changes_and_a_wrong_one_is_refused(tmp_path) -> None:
 
 
 @pytest.mark.live
-def test_has_the_topics_that_gazebo_has_behind_its_bridge(tmp_path, monkeypatch) -> None:
+def test_has_the_topics_that_gazebo_has_behind_its_bridge(tmp_path, monkeypatch):
     import rclpy
 
     wanted = yaml.safe_load(STAND_IN.with_name("ros_gz_bridge.yaml").read_text(encoding="utf-8"))
@@ -97,7 +93,7 @@ def test_has_the_topics_that_gazebo_has_behind_its_bridge(tmp_path, monkeypatch)
 
 
 @pytest.mark.live
-def test_a_wrong_factor_ends_the_stand_in(tmp_path) -> None:
+def test_a_wrong_factor_ends_the_stand_in(tmp_path):
     with Processes(tmp_path, {"ROS_DOMAIN_ID": "79"}) as processes:
         started = processes.start(
             "simulator", STAND_IN, "--ros-args", "-p", "real_time_factor:=fast"
@@ -119,7 +115,7 @@ def test_a_wrong_factor_ends_the_stand_in(tmp_path) -> None:
         (0.0, -1.0, -2.62 / math.sin(0.5297)),
     ],
 )
-def test_a_command_is_a_radius(stand_in, speed, yaw_rate, radius) -> None:
+def test_a_command_is_a_radius(stand_in, speed, yaw_rate, radius):
     angle = stand_in.tyre_angle(speed, yaw_rate, stand_in.VehicleParameters())
     assert angle == pytest.approx(math.atan(2.62 / radius))
 
@@ -140,7 +136,7 @@ def written(folder: Path, rate: float) -> None:
 @pytest.mark.parametrize(
     ("rate", "follows"), [(10.0, True), (10.4, True), (10.6, False), (20.0, False)]
 )
-def test_judges_by_the_pace(tmp_path, rate, follows) -> None:
+def test_judges_by_the_pace(tmp_path, rate, follows):
     written(tmp_path, rate)
     result = results.judge(tmp_path, "written", follows_clock=True, arrived=False)
     moving, resting = result.segments
@@ -152,13 +148,13 @@ def test_judges_by_the_pace(tmp_path, rate, follows) -> None:
     assert result.held_pace
 
 
-def test_a_run_without_events_is_no_run(tmp_path) -> None:
+def test_a_run_without_events_is_no_run(tmp_path):
     written(tmp_path, 0.05)
     with pytest.raises(ValueError, match="no events"):
         results.judge(tmp_path, "written", follows_clock=True, arrived=False)
 
 
-def test_a_pace_that_was_not_held_is_known(tmp_path) -> None:
+def test_a_pace_that_was_not_held_is_known(tmp_path):
     written(tmp_path, 10.0)
     slow = (tmp_path / "simulator.csv").read_text().replace(",0.5,", ",0.6,")
     (tmp_path / "simulator.csv").write_text(slow)

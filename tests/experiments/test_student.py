@@ -1,7 +1,5 @@
 """Student's t distribution against tables."""
 
-from __future__ import annotations
-
 import pytest
 
 from experiments.right_turn.student import mean_interval, student_cdf, student_quantile
@@ -20,23 +18,23 @@ from experiments.right_turn.student import mean_interval, student_cdf, student_q
         (0.95, 100, 1.660),
     ],
 )
-def test_quantiles(share: float, freedom: int, value: float) -> None:
+def test_quantiles(share, freedom, value):
     assert student_quantile(share, freedom) == pytest.approx(value, abs=5e-4)
 
 
-def test_the_distribution_is_symmetric_and_whole() -> None:
+def test_the_distribution_is_symmetric_and_whole():
     assert student_cdf(0.0, 7) == 0.5
     assert student_cdf(1.3, 7) + student_cdf(-1.3, 7) == pytest.approx(1.0)
     assert student_cdf(1e6, 2) == pytest.approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize(("share", "freedom"), [(0.5, 3), (1.0, 3), (0.95, 0)])
-def test_what_has_no_quantile_is_refused(share: float, freedom: int) -> None:
+def test_what_has_no_quantile_is_refused(share, freedom):
     with pytest.raises(ValueError, match="no quantile"):
         student_quantile(share, freedom)
 
 
-def test_interval_of_a_mean() -> None:
+def test_interval_of_a_mean():
     # Mean 2, standard deviation 1: 2.920 / sqrt(3) on either side.
     assert mean_interval([1.0, 2.0, 3.0], 0.95) == pytest.approx((0.314, 3.686), abs=1e-3)
     assert mean_interval([2.0, 2.0], 0.95) == (2.0, 2.0)

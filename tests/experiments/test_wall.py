@@ -1,9 +1,5 @@
 """A pair of J and R drives in real time, with real processes."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 
 from experiments.processes import ExperimentError, wait_until
@@ -18,13 +14,10 @@ from experiments.right_turn.systems import (
     generate,
 )
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 pytestmark = [pytest.mark.live, pytest.mark.slow, pytest.mark.timeout(150)]
 
 
-def test_both_systems_drive_the_turn(tmp_path: Path) -> None:
+def test_both_systems_drive_the_turn(tmp_path):
     """Each hop was measured, and the runs are kept without the logs."""
     runs = wall.run(tmp_path, Plan(quick=True), lambda _: None)
     assert [(run.system, run.arrived) for run in runs] == [("J", True), ("R", True)]
@@ -36,7 +29,7 @@ def test_both_systems_drive_the_turn(tmp_path: Path) -> None:
     assert not list((tmp_path / "logs").rglob("*.log"))
 
 
-def test_a_late_command_on_tyres_that_slip_is_another_drive(tmp_path: Path) -> None:
+def test_a_late_command_on_tyres_that_slip_is_another_drive(tmp_path):
     workspace = generate(JAUS_ALONE, tmp_path / "slow")
     setting = Setting(place=3, plant="dynamic", delay=0.2)
     (run,) = drive([Drive(workspace, "late", setting)], tmp_path / "logs")
@@ -46,7 +39,7 @@ def test_a_late_command_on_tyres_that_slip_is_another_drive(tmp_path: Path) -> N
     assert run.metrics["path_error_max"] > 0.6
 
 
-def test_a_process_that_ends_is_told(tmp_path: Path) -> None:
+def test_a_process_that_ends_is_told(tmp_path):
     workspace = generate(JAUS_ALONE, tmp_path / "ended")
     with Running(workspace, Setting(place=4, plant="tank"), tmp_path / "logs") as system:
         system.start_named("vehicle")
@@ -56,7 +49,7 @@ def test_a_process_that_ends_is_told(tmp_path: Path) -> None:
             wait_until(lambda: False, 30.0, system.check)
 
 
-def test_a_model_with_errors_is_told(tmp_path: Path) -> None:
+def test_a_model_with_errors_is_told(tmp_path):
     model = tmp_path / "broken.xmi"
     model.write_text("<broken/>", encoding="utf-8")
 

@@ -1,18 +1,13 @@
 """What both ends say they exchanged, against what the network did."""
 
-from __future__ import annotations
-
 import time
-from typing import TYPE_CHECKING, Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from tests.live.bridge_support import wait_for
 
 from .networks import ADDRESSES, Udp
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from .rover_system import System
+from .rover_system import System
 
 PAIRS = {
     f"{ADDRESSES[sender]} to {ADDRESSES[receiver]}": (sender, receiver)

@@ -1,7 +1,5 @@
 """The system that the faults happen to, and where their figures go."""
 
-from __future__ import annotations
-
 import json
 import os
 import platform

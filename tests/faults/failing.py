@@ -1,15 +1,13 @@
 """Faults: what fails, for how long, and what is seen of it."""
 
-from __future__ import annotations
-
 import random
 import signal
 import struct
 import time
+from collections.abc import Callable
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from socket import AF_INET, SOCK_DGRAM, socket
-from typing import TYPE_CHECKING
 
 from ports import free_port
 
@@ -24,9 +22,6 @@ from tests.live.bridge_support import wait_for
 
 from .accounts import adds_up, books
 from .rover_system import COMMANDS, STALE, System
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 BRIDGE, VEHICLE, RIVAL = JausAddress(10, 1, 9), JausAddress(10, 1, 1), JausAddress(30, 1, 1)
 

@@ -6,8 +6,6 @@ Kinds: `commands` of somebody who has no control, `garbage`, and `reports` in th
 that is elsewhere. HOST is the address that they come from.
 """
 
-from __future__ import annotations
-
 import random
 import socket
 import sys

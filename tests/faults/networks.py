@@ -1,19 +1,14 @@
 """Networks between the bridge and its JAUS peers, which can fail."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ports import free_port
 
 from tests.live.bridge_support import Process, wait_for
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 FOLDER = Path(__file__).resolve().parent
 MANAGER = FOLDER.parent / "runtime" / "junior_manager.py"

@@ -3,8 +3,6 @@
 After SIGUSR1 it has gone wild for some seconds and sends each command many times.
 """
 
-from __future__ import annotations
-
 import signal
 import time
 

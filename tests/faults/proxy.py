@@ -8,8 +8,6 @@ datagrams fare: {"drop": 0.2, "repeat": 0.1, "delay": 0.1, "jitter": 0.05}; each
 what was done until then, and with what became of the packets of each pair of components.
 """
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import json

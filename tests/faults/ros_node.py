@@ -3,8 +3,6 @@
 Usage: ros_node.py [SECONDS by which its stamps are wrong]
 """
 
-from __future__ import annotations
-
 import signal
 import sys
 import threading

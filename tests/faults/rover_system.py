@@ -3,22 +3,16 @@
 Each role is a process. What the bridge and its JAUS peers exchange passes a network of networks.py.
 """
 
-from __future__ import annotations
-
 import signal
 import time
-from typing import TYPE_CHECKING, Any
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 from tests.live.bridge_support import PATIENCE, Process, wait_for
 
-from .networks import FOLDER, Udp
+from .networks import FOLDER, Network, Udp
 from .stamps import age
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-    from pathlib import Path
-
-    from .networks import Network
 
 ROLES = ("bridge", "vehicle", "operator", "ros")
 CONNECTIONS = {
@@ -31,8 +25,6 @@ CONNECTIONS = {
 """What the bridge carries, and who gets it."""
 
 COMMANDS = ("drive", "cruise")
-WITH_STOP = ("drive", "cruise", "odometry")
-"""Those for which something stands when their source is lost."""
 
 STALE = 2.5
 """Seconds after which a command must not be obeyed; bridges let none wait for more than two."""

@@ -7,8 +7,6 @@ are answered: {"cut": 1} ends all and refuses new ones, {"hold": 1} keeps them a
 pass, {} lets all pass, with what was held.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import selectors

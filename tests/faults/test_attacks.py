@@ -4,8 +4,6 @@ All is counted against what an honest operator does itself meanwhile, so that a 
 not fail it. Hosts are addresses of the loopback interface, treated as if they were elsewhere.
 """
 
-from __future__ import annotations
-
 import contextlib
 import threading
 

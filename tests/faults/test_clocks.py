@@ -1,7 +1,5 @@
 """Clocks that jump, and stamps from other days: data goes on both ways."""
 
-from __future__ import annotations
-
 import time
 
 import needs
@@ -16,14 +14,7 @@ from .conftest import running
 
 DAY = 86400.0
 HOUR = 3600.0
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.faults,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(120),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.faults, pytest.mark.timeout(120)]
 
 
 @pytest.mark.parametrize("offset", [-3 * DAY, -HOUR, HOUR, 3 * DAY])

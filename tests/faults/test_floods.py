@@ -1,7 +1,5 @@
 """A port that is flooded: what becomes of the connections, beside the same time without a flood."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal
@@ -24,14 +22,7 @@ RATE = 50_000
 SECONDS = 5.0
 RUNS = 3
 OWN = "127.0.0.1"
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.faults,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.faults, pytest.mark.timeout(240)]
 
 
 WILD_SECONDS, WILD_RATE = 5.0, 4000

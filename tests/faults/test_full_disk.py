@@ -1,7 +1,5 @@
 """A log for which the disk has no room."""
 
-from __future__ import annotations
-
 import errno
 import time
 
@@ -15,13 +13,7 @@ from isolation import small_folder
 from .conftest import running
 from .failing import nonsense
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.faults,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.faults]
 
 
 @pytest.mark.needs("mounts")

@@ -1,7 +1,5 @@
 """What the guardian of a bridge says when the bridge cannot, and that it is silent otherwise."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
@@ -19,13 +17,7 @@ from tests.live.bridge_support import wait_for
 
 from .conftest import running
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 
 COMMANDS = ("cruise", "drive")
 SPEECH = re.compile(r"jausml guardian: .*")

@@ -4,8 +4,6 @@ Halts around the timeout are the ones that matter: nothing has been lost by then
 was commanded meanwhile still waits, in sockets and in the queues of ROS.
 """
 
-from __future__ import annotations
-
 import signal
 import time
 
@@ -16,13 +14,7 @@ needs.ask("rclpy")
 
 from .rover_system import COMMANDS
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 
 SILENCE = {"drive": 0.4, "cruise": 0.5}
 """Silence timeouts of the model in seconds."""

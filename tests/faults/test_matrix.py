@@ -6,8 +6,6 @@ source is lost; and no command was obeyed late. Of what was sent by way of the n
 know how much came and how much was lost, exactly.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import needs
@@ -30,13 +28,7 @@ from .failing import (
 )
 from .rover_system import ROLES
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 
 ROLE_STOPS = {
     "bridge": ("drive",),

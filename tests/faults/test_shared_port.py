@@ -1,7 +1,5 @@
 """Programs of one host at one port: its owner is lost, or another one; the others go on."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import needs
@@ -11,13 +9,7 @@ needs.ask("rclpy")
 
 from .failing import Fault, ended, halted, killed, suffer
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 
 SHARED = [
     Fault("owner of the port killed", partial(killed, role="vehicle"), 3, ("odometry",)),

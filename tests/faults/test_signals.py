@@ -6,8 +6,6 @@ Python finds the module to run, SIGINT raises KeyboardInterrupt in Python's own 
 line catches SIGTERM, by which it is known to have run.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import signal

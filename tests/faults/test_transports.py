@@ -1,7 +1,5 @@
 """The bridge and its peers over TCP, and at a node manager: cut, killed, and back."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import needs
@@ -13,13 +11,7 @@ from .conftest import running
 from .failing import Fault, ended, halted, killed, network, suffer
 from .networks import NodeManager, Tcp
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(240)]
 
 LONG = (pytest.mark.faults,)
 ALL = ("drive", "cruise", "odometry")

@@ -3,8 +3,6 @@
 Usage: vehicle.py [SECONDS by which its stamps are wrong [SECONDS of control]] OPTIONS
 """
 
-from __future__ import annotations
-
 import sys
 from datetime import datetime, timedelta, timezone
 from itertools import takewhile

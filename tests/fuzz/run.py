@@ -8,8 +8,6 @@ input that shows a bug, and optionally ``seeds() -> Sequence[bytes]``, inputs to
 ``report() -> str``, told at the end.
 """
 
-from __future__ import annotations
-
 import argparse
 import difflib
 import hashlib
@@ -21,14 +19,12 @@ import sys
 import tempfile
 import time
 import traceback
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-    from types import ModuleType
+from types import ModuleType
+from typing import Any
 
 HERE = Path(__file__).parent
 EXIT_OK, EXIT_FOUND, EXIT_USAGE = 0, 1, 2

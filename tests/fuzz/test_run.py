@@ -1,7 +1,5 @@
 """The fuzz driver, as a process."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

@@ -1,9 +1,7 @@
 """A toy target over a toy model, and a workspace into which it generates."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -14,9 +12,6 @@ from jausml.generation.plan import make_plan
 from jausml.generation.rendering import render as render_artifacts
 from jausml.generation.target import FileTask, Target, TextFile, TextTask
 from jausml.generation.writer import apply
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 TEMPLATES = {
     "base.py.j2": """\

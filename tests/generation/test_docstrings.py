@@ -1,7 +1,5 @@
 """Docstrings say a long text once, and end their first line where a thought ends."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.generation.literals import model_docstring
@@ -21,7 +19,7 @@ LONG = "and says what the peer is to do with it when the time has come"
         ("x" * 120, f"{'x' * 95}.", f"{'x' * 96}{'x' * 24}."),
     ],
 )
-def test_first_lines_end_with_a_thought(text: str, first: str, others: str) -> None:
+def test_first_lines_end_with_a_thought(text, first, others):
     quoted, _, rest = model_docstring(text, 0).removesuffix('"""').partition("\n")
     assert quoted.startswith(f'"""{first}'[:50])
     assert "..." not in quoted

@@ -1,7 +1,5 @@
 """What has drifted between a user's file and the model, told without importing the file."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.generation.artifact import Artifact, Kind, MethodContract, SkeletonContract

@@ -1,7 +1,5 @@
 """Rendered Python gets the import statements for what it uses, and knows all of it."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.generation.python import Imports, Modules, Origin, UnknownNameError, offered
@@ -24,12 +22,12 @@ def imported(body: str, **options: object) -> str:
     return text[len(HEAD) : -len(body)].strip("\n")
 
 
-def test_only_what_is_used_is_imported() -> None:
+def test_only_what_is_used_is_imported():
     assert imported("x = Odometry()\n") == "from nav_msgs.msg import Odometry"
     assert imported("x = 1\n") == ""
 
 
-def test_sections_and_names_are_in_order() -> None:
+def test_sections_and_names_are_in_order():
     body = (
         "x = [math.pi, rclpy, set_time, LIMIT, JausAddress, TurtlesimPose, Odometry]\n"
         "y = [ReportPose10, ReportPose9]\n"
@@ -44,7 +42,7 @@ def test_sections_and_names_are_in_order() -> None:
     )
 
 
-def test_names_of_annotations_alone_are_for_type_checkers() -> None:
+def test_names_of_annotations_alone_are_for_type_checkers():
     body = "def f(x: Odometry, y: list[ReportPose]) -> Path | None:\n    z: JausAddress = x\n"
     assert imported(body) == (
         "from typing import TYPE_CHECKING\n\n"
@@ -55,29 +53,29 @@ def test_names_of_annotations_alone_are_for_type_checkers() -> None:
     )
 
 
-def test_users_get_them_plainly() -> None:
+def test_users_get_them_plainly():
     body = "def f(x: Odometry) -> None:\n    pass\n"
     assert imported(body, for_user=True) == "from nav_msgs.msg import Odometry"
 
 
-def test_what_runs_and_annotates_is_imported_once() -> None:
+def test_what_runs_and_annotates_is_imported_once():
     assert imported("x: Odometry = Odometry()\n") == "from nav_msgs.msg import Odometry"
 
 
-def test_what_the_module_defines_is_not_imported() -> None:
+def test_what_the_module_defines_is_not_imported():
     assert imported("class Odometry:\n    pass\n\n\nx = Odometry()\n") == ""
 
 
-def test_own_package_comes_last() -> None:
+def test_own_package_comes_last():
     names = {**offered("arm.arm", "Arm"), **offered("zoo", "Bear")}
     text = Modules().finished(f"{HEAD}x = Arm(Bear)\n", Imports(names, own="arm"))
     assert text == f"{HEAD}\nfrom zoo import Bear\n\nfrom arm.arm import Arm\nx = Arm(Bear)\n"
 
 
-def test_an_unknown_name_is_an_error() -> None:
+def test_an_unknown_name_is_an_error():
     with pytest.raises(UnknownNameError, match="'Odometer'"):
         imported("x = Odometer()\n")
 
 
-def test_builtins_and_names_of_modules_are_known() -> None:
+def test_builtins_and_names_of_modules_are_known():
     assert imported("x = len(__name__), ValueError\n") == ""

@@ -1,14 +1,12 @@
 """Rendered Python is laid out as ruff's formatter lays it out, which judges here."""
 
-from __future__ import annotations
-
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from scripts import succeeded
 from sources import PACKAGES, modules_below
 
 from jausml.generation.python import layout
@@ -91,18 +89,16 @@ statements = st.one_of(
 
 def formatted(text: str) -> str:
     """Returns a text as ruff formats it."""
-    return subprocess.run(
-        [Path(sys.executable).with_name("ruff"), "format", "--isolated", "--line-length=100",
-         "--target-version=py310", "-"],
-        input=text, capture_output=True, text=True, check=True,
-    ).stdout  # fmt: skip
+    options = ("--isolated", "--line-length=100", "--target-version=py310")
+    ruff = Path(sys.executable).with_name("ruff")
+    return succeeded([ruff, "format", *options, "-"], input=text).stdout
 
 
 @settings(
     max_examples=10, deadline=None, phases=[Phase.generate], suppress_health_check=list(HealthCheck)
 )
 @given(st.lists(statements, min_size=40, max_size=40))
-def test_random_statements_are_laid_out_as_ruff_does(lines: list[str]) -> None:
+def test_random_statements_are_laid_out_as_ruff_does(lines):
     text = "".join(f"def function():\n    {line}\n\n\n" for line in lines).rstrip("\n") + "\n"
     laid = layout(text)
     assert formatted(laid) == formatted(text)
@@ -110,11 +106,11 @@ def test_random_statements_are_laid_out_as_ruff_does(lines: list[str]) -> None:
 
 
 @pytest.mark.parametrize("part", ["generation", "runtime", "language/text", "live"])
-def test_what_ruff_has_formatted_stays(part: str) -> None:
+def test_what_ruff_has_formatted_stays(part):
     stays(PACKAGES["jausml"] / part)
 
 
-def test_what_ruff_has_formatted_of_the_generators_stays() -> None:
+def test_what_ruff_has_formatted_of_the_generators_stays():
     stays(PACKAGES["jausml_generators"])
 
 
@@ -124,47 +120,47 @@ def stays(folder: Path) -> None:
         assert layout(text) == text, path
 
 
-def test_short_statements_stay_as_they_are() -> None:
+def test_short_statements_stay_as_they_are():
     text = "x = {'a':1}\n\n\n\ny = f( x )\n"
     assert layout(text) == text
 
 
-def test_what_is_no_python_stays_as_it_is() -> None:
+def test_what_is_no_python_stays_as_it_is():
     text = f"x = f({'a' * 60}, {'b' * 60}\n"
     assert layout(text) == text
 
 
-def test_a_comment_with_no_room_behind_its_statement_stands_above() -> None:
+def test_a_comment_with_no_room_behind_its_statement_stands_above():
     text = f"def f():\n    x = {'a' * 80}  # meter per second\n"
     assert layout(text) == f"def f():\n    # meter per second\n    x = {'a' * 80}\n"
 
 
-def test_comments_and_long_strings_inside_a_statement_stay() -> None:
+def test_comments_and_long_strings_inside_a_statement_stay():
     text = f'x = f(\n    {"a" * 60},  # first\n    """{"b" * 60}\n    """, 1)\n'
     assert layout(text) == text
 
 
-def test_a_comma_at_the_end_asks_for_a_line_for_each_item() -> None:
+def test_a_comma_at_the_end_asks_for_a_line_for_each_item():
     assert layout("x = [\n    a, b,\n]\n") == "x = [\n    a,\n    b,\n]\n"
 
 
-def test_a_lone_parameter_that_does_not_fit_has_a_comma() -> None:
+def test_a_lone_parameter_that_does_not_fit_has_a_comma():
     """A generated test of a machine with a long name once was longer than a line."""
     head, kind = "def test_" + "x" * 60, "way: tuple[tuple[str, int, str], ...]"
     laid = layout(f"{head}({kind}) -> None:\n    pass\n")
     assert laid == f"{head}(\n    {kind},\n) -> None:\n    pass\n"
 
 
-def test_strings_that_follow_each_other_become_one_where_there_is_room() -> None:
+def test_strings_that_follow_each_other_become_one_where_there_is_room():
     text = f'x = f(a={"a" * 50}, b=("one " "two"), c={"c" * 40})\n'
     assert layout(text) == formatted(text)
 
 
-def test_a_broken_statement_that_fits_becomes_a_line() -> None:
+def test_a_broken_statement_that_fits_becomes_a_line():
     assert layout("x = f(\n    a,\n    b\n)\n") == "x = f(a, b)\n"
 
 
-def test_f_strings_are_not_broken() -> None:
+def test_f_strings_are_not_broken():
     piece = "{each.value!r:>{width}}" * 3
     text = f'x = function(f"{piece}", {"a" * 40}, {"b" * 20})\n'
     assert layout(text) == formatted(text)

@@ -1,7 +1,5 @@
 """Filters keep model text data, whatever is in it, and lay code out as ruff's formatter does."""
 
-from __future__ import annotations
-
 import ast
 import math
 import xml.etree.ElementTree as ET

@@ -1,7 +1,5 @@
 """Model text stays data in a Lua file."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Several models, one workspace: whose files are whose."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

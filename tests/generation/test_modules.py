@@ -1,7 +1,5 @@
 """Rendered modules are finished piece by piece; what differs in a word alone, once."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

@@ -1,19 +1,12 @@
 """The build of compiled cores tells what the compiler refuses."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 
 from jausml.generation.native import SOURCE, State, build, compiler, library_of
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 @pytest.mark.needs("compiler")
-def test_the_error_is_told_and_not_where_it_is(tmp_path: Path) -> None:
+def test_the_error_is_told_and_not_where_it_is(tmp_path):
     program = compiler()
     assert program is not None
     source = tmp_path / "front" / SOURCE

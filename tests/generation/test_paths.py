@@ -1,7 +1,5 @@
 """Output paths come from names in models: an unsafe one is refused before anything is written."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.generation.artifact import Artifact, Kind, find_problems, path_problem

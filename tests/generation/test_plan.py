@@ -1,7 +1,5 @@
 """Regeneration: what is kept, rewritten, deleted, reported and refused."""
 
-from __future__ import annotations
-
 import json
 import shutil
 import subprocess

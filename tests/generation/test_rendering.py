@@ -1,10 +1,7 @@
 """Rendering to memory: strict templates, headers, located errors."""
 
-from __future__ import annotations
-
 import io
 import re
-import subprocess
 import sys
 import tokenize
 import warnings
@@ -12,6 +9,7 @@ from dataclasses import replace
 
 import jinja2
 import pytest
+from scripts import succeeded
 
 from jausml import __version__
 from jausml.generation.artifact import Kind, add_header, has_valid_header, syntax_problem
@@ -281,9 +279,7 @@ def test_generated_python_is_as_ruff_formats_it(workspace, vehicle, rename, doc)
         "--diff",
         str(workspace.out),
     ]
-    result = subprocess.run(command, capture_output=True, text=True)
-
-    assert result.returncode == 0, result.stdout
+    succeeded(command)
 
 
 def test_templates_beside_a_module(tmp_path):

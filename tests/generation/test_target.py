@@ -1,7 +1,5 @@
 """Targets are found through entry points."""
 
-from __future__ import annotations
-
 from importlib.metadata import EntryPoint
 
 import pytest

@@ -1,7 +1,5 @@
 """Carrying out a plan: a failure at any point leaves each file old or new, and a rerun heals it."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from contextlib import contextmanager

@@ -1,15 +1,14 @@
 """Generates the bridge of a small model in text and imports it."""
 
-from __future__ import annotations
-
 import importlib
 import os
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
+from scripts import succeeded
 from workspaces import packages_of, python_path
 
 from jausml.generation.rendering import render
@@ -17,9 +16,6 @@ from jausml.language.validation.engine import check_project
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 _UNKNOWN = "diagnostic_msgs geometry_msgs nav_msgs rcl_interfaces rclpy sensor_msgs std_msgs"
@@ -57,14 +53,11 @@ class Generated:
         return found
 
     def tool(self, *arguments: str, **environment: str) -> None:
-        done = subprocess.run(
+        succeeded(
             [sys.executable, "-m", *arguments],
             cwd=self.folder / self.package,
             env={**os.environ, **environment},
-            capture_output=True,
-            text=True,
         )
-        assert done.returncode == 0, done.stdout + done.stderr
 
     def check_text(self) -> None:
         """Formatter, linter and type checker find nothing."""

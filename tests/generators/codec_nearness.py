@@ -1,17 +1,12 @@
 """What scaled fields of messages hold, and whether a message came back as near as they allow."""
 
-from __future__ import annotations
-
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from jausml_generators.python.codec.classes import ContainerClass, VariableFieldClass
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.codec.scalars import Bits, Fixed
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml_generators.python.codec.messages import MessageView
 
 
 def differences(view: MessageView, sent: Any, received: Any) -> list[str]:

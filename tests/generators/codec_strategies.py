@@ -1,18 +1,14 @@
 """Hypothesis strategies for the messages that views describe: only legal values."""
 
-from __future__ import annotations
-
 import re
 import struct
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from hypothesis import strategies as st
 
 from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass, VariableFieldClass
+from jausml_generators.python.codec.messages import MessageView
 from jausml_generators.python.codec.scalars import Bits, Fixed
-
-if TYPE_CHECKING:
-    from jausml_generators.python.codec.messages import MessageView
 
 LATIN1 = st.characters(max_codepoint=255, exclude_characters="\0")
 

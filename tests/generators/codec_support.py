@@ -1,13 +1,12 @@
 """Codecs generated from the library, and their objects in the shape of the golden vectors."""
 
-from __future__ import annotations
-
 import functools
 import importlib.util
 import sys
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 from lxml import etree
 
@@ -19,9 +18,6 @@ from jausml_generators.python.codec.classes import BitFieldClass, ContainerClass
 from jausml_generators.python.codec.message_builder import build_message_map
 from jausml_generators.python.codec.messages import MessagesModule, MessageView
 from jausml_generators.python.codec.scalars import Tag
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 TEMPLATES = ROOT / "generators" / "jausml_generators" / "python" / "templates"

@@ -4,22 +4,18 @@ Most of what is drawn holds: the other end provides what it is asked for, the ex
 and figures are drawn from what could hurt. As with mutants, a function chooses one of some things.
 """
 
-from __future__ import annotations
-
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+from mutants import Choose
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model import library_root, read_models
 from jausml.language.semantics.jaus.commands import is_command
 from jausml.language.text.notation import NOTATIONS
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from mutants import Choose
 
 _LIBRARY = "http://www.jausml.org/library/jaus"
 _NAMES = (

@@ -7,8 +7,6 @@ left beside it. Each run is a process forked from one that has imported rclpy an
 copy has what the first run compiled: the runs differ in the one module.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import sys

@@ -5,8 +5,6 @@ services, in the order of the tasks, sent to all components of the node by multi
 send theirs. Each row names the answer, and what it says.
 """
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

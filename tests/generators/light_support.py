@@ -1,7 +1,5 @@
 """Light classes of all types of the library, values for them, and an own writer of CDR."""
 
-from __future__ import annotations
-
 import functools
 import importlib
 import struct

@@ -4,27 +4,27 @@ A mutant is drawn with a function that chooses one of some things, so that hypot
 failing one small and a plain run can make thousands.
 """
 
-from __future__ import annotations
-
 import copy
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 from xml.etree import ElementTree
 
-from jausml.language.metamodel import FeatureKind, ValueKind, load_metamodels
+from jausml.language.metamodel import (
+    ClassTable,
+    FeatureKind,
+    FeatureTable,
+    ValueKind,
+    load_metamodels,
+)
 from jausml.language.model import read_models
 from jausml.language.model.xmi.writer import to_xmi
 from jausml.language.text.notation import NOTATIONS
 
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator, Sequence
-
-    from jausml.language.metamodel import ClassTable, FeatureTable
-
-    Thing = TypeVar("Thing")
-    Choose = Callable[[Sequence[Thing]], Thing]
-    Element = ElementTree.Element
+Thing = TypeVar("Thing")
+Choose = Callable[[Sequence[Thing]], Thing]
+Element = ElementTree.Element
 
 ROOT = Path(__file__).resolve().parents[2]
 MODELS, CASES, HERE = ROOT / "models", ROOT / "tests" / "cases", Path(__file__).parent

@@ -1,7 +1,5 @@
 """Workspaces generated from the models in tests/cases/ros_node, and processes that use them."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """The vehicle and the unit of the profiles of IOP in one virtual world: run by test_profiles.py."""
 
-from __future__ import annotations
-
 import pytest
 from jausml_runtime import (
     ComponentSettings,

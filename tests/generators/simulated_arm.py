@@ -1,7 +1,5 @@
 """What the component arm does straight from the generator: run by test_simulated.py."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

@@ -3,8 +3,6 @@
 A long run takes more mutants: JAUSML_EXAMPLES=1000 (see CONTRIBUTING.md).
 """
 
-from __future__ import annotations
-
 import os
 import random
 import re

@@ -1,7 +1,5 @@
 """Generated translations of lists, of messages inside messages and of joined topics."""
 
-from __future__ import annotations
-
 import math
 
 import needs

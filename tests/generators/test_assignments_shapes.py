@@ -1,7 +1,5 @@
 """Generated translations of plain lists, arrays and lists in lists, with absolute results."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 

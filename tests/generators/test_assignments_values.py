@@ -1,7 +1,5 @@
 """Generated translations of single values, with absolute results."""
 
-from __future__ import annotations
-
 import math
 
 import needs

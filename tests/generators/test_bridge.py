@@ -1,15 +1,13 @@
 """Generated bridges: what stands in them, that they are clean, and that their own tests pass."""
 
-from __future__ import annotations
-
 import ast
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import needs
 import pytest
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import python_path
 
@@ -238,14 +236,7 @@ def test_output_needs_no_formatter_and_its_tests_pass(model, tmp_path):
     folder = tmp_path / package
 
     def tool(*arguments, **environment):
-        done = subprocess.run(
-            [sys.executable, "-m", *arguments],
-            cwd=folder,
-            env={**os.environ, **environment},
-            capture_output=True,
-            text=True,
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
+        succeeded([sys.executable, "-m", *arguments], cwd=folder, env={**os.environ, **environment})
 
     tool("ruff", "format", "--check", *config, ".")
     tool("ruff", "check", *config, "--ignore", "S101", package, "test")
@@ -268,14 +259,11 @@ def test_output_passes_the_type_checker(tmp_path):
     path = python_path(tmp_path)
     folders = (package, package.parent / "test")
     modules = sorted(str(module) for folder in folders for module in folder.glob("*.py"))
-    done = subprocess.run(
+    succeeded(
         [sys.executable, "-m", "mypy", "--config-file", str(settings), *modules],
         env={**os.environ, "MYPYPATH": path},
         cwd=tmp_path,
-        capture_output=True,
-        text=True,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_a_light_class_that_differs_from_that_of_ros_is_told(tmp_path):
@@ -303,13 +291,9 @@ ros_types.Twist._read = classmethod(mixed)
 found = differing_forms(*arguments, source)
 assert found[:2] == ["light.linear.x: 1.0, rclpy: 0.0", "light.angular.x: 0.0, rclpy: 1.0"]
 """
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": python_path(tmp_path)},
-        capture_output=True,
-        text=True,
+    succeeded(
+        [sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": python_path(tmp_path)}
     )
-    assert done.returncode == 0, done.stderr
 
 
 def test_skeleton_overrides_and_help(tmp_path):
@@ -334,13 +318,7 @@ assert [each.name for each in mine.connections][:2] == ["odometry", "speed"]
 main(["--help"])
 """
     path = python_path(tmp_path)
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
+    done = succeeded([sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path})
     assert "--jaus-port" in done.stdout
     assert "--jaus-id" in done.stdout
 
@@ -374,13 +352,7 @@ assert (report.x, report.y, report.yaw) == (1.0, None, 0.0)
 assert type(report).decode(report.encode()).y is None
 """
     path = python_path(tmp_path)
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
+    succeeded([sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path})
 
 
 def test_what_a_peer_sends_is_no_wrong_number_in_ros(tmp_path):
@@ -421,10 +393,4 @@ for level in (math.nan, math.inf):
 assert bridge.translate_full(report(level=2.6)).data == 3
 """
     path = python_path(tmp_path)
-    done = subprocess.run(
-        [sys.executable, "-c", program],
-        env={**os.environ, "PYTHONPATH": path},
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
+    succeeded([sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path})

@@ -1,7 +1,5 @@
 """Generated bridges of models of all kinds: each kind of field and value, and odd names."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

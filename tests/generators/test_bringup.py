@@ -1,7 +1,5 @@
 """The bring-up package: launch files that are run against a stand-in, parameters, processes."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

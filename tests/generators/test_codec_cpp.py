@@ -1,18 +1,18 @@
 """The C++ headers with messages: the vectors, damaged ones too, and names that C++ has itself."""
 
-from __future__ import annotations
-
 import re
 import struct
 import subprocess
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import needs
 import pytest
 from codec_support import FieldNames, load, render
+from scripts import succeeded
 from sweeps import sweep
 from wire_vectors import given, payload_of, vectors
 
@@ -37,9 +37,6 @@ from jausml_generators.cpp.types import (
 from jausml_generators.python.codec.examples import example_bytes
 from jausml_generators.python.codec.message_builder import build_message_map
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
 GUARDS = ("tests/vectors", "generators/jausml_generators/cpp")
 
 pytestmark = pytest.mark.timeout(400)
@@ -53,7 +50,7 @@ MODELS = [
 ]
 STRICT = ("-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
 BARE = ("-fno-exceptions", "-fno-rtti")
-WATCHED = ("-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+WATCHED = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 STATUS = [
     "ok",
@@ -98,8 +95,7 @@ def watched(program: str) -> tuple[str, ...]:
 
 def compiled(program: str, *arguments: object) -> None:
     command = [program, *map(str, arguments)]
-    made = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert made.returncode == 0, made.stderr[:3000]
+    succeeded(command)
 
 
 def header(folder: Path, view: HeaderView) -> None:
@@ -121,7 +117,7 @@ class Messages:
     names: dict[tuple[str, str], FieldNames]
 
     @classmethod
-    def read(cls) -> Messages:
+    def read(cls):
         model = read_models(MODELS).model
         services = [
             service
@@ -291,10 +287,7 @@ def run(
     )
     flags = (*STRICT, *sanitizers, f"-I{folder}")
     compiled(program, *flags, HERE / "codec_cpp.cpp", "-o", folder / "turn")
-    said = subprocess.run(
-        [folder / "turn", folder / "payloads"], capture_output=True, text=True, check=False
-    )
-    assert said.returncode == 0, said.stderr[:3000]
+    said = succeeded([folder / "turn", folder / "payloads"])
     lines = [told(line) for line in said.stdout.splitlines()]
     at = len(made)
     return Run(
@@ -302,7 +295,7 @@ def run(
     )
 
 
-def test_the_vectors(messages: Messages, run: Run) -> None:
+def test_the_vectors(messages, run):
     for vector in vectors():
         name, payload = vector["name"], payload_of(vector)
         kind = vector["error"]["kind"] if "error" in vector else "ok"
@@ -321,14 +314,14 @@ def test_the_vectors(messages: Messages, run: Run) -> None:
                 assert stage == "encoded", name
 
 
-def test_few_errors_are_excluded_by_the_types(run: Run) -> None:
+def test_few_errors_are_excluded_by_the_types(run):
     encoded = [vector for vector in vectors() if fields(vector) is not None]
     left = [vector["error"]["kind"] for vector in encoded if vector["name"] not in run.given]
     assert {"not Latin-1"} <= {*left} <= {"not Latin-1", "not legal", "number of elements"}
     assert len(run.given) > 0.8 * len(encoded)
 
 
-def test_damaged_payloads_are_treated_as_in_python(run: Run) -> None:
+def test_damaged_payloads_are_treated_as_in_python(run):
     stages = set()
     for (names, payload), said in run.decoded.items():
         try:
@@ -347,13 +340,11 @@ def test_damaged_payloads_are_treated_as_in_python(run: Run) -> None:
 
 
 @pytest.mark.needs("compiler")
-def test_no_macro_of_the_standard_library_is_a_name() -> None:
+def test_no_macro_of_the_standard_library_is_a_name():
     source = (HERE / "codec_cpp.cpp").read_text(encoding="utf-8")
     includes = "".join(re.findall(r"#include <.*\n", source))
     command = [str(compiler()), "-std=c++17", "-dM", "-E", "-x", "c++", "-"]
-    text = subprocess.run(
-        command, input=includes, capture_output=True, text=True, check=True
-    ).stdout
+    text = succeeded(command, input=includes).stdout
     names = re.findall(r"^#define (\w+)(?= )", text, re.MULTILINE)
     assert {"EOF", "errno", "INT_MAX"} <= {*names}
     assert not [n for n in names if re.fullmatch("[A-Z][A-Za-z0-9]*", n) and cpp_class(n) == n]
@@ -361,7 +352,7 @@ def test_no_macro_of_the_standard_library_is_a_name() -> None:
 
 
 @pytest.mark.slow
-def test_the_whole_library_compiles_for_small_computers(program: str, tmp_path: Path) -> None:
+def test_the_whole_library_compiles_for_small_computers(program, tmp_path):
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     for artifact in render_artifacts(model, [TARGET.for_whole_library()]):
         path = tmp_path / Path(artifact.path).name
@@ -371,9 +362,7 @@ def test_the_whole_library_compiles_for_small_computers(program: str, tmp_path: 
     (tmp_path / "small.cpp").write_text(SMALL, encoding="utf-8")
     flags = (*STRICT, *BARE, "-Os", "-DJAUSML_NO_HEAP", "-c", "-o", tmp_path / "small.o")
     compiled(program, *flags, tmp_path / "small.cpp")
-    needed = subprocess.run(
-        ["nm", "-u", tmp_path / "small.o"], capture_output=True, text=True, check=True
-    ).stdout.split()
+    needed = succeeded(["nm", "-u", tmp_path / "small.o"]).stdout.split()
     assert not [symbol for symbol in needed if re.match("_Zn|_Zd|malloc|__cxa", symbol)]
 
 
@@ -390,7 +379,7 @@ jausml::Outcome answer(const std::uint8_t* data, std::size_t size, std::uint8_t*
 """
 
 
-def test_more_than_fits_is_refused_without_heap(program: str, tmp_path: Path) -> None:
+def test_more_than_fits_is_refused_without_heap(program, tmp_path):
     (tmp_path / JAUS).write_text(support(JAUS), encoding="utf-8")
     (tmp_path / "full.cpp").write_text(FULL, encoding="utf-8")
     compiled(program, *STRICT, *BARE, "-o", tmp_path / "full", tmp_path / "full.cpp")
@@ -424,7 +413,7 @@ int main() {
 """
 
 
-def test_a_header_is_the_same_each_time() -> None:
+def test_a_header_is_the_same_each_time():
     model = read_models([ROOT / "models" / "catvehicle" / "catvehicle.xmi"]).model
     first, second = (render_artifacts(model, [TARGET]) for _ in range(2))
     assert first == second

@@ -4,8 +4,6 @@ Each definition of each service set has its own tests. A long run takes more exa
 JAUSML_EXAMPLES=1000 (see CONTRIBUTING.md).
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import tracemalloc
@@ -50,14 +48,14 @@ EVERY_DEFINITION = for_each(
 BASE, FACTOR = 32_768, 1024
 
 
-def test_no_definition_is_lost() -> None:
+def test_no_definition_is_lost():
     built = [(name, key) for name in shipped_sets() for key in definitions(name)]
     assert sorted(built) == sorted(DEFINITIONS)
     assert len(built) > 400
 
 
 @EVERY_DEFINITION
-def test_what_is_encoded_decodes_to_the_nearest_values(set_name: str, definition: str) -> None:
+def test_what_is_encoded_decodes_to_the_nearest_values(set_name, definition):
     view, cls = codec(set_name, definition)
 
     @FEW
@@ -97,7 +95,7 @@ def mutations(draw: st.DrawFn, payload: bytes) -> bytes:
 
 
 @EVERY_DEFINITION
-def test_other_bytes_raise_nothing_but_decode_error(set_name: str, definition: str) -> None:
+def test_other_bytes_raise_nothing_but_decode_error(set_name, definition):
     view, cls = codec(set_name, definition)
 
     @FEW
@@ -117,7 +115,7 @@ def test_other_bytes_raise_nothing_but_decode_error(set_name: str, definition: s
 
 
 @EVERY_DEFINITION
-def test_huge_counts_take_no_memory(set_name: str, definition: str) -> None:
+def test_huge_counts_take_no_memory(set_name, definition):
     view, cls = codec(set_name, definition)
     example = example_bytes(view)
     if not has_counts(view):
@@ -141,7 +139,7 @@ def test_huge_counts_take_no_memory(set_name: str, definition: str) -> None:
 
 
 @EVERY_DEFINITION
-def test_unknown_bits_of_the_presence_vector_are_refused(set_name: str, definition: str) -> None:
+def test_unknown_bits_of_the_presence_vector_are_refused(set_name, definition):
     view, cls = codec(set_name, definition)
     body, example = view.body, example_bytes(view)
     known = sum(member.is_optional for member in body.members)
@@ -160,7 +158,7 @@ def has_counts(view: Any) -> bool:
 
 
 @pytest.mark.parametrize("set_name", sweep(shipped_sets(), every=4))
-def test_examples_hold_the_codec_to_the_layout(set_name: str) -> None:
+def test_examples_hold_the_codec_to_the_layout(set_name):
     for view, cls in classes(set_name):
         data = example_bytes(view)
         assert cls.decode(data).encode() == data
@@ -172,7 +170,7 @@ def test_examples_hold_the_codec_to_the_layout(set_name: str) -> None:
 
 
 @pytest.mark.parametrize("set_name", shipped_sets())
-def test_defaults_are_legal_unless_something_must_be_given(set_name: str) -> None:
+def test_defaults_are_legal_unless_something_must_be_given(set_name):
     for view, cls in classes(set_name):
         message = cls()
         assert message == cls()
@@ -195,7 +193,7 @@ def encode_problem(message: Any) -> str:
 
 
 @pytest.mark.parametrize("set_name", shipped_sets())
-def test_optional_fields_and_they_alone_default_to_none(set_name: str) -> None:
+def test_optional_fields_and_they_alone_default_to_none(set_name):
     """What a query asks for is chosen by it."""
     views, _, module = library(set_name)
     for view in views:
@@ -203,7 +201,7 @@ def test_optional_fields_and_they_alone_default_to_none(set_name: str) -> None:
         assert optional_fields(getattr(module, view.class_name)) == optional
 
 
-def test_octets_that_a_definition_does_not_list_are_never_sent() -> None:
+def test_octets_that_a_definition_does_not_list_are_never_sent():
     views = [view for view in read_messages(LIBRARY / "hmi.xmi") if view.code == 0x4701]
     message_class = load(render(tuple(views)), "data_definitions").ReportDataDefinition
     many = bytes([10, 0, *range(9), 202])

@@ -1,8 +1,6 @@
 """Which commands a generated bridge tells by itself when somebody asks for them."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 
@@ -10,9 +8,6 @@ from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """
 import mappings.{maps}
@@ -50,18 +45,18 @@ def words(text: str) -> str:
     return " ".join(text.split()).replace("( ", "(").replace(" )", ")")
 
 
-def test_the_last_effort_is_told(tmp_path: Path) -> None:
+def test_the_last_effort_is_told(tmp_path):
     base = words(files_of(tmp_path, **EFFORT)["robot_base.py"])
     assert ANSWER in base
 
 
 @pytest.mark.parametrize("others", [REPORT, SECOND])
-def test_what_a_connection_tells_or_two_take_is_not(others: str, tmp_path: Path) -> None:
+def test_what_a_connection_tells_or_two_take_is_not(others, tmp_path):
     base = files_of(tmp_path, **EFFORT, more="peers: one", others=others)["robot_base.py"]
     assert "CommandAnswer" not in base
 
 
-def test_the_kind_of_a_velocity_command_must_be_that_which_is_asked_for(tmp_path: Path) -> None:
+def test_the_kind_of_a_velocity_command_must_be_that_which_is_asked_for(tmp_path):
     base = files_of(
         tmp_path,
         maps="velocity_state_driver",
@@ -72,7 +67,7 @@ def test_the_kind_of_a_velocity_command_must_be_that_which_is_asked_for(tmp_path
     assert answer in words(base)
 
 
-def test_a_goal_is_told_too(tmp_path: Path) -> None:
+def test_a_goal_is_told_too(tmp_path):
     base = files_of(
         tmp_path,
         maps="local_waypoint_driver",

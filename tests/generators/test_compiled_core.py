@@ -1,7 +1,5 @@
 """The compiled core of a bridge: when it is used, and what it leaves to Python."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import os
@@ -10,18 +8,14 @@ import shutil
 import struct
 import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import pytest
+from scripts import succeeded
 
 from jausml.generation.native import FLAGS, LIBRARY, SOURCE, State, build, compiler
-from tests.generators.assignment_support import generated
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from tests.generators.assignment_support import Generated
+from tests.generators.assignment_support import Generated, generated
 
 GUARDS = ("generators/jausml_generators/cpp", "jausml/runtime/bridge/messages/compiled.py")
 
@@ -131,7 +125,7 @@ def by_python(made: Generated, name: str, data: bytes) -> Any:
     return result, dict(counts)
 
 
-def test_a_command_as_bytes(made: Generated) -> None:
+def test_a_command_as_bytes(made):
     data = twist("map", x=25.0, y=4.0, z=5.0, a=2.5, b=9.0)
     # Code, presence of the first five, 50 of -100 .. 100, -4, 5 of 0 .. 10, 2.5, "map", 9.
     expected = "01d3 1f00 ffffffbf 00000000000010c0 0080 00002040 03 6d6170 09"
@@ -140,7 +134,7 @@ def test_a_command_as_bytes(made: Generated) -> None:
     assert found.hex(" ") == bytes.fromhex(expected).hex(" ")
 
 
-def test_both_forms_make_the_same(made: Generated) -> None:
+def test_both_forms_make_the_same(made):
     for fields in (
         {"class_": 25.0},
         {"class_": -100.0, "delete": 1.5, "int": 5.0, "std": 2.0, "errno": "abc", "check": 7},
@@ -177,14 +171,14 @@ def attribute(made: Generated, name: str) -> str:
     ],
     ids=lambda parameter: parameter if isinstance(parameter, str) else "",
 )
-def test_what_is_not_usual_is_left_to_python(made: Generated, what: str, data: bytes) -> None:
+def test_what_is_not_usual_is_left_to_python(made, what, data):
     counts = made.bridge.speed_down.statistics.out_of_range
     counts.clear()
     assert function(made, "speed_down")(data) is None, what
     assert counts == {}
 
 
-def test_what_is_unknown_is_left_out_and_counted(made: Generated) -> None:
+def test_what_is_unknown_is_left_out_and_counted(made):
     data = twist(z=math.nan)
     counts = made.bridge.speed_down.statistics.out_of_range
     expected = by_python(made, "speed_down", data)
@@ -193,7 +187,7 @@ def test_what_is_unknown_is_left_out_and_counted(made: Generated) -> None:
     assert (function(made, "speed_down")(data), dict(counts)) == expected
 
 
-def test_what_changes_while_the_bridge_runs(made: Generated) -> None:
+def test_what_changes_while_the_bridge_runs(made):
     data = core_message(made, **{attribute(made, "class"): 5.0})
     call, bridge = function(made, "speed_up"), made.bridge
     speed, frame = bridge.top_speed, bridge.speed_up_frame_id
@@ -211,7 +205,7 @@ def test_what_changes_while_the_bridge_runs(made: Generated) -> None:
         bridge.top_speed, bridge.speed_up_frame_id = speed, frame
 
 
-def test_an_override_has_no_compiled_form(made: Generated) -> None:
+def test_an_override_has_no_compiled_form(made):
     class Mine(type(made.bridge)):  # type: ignore[misc]
         def translate_speed_up(self, source: Any) -> Any:
             return super().translate_speed_up(source)
@@ -223,9 +217,7 @@ def test_an_override_has_no_compiled_form(made: Generated) -> None:
 @pytest.mark.parametrize(
     ("wanted", "told"), [(True, "no compiled core: it is not built;"), (False, "core is off;")]
 )
-def test_the_log_says_what_python_costs(
-    made: Generated, tmp_path: Path, caplog: pytest.LogCaptureFixture, wanted: bool, told: str
-) -> None:
+def test_the_log_says_what_python_costs(made, tmp_path, caplog, wanted, told):
     class Unbuilt(type(made.bridge)):  # type: ignore[misc]
         core = type(made.bridge.core)(str(tmp_path / "base.py"), made.bridge.core.digest)
 
@@ -235,7 +227,7 @@ def test_the_log_says_what_python_costs(
     assert "20 to 100 times as much" in caplog.text
 
 
-def test_forms_that_differ_are_told(made: Generated) -> None:
+def test_forms_that_differ_are_told(made):
     """By the check that stands in the generated tests for each connection."""
     differing_forms = importlib.import_module("jausml_runtime").differing_forms
     conversion_error = made.error("ConversionError")
@@ -269,7 +261,7 @@ def test_forms_that_differ_are_told(made: Generated) -> None:
     assert ": by Python: ConversionError, compiled: 00010000" in line
 
 
-def test_a_library_of_another_text_is_not_used(made: Generated, tmp_path: Path) -> None:
+def test_a_library_of_another_text_is_not_used(made, tmp_path):
     module = importlib.import_module(type(made.bridge.core).__module__)
     package = tmp_path / "compiled_core"
     package.mkdir()
@@ -286,22 +278,19 @@ def test_a_library_of_another_text_is_not_used(made: Generated, tmp_path: Path) 
         other.load()
 
 
-def test_names_of_models_are_no_code(made: Generated) -> None:
+def test_names_of_models_are_no_code(made):
     text = made.artifacts["compiled_core/core/core.cpp"].text
     assert "class_" in text
     assert "delete_" in text
     assert max(map(len, text.splitlines())) <= 100
-    done = subprocess.run(
+    succeeded(
         [
             str(compiler()),
             *FLAGS,
             *("-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only"),
             str(made.folder / made.package / SOURCE),
-        ],
-        capture_output=True,
-        text=True,
+        ]
     )
-    assert done.returncode == 0, done.stderr
 
 
 BROKEN = """
@@ -336,13 +325,13 @@ print(taken, left)
 
 @pytest.mark.needs("sanitizers", "preloaded sanitizer")
 @pytest.mark.slow
-def test_no_bytes_do_what_c_leaves_undefined(made: Generated, tmp_path: Path) -> None:
+def test_no_bytes_do_what_c_leaves_undefined(made, tmp_path):
     program = str(compiler())
     found = subprocess.run(
         [program, "-print-file-name=libasan.so"], capture_output=True, text=True
     ).stdout.strip()
     library = tmp_path / "_core.so"
-    flags = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1"]
+    flags = ["-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g1"]
     source = made.folder / made.package / SOURCE
     subprocess.run([program, *FLAGS, *flags, "-o", library, source], check=True)
     full = {"class": 1.0, "delete": 2.0, "int": 3.0, "std": 4.0, "errno": "abc", "check": 5}
@@ -351,13 +340,10 @@ def test_no_bytes_do_what_c_leaves_undefined(made: Generated, tmp_path: Path) ->
         ("speed_to_ros", message.hex(), core_message(made).hex()),
         ("speed_to_jaus", twist("odom", x=1.0, y=math.nan, b=3.0).hex()),
     ]
-    done = subprocess.run(
+    done = succeeded(
         [sys.executable, "-c", BROKEN, str(library), repr(samples)],
         env={**os.environ, "LD_PRELOAD": found, "ASAN_OPTIONS": "detect_leaks=0"},
-        capture_output=True,
-        text=True,
     )
-    assert done.returncode == 0, done.stderr[-3000:]
     taken, left = map(int, re.findall("[0-9]+", done.stdout))
     assert taken > 200
     assert left > 200

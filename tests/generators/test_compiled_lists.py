@@ -1,25 +1,19 @@
 """Lists, element by element: what is made of them, by the method and by the compiled core."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import re
 import struct
+from collections.abc import Callable
 from functools import cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jausml.generation.native import SOURCE, build, compiler
-from tests.generators.assignment_support import generated
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from tests.generators.assignment_support import Generated
+from tests.generators.assignment_support import Generated, generated
 
 TEXT = """
 service Lists
@@ -229,7 +223,7 @@ def check(made: Generated, name: str, data: bytes) -> Any:
 
 
 @pytest.mark.slow
-def test_text_is_clean(made: Generated) -> None:
+def test_text_is_clean(made):
     made.check_text()
 
 
@@ -256,45 +250,45 @@ DOUBLES = st.lists(st.floats(-1e5, 1e5) | st.floats() | st.sampled_from(ODD))
 
 @settings(max_examples=60, deadline=None)
 @given(values=SINGLES, order=ORDERS)
-def test_any_single_precision(made: Generated, values: list[float], order: str) -> None:
+def test_any_single_precision(made, values, order):
     check(made, "scan_down", scan(order, values))
     check(made, "strict_scan_down", scan(order, values))
 
 
 @settings(max_examples=60, deadline=None)
 @given(values=DOUBLES, order=ORDERS)
-def test_any_double_precision(made: Generated, values: list[float], order: str) -> None:
+def test_any_double_precision(made, values, order):
     check(made, "joints_down", joints(order, values, []))
     check(made, "bounds_down", joints(order, [], values))
 
 
-def test_each_that_does_not_fit_is_counted(made: Generated) -> None:
+def test_each_that_does_not_fit_is_counted(made):
     data = scan("<", [1.0, math.inf, -2.0, 65.0, 70.0])
     result, counts = outcome(made, "scan_down", partial(translated, made, "scan_down", data))
     assert result == struct.pack("<HB5H", 0xD101, 5, 1000, 65535, 0, 65000, 65535)
     assert sum(counts.values()) == 3
 
 
-def test_metres_as_millimetres(made: Generated) -> None:
+def test_metres_as_millimetres(made):
     result = check(made, "scan_down", scan("<", [0.0, 0.5, 65.5]))
     assert result == struct.pack("<HBHHH", 0xD101, 3, 0, 500, 65500)
 
 
 @pytest.mark.parametrize("name", ["scan_up", "strict_scan_up"])
 @pytest.mark.parametrize("values", [[], [0], [65535], [1, 2, 3, 40000, 65535], [7] * 6])
-def test_steps_to_single_precision(made: Generated, name: str, values: list[int]) -> None:
+def test_steps_to_single_precision(made, name, values):
     count = len(values)
     check(made, name, struct.pack(f"<HB{count}H", 0xD101, count, *values))
 
 
 @pytest.mark.parametrize("values", [[], [0], [2**32 - 1], [1, 2**31, 3], [7] * 6])
-def test_steps_to_double_precision(made: Generated, values: list[int]) -> None:
+def test_steps_to_double_precision(made, values):
     count = len(values)
     check(made, "bounds_up", struct.pack(f"<HB{count}I", 0xD103, count, *values))
 
 
 @pytest.mark.parametrize("values", LISTS)
-def test_single_to_double_precision(made: Generated, values: list[float]) -> None:
+def test_single_to_double_precision(made, values):
     count = len(values)
     check(made, "joints_up", struct.pack(f"<HB{count}f", 0xD102, count, *values))
 
@@ -352,9 +346,7 @@ NAMES = st.sampled_from(["odom", "", "base_link", "\u00e4" * 9])
 
 @settings(max_examples=20, deadline=None)
 @given(count=COUNTS, level=st.booleans(), changes=UP_CHANGES, frame=NAMES)
-def test_paths_to_ros(
-    made: Generated, count: int, level: bool, changes: list[Any], frame: str
-) -> None:
+def test_paths_to_ros(made, count, level, changes, frame):
     made.bridge.poses_up_frame_id = frame
     tilts = [0x8000 if level else 0x7000 + 31 * n for n in range(count)]
     rows = [[n, 1.5 * n, -2.0, 1e-3, tilt, tilt, 999 * n] for n, tilt in enumerate(tilts)]
@@ -373,9 +365,7 @@ DOWN_CHANGES = st.lists(
 
 @settings(max_examples=100, deadline=None)
 @given(count=COUNTS, level=st.booleans(), changes=DOWN_CHANGES, order=ORDERS)
-def test_paths_to_jaus(
-    made: Generated, count: int, level: bool, changes: list[Any], order: str
-) -> None:
+def test_paths_to_jaus(made, count, level, changes, order):
     rows = [usual(n) for n in range(count)]
     if level:
         rows = [[*row[:5], *turned(0.1 * n)] for n, row in enumerate(rows)]
@@ -385,7 +375,7 @@ def test_paths_to_jaus(
 
 
 @pytest.mark.parametrize("quaternion", [[0.0] * 4, [0.0, 1.0, 0.0, 1.0], [0.0, -1.0, 0.0, 1.0]])
-def test_orientations_that_are_none_or_vertical(made: Generated, quaternion: list[float]) -> None:
+def test_orientations_that_are_none_or_vertical(made, quaternion):
     rows = [usual(n) for n in range(20)]
     rows[7][5:] = quaternion
     check(made, "poses_down", path("<", rows))
@@ -393,13 +383,13 @@ def test_orientations_that_are_none_or_vertical(made: Generated, quaternion: lis
 
 
 @pytest.mark.parametrize("signs", [(0.0, 0.0), (-0.0, 0.0), (0.0, -0.0)])
-def test_zeros_with_signs(made: Generated, signs: tuple[float, float]) -> None:
+def test_zeros_with_signs(made, signs):
     rows = [[n, "odom", 0.0, 0.0, 0.0, *signs, *turned(0.3 * n)[2:]] for n in range(20)]
     rows[3][5], rows[5][6] = -0.0, -0.0
     check(made, "poses_down", path("<", rows))
 
 
-def test_bytes_that_end_too_early(made: Generated) -> None:
+def test_bytes_that_end_too_early(made):
     data = path("<", [usual(n) for n in range(17)])
     for size in (*range(4, 300, 7), *range(len(data) - 80, len(data))):
         error, _ = check(made, "poses_down", data[:size])
@@ -407,7 +397,7 @@ def test_bytes_that_end_too_early(made: Generated) -> None:
 
 
 @pytest.mark.needs("compiler")
-def test_usual_lists_are_made_by_the_core(made: Generated) -> None:
+def test_usual_lists_are_made_by_the_core(made):
     data = path("<", [usual(n) for n in range(17)])
     assert functions(made)["poses_down"](data) == translated(made, "poses_down", data)
     data = poses_to_ros([[n, 0.5, -2.0, 1.0, 0x7000, 0x8000, n] for n in range(17)])
@@ -432,7 +422,7 @@ HEADS = st.sampled_from([[-1.5, 0.05, 0.25, 30.0], [9.0, -3.0, 0.0, 2000.0]]) | 
 
 @settings(max_examples=100, deadline=None)
 @given(head=HEADS, values=RANGES, order=ORDERS)
-def test_scans_to_jaus(made: Generated, head: list[float], values: list[float], order: str) -> None:
+def test_scans_to_jaus(made, head, values, order):
     check(made, "beams_down", laser(order, head, values))
 
 
@@ -441,7 +431,7 @@ BEAMS = st.tuples(st.integers(0, 2**32 - 1), st.integers(0, 1), INTEGERS, st.int
 
 @settings(max_examples=60, deadline=None)
 @given(beams=st.lists(BEAMS, max_size=60), valid=st.integers(0, 255))
-def test_scans_to_ros(made: Generated, beams: list[Any], valid: int) -> None:
+def test_scans_to_ros(made, beams, valid):
     rows = b"".join(struct.pack("<IBHB", *beam) for beam in beams)
     if valid == 200 and rows:
         rows = rows[:4] + bytes([valid]) + rows[5:]
@@ -453,14 +443,14 @@ STEPS = st.lists(st.integers(0x3333, 0xCCCC), max_size=60) | st.lists(INTEGERS, 
 
 @settings(max_examples=60, deadline=None)
 @given(steps=STEPS)
-def test_numbers_to_integers(made: Generated, steps: list[int]) -> None:
+def test_numbers_to_integers(made, steps):
     count = len(steps)
     check(made, "cells_up", struct.pack(f"<HB{count}H", 0xD107, count, *steps))
 
 
 @settings(max_examples=60, deadline=None)
 @given(cells=st.lists(st.integers(-128, 127), max_size=60), order=ORDERS)
-def test_integers_to_numbers(made: Generated, cells: list[int], order: str) -> None:
+def test_integers_to_numbers(made, cells, order):
     head = struct.pack(f"{order}iIIxxxxiIfIIxxxx7dI", 1, 2, 1, *[0] * 12, len(cells))
     data = struct.pack(f"{len(cells)}b", *cells)
     check(made, "cells_down", (b"\0\1\0\0" if order == "<" else b"\0\0\0\0") + head + data)

@@ -1,11 +1,9 @@
 """Code of users against the generated interface: what a change of the model breaks, and fixes."""
 
-from __future__ import annotations
-
 import json
 import re
 import shutil
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
@@ -20,9 +18,6 @@ from jausml.generation.target import load_targets
 from jausml.generation.workspace import generate
 from jausml.language.model.reading.reader import read_models
 from jausml.language.text.notation import NOTATIONS
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 GUARDS = ("jausml/generation/contract",)
 

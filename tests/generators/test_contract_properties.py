@@ -5,8 +5,6 @@ be told as an error of that line, and what does not raise must not be told. The 
 all that is certain has been fixed.
 """
 
-from __future__ import annotations
-
 import importlib
 import os
 import re

@@ -1,24 +1,23 @@
 """The runtime's own messages are what the library says, and what generators would write."""
 
-from __future__ import annotations
-
 import random
 import sys
 import types
+from collections.abc import Iterator
 from dataclasses import asdict, fields, is_dataclass
 from enum import IntEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from codec_support import library
 from for_each import for_each
 
 from jausml.generation.rendering import render
-from jausml.generation.target import FileTask, Target
+from jausml.generation.target import FileTask, Target, Task
 from jausml.language.metamodel.classes import jaus
-from jausml.language.model import read_models
+from jausml.language.model import Model, read_models
 from jausml.language.semantics.jaus.core_services import (
     CORE,
     CORE_MESSAGES,
@@ -32,12 +31,6 @@ from jausml.runtime.wire import DecodeError, EncodeError, Message
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.messages import MessagesModule
 from jausml_generators.python.package import PACKAGE_TEMPLATES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from jausml.generation.target import Task
-    from jausml.language.model import Model
 
 LIBRARY = Path(__file__).parents[2] / "models" / "library" / "jaus"
 SOURCE = LIBRARY / "core-1.1.xmi"
@@ -177,7 +170,7 @@ def spoilt(draw: random.Random, message: Any) -> None:
 
 
 @for_each("name", NAMES)
-def test_a_message_offers_what_a_generated_one_does(name: str, generated: types.ModuleType) -> None:
+def test_a_message_offers_what_a_generated_one_does(name, generated):
     cls, other = getattr(core_messages, name), getattr(generated, name)
     assert (cls.CODE, cls.NAME) == (other.CODE, other.NAME)
     assert [field.name for field in fields(cls)] == [field.name for field in fields(other)]
@@ -193,9 +186,7 @@ def test_a_message_offers_what_a_generated_one_does(name: str, generated: types.
 
 
 @for_each("name", NAMES)
-def test_a_message_is_written_and_read_as_a_generated_one(
-    name: str, generated: types.ModuleType
-) -> None:
+def test_a_message_is_written_and_read_as_a_generated_one(name, generated):
     cls, other = getattr(core_messages, name), getattr(generated, name)
     kinds = {key: getattr(other, key) for key in dir(other) if key[0] != "_"}
     draw = random.Random(name)
@@ -229,7 +220,7 @@ def test_a_message_is_written_and_read_as_a_generated_one(
     assert written >= 5
 
 
-def test_the_module_has_every_message_of_the_core_services() -> None:
+def test_the_module_has_every_message_of_the_core_services():
     views, _, _ = library("core-v1.1")
     model = read_models([LIBRARY / "iop.xmi"]).model
     handoff = [service for service in model.instances(jaus.Service) if service.urn in HANDOFF]
@@ -239,14 +230,14 @@ def test_the_module_has_every_message_of_the_core_services() -> None:
     assert found == expected == CORE_MESSAGES
 
 
-def test_messages_of_core_1_0_are_the_same() -> None:
+def test_messages_of_core_1_0_are_the_same():
     newer = {view.jaus_name: view for view in library("core-v1.1")[0]}
     for view in library("core-v1.0")[0]:
         assert view.body.segments == newer[view.jaus_name].body.segments
         assert view.code == newer[view.jaus_name].code
 
 
-def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves() -> None:
+def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves():
     classes: Any = JausComponent.core_services
     served = frozenset().union(*(service_class.urns for service_class in classes))
     # Transport has no messages; unsolicited heartbeats are a setting of Liveness, and handoffs are
@@ -255,6 +246,6 @@ def test_models_and_runtime_agree_on_the_services_that_the_runtime_serves() -> N
     assert served | others == SERVED_BY_RUNTIME
 
 
-def test_a_presence_vector_with_bits_of_no_field_is_refused() -> None:
+def test_a_presence_vector_with_bits_of_no_field_is_refused():
     with pytest.raises(DecodeError, match="SetTime: unknown bits in presence vector 0x4"):
         core_messages.SetTime.decode(b"\x11\x00\x04")

@@ -1,13 +1,11 @@
 """Codecs in C++ of the messages that the library ships: what is printed of them can be compiled."""
 
-from __future__ import annotations
-
-import subprocess
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
 from codec_support import definitions, shipped_sets
+from scripts import succeeded
 from sweeps import sweep
 
 from jausml.generation.native import FLAGS, compiler
@@ -22,7 +20,7 @@ CHECKED = ("-fsyntax-only", "-Wall", "-Wextra", "-Werror")
 
 @pytest.mark.needs("compiler")
 @pytest.mark.parametrize("name", sweep(shipped_sets(), every=8))
-def test_messages_compile(name: str, tmp_path: Path) -> None:
+def test_messages_compile(name, tmp_path):
     codec = jaus_codec.JausCodec()
     for view in dict.fromkeys(definitions(name).values()):
         with suppress(UnprintableError):
@@ -32,5 +30,4 @@ def test_messages_compile(name: str, tmp_path: Path) -> None:
     source = tmp_path / "messages.cpp"
     source.write_text("\n".join(lines), encoding="utf-8")
     command = [str(compiler()), *FLAGS, *CHECKED, f"-I{SUPPORT}", str(source)]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    succeeded(command)

@@ -1,7 +1,5 @@
 """What is generated for each host: units, containers, firewalls, keys; judged by their readers."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -15,6 +13,7 @@ import needs
 import pytest
 import yaml
 from deployed import install, moved, read_environment, read_unit, started
+from scripts import succeeded
 
 from jausml.generation.errors import GenerationError
 from jausml.generation.rendering import render
@@ -224,8 +223,7 @@ def test_systemd_takes_the_units_and_calls_them_hardened(variant, model_of, tmp_
     assert (verified.returncode, verified.stdout + verified.stderr) == (0, "")
     services = [str(unit) for unit in units if unit.suffix == ".service"]
     line = ["systemd-analyze", "security", "--offline=yes", f"--threshold={WORST_EXPOSURE}"]
-    judged = subprocess.run([*line, *services], capture_output=True, text=True, timeout=60)
-    assert judged.returncode == 0, judged.stdout + judged.stderr
+    succeeded([*line, *services], timeout=60)
 
 
 @pytest.mark.parametrize("variant", ["multicast", "manager"])
@@ -260,8 +258,7 @@ def test_compose_takes_the_files(workspace):
     files = sorted(map(str, workspace.glob("rover_deployment/hosts/*/compose.yaml")))
     assert len(files) == 2
     line = ["-m", "check_jsonschema", "--builtin-schema", "vendor.compose-spec", *files]
-    done = subprocess.run([sys.executable, *line], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout + done.stderr
+    succeeded([sys.executable, *line], timeout=60)
 
 
 def check_confined(service):
@@ -378,8 +375,7 @@ def test_nft_takes_the_firewalls(variant, files_of, tmp_path):
                 # Examples of what else may come are to be right, too.
                 (installed / name).write_text(moved(source.replace("\n#ip ", "\nip "), tmp_path))
             line = ["nft", "--check", "--file", str(installed / "firewall.nft")]
-            done = subprocess.run(line, capture_output=True, text=True, timeout=60)
-            assert done.returncode == 0, done.stderr
+            succeeded(line, timeout=60)
             assert text
 
 

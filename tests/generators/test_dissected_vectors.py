@@ -3,8 +3,6 @@
 In tests/live/test_wireshark.py tshark shows them.
 """
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable
 from pathlib import Path
@@ -58,6 +56,6 @@ def dissect(tmp_path_factory: pytest.TempPathFactory) -> Dissect:
 
 
 @for_each("vector", DECODED, ids=lambda vector: vector["name"])
-def test_the_dissector_shows_what_the_vector_says(dissect: Dissect, vector: dict[str, Any]) -> None:
+def test_the_dissector_shows_what_the_vector_says(dissect, vector):
     view, fields = dissect(vector)
     assert tells(view.messages, fields, vector)

@@ -1,7 +1,5 @@
 """A name that generated code uses itself may stand anywhere in a model, in every target."""
 
-from __future__ import annotations
-
 import ast
 import builtins
 import re
@@ -12,7 +10,8 @@ from functools import cache
 from keyword import iskeyword, kwlist, softkwlist
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any, get_args, get_origin, get_type_hints
+from types import ModuleType
+from typing import Any, get_args, get_origin, get_type_hints
 
 import needs
 import pytest
@@ -24,6 +23,7 @@ from workspaces import python_path, write
 
 from jausml.generation.native import compiler
 from jausml.generation.python.modules import STANDARD
+from jausml.generation.target import Target
 from jausml.language.interfaces import parse_definition
 from jausml.language.model import Severity, read_models
 from jausml.language.semantics.names import DEVICES, LONGEST, is_identifier, snake_case
@@ -41,12 +41,6 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 from jausml_generators.wireshark.target import TARGET as WIRESHARK
 
 from .codec_support import load, read_messages, render
-
-if TYPE_CHECKING:
-    from types import ModuleType
-
-    from jausml.generation.target import Target
-
 
 MESSAGE = """
     <outputs name="{message}" code="{code:#06x}">
@@ -167,7 +161,7 @@ def filled(message: Any, module: ModuleType) -> Any:
     return message
 
 
-def test_names_of_generated_python_may_stand_in_messages(tmp_path: Path) -> None:
+def test_names_of_generated_python_may_stand_in_messages(tmp_path):
     names = names_used(tmp_path)
     assert {"Octet", "octet_records", "write_records", "offset", "CODE", "DecodeError"} <= {*names}
     module = load(render(read_messages(model(tmp_path / "names.xmi", tuple(names)))), "every_name")
@@ -372,7 +366,7 @@ FOUND = ["Number", "self", "EAGAIN", "cls", "data"]
 
 @settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
 @given(drawn=names(12))
-def test_any_names_may_stand_anywhere(drawn: list[str]) -> None:
+def test_any_names_may_stand_anywhere(drawn):
     with TemporaryDirectory() as folder:
         generated(Path(folder), with_found(drawn))
 
@@ -394,7 +388,7 @@ def run_tests(workspace: Path, node: str) -> None:
 @pytest.mark.slow
 @settings(max_examples=1, deadline=None, suppress_health_check=list(HealthCheck))
 @given(drawn=names(24 if WHOLE else 12).map(with_found))
-def test_any_names_may_stand_in_every_target(drawn: list[str]) -> None:
+def test_any_names_may_stand_in_every_target(drawn):
     needs.ask("compiler")
     with TemporaryDirectory() as folder:
         every = [*OTHERS, ROS_INTERFACES.for_whole_library()]

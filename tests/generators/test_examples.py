@@ -1,16 +1,14 @@
 """The shipped examples: what is generated from them is what a careful engineer would write."""
 
-from __future__ import annotations
-
 import compileall
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from scripts import succeeded
 from sweeps import sweep
 
 from jausml.cli import main
@@ -90,14 +88,11 @@ def run(*arguments: str, cwd: Path | None = None, path: str | None = None) -> st
     """Runs Python; returns what it printed."""
     environment = {**os.environ, **({"MYPYPATH": path} if path else {})}
     command = [sys.executable, *arguments]
-    result = subprocess.run(
-        command, cwd=cwd, env=environment, capture_output=True, text=True, timeout=110
-    )
-    assert result.returncode == 0, result.stdout + result.stderr
+    result = succeeded(command, cwd=cwd, env=environment, timeout=110)
     return result.stdout + result.stderr
 
 
-def test_no_skeleton_has_drifted(workspace: Path) -> None:
+def test_no_skeleton_has_drifted(workspace):
     name = workspace.parent.name.rstrip("0123456789")
     (example,) = (path for path in EXAMPLES if Path(path).name == name)
     model = model_in(ROOT / "models" / example)
@@ -106,11 +101,11 @@ def test_no_skeleton_has_drifted(workspace: Path) -> None:
     assert "warning" not in said
 
 
-def test_compiles(workspace: Path) -> None:
+def test_compiles(workspace):
     assert compileall.compile_dir(workspace, quiet=1)
 
 
-def test_is_formatted_and_clean(workspace: Path) -> None:
+def test_is_formatted_and_clean(workspace):
     isolated = ["--isolated", "--config", "line-length=100", "--target-version", "py310"]
     run("-m", "ruff", "format", "--check", *isolated, str(workspace))
     docs = ["--config", "lint.pydocstyle.convention='google'", "--ignore", "D105,D107,D417"]
@@ -121,7 +116,7 @@ def test_is_formatted_and_clean(workspace: Path) -> None:
 
 
 @pytest.mark.slow
-def test_is_typed(workspace: Path, judged: Path) -> None:
+def test_is_typed(workspace, judged):
     packages = [path for path in sorted(workspace.iterdir()) if (path / path.name).is_dir()]
     run(
         "-m",

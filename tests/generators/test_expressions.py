@@ -1,7 +1,5 @@
 """Expressions in Python: that they compute what the expression language says."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Components that exist already, and connections of components to whatever is found."""
 
-from __future__ import annotations
-
 import ast
 
 import pytest

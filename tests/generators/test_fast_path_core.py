@@ -1,7 +1,5 @@
 """The fast path of a core on its own, with whatever comes, under the sanitizers of the compiler."""
 
-from __future__ import annotations
-
 import random
 import struct
 import subprocess
@@ -9,6 +7,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from scripts import succeeded
 
 from jausml.generation.native import compiler
 from jausml.runtime.base.counters import Counters
@@ -21,7 +20,7 @@ GUARDS = ("generators/jausml_generators/cpp",)
 TEMPLATES = Path(jaus_codec.__file__).parent / "templates"
 DRIVER = Path(__file__).with_name("fast_path_driver.cpp")
 WARNED = ("-Wall", "-Wextra", "-Wconversion", "-Wshadow", "-Werror")
-FLAGS = ("-std=c++17", "-O1", "-g", "-pthread", "-fno-sanitize-recover=all", *WARNED)
+FLAGS = ("-std=c++17", "-O1", "-g1", "-pthread", "-fno-sanitize-recover=all", *WARNED)
 
 PEER, BRIDGE = 0x00010101, 0x0001010A
 ENOUGH, OTHER = 0, 1
@@ -35,8 +34,7 @@ def built(folder, sanitizer):
     needs.ask("sanitizers")
     made = folder / "driver"
     line = [str(compiler()), *FLAGS, sanitizer, f"-I{TEMPLATES}", str(DRIVER), "-o", str(made)]
-    done = subprocess.run(line, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    succeeded(line)
     return made
 
 

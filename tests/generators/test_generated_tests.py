@@ -1,10 +1,7 @@
 """The tests of generated bridges can fail: each kind of damage to a translation is found."""
 
-from __future__ import annotations
-
 import os
 import re
-import subprocess
 import sys
 import tempfile
 from functools import cache
@@ -12,6 +9,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import python_path
 
@@ -192,13 +190,7 @@ def package(tmp_path_factory):
 def test_the_generated_tests_need_no_formatter(package, name):
     config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
     for check in (["format", "--check"], ["check", "--ignore", "S101"]):
-        done = subprocess.run(
-            [sys.executable, "-m", "ruff", *check, *config, "test"],
-            cwd=package(name),
-            capture_output=True,
-            text=True,
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
+        succeeded([sys.executable, "-m", "ruff", *check, *config, "test"], cwd=package(name))
 
 
 def test_hypothesis_is_what_the_tests_need(package):
@@ -272,18 +264,15 @@ def outcomes_of(package, module, damages):
         replacements.append(place / f"damage_{number}.py")
         replacements[-1].write_text(damaged(text, found, replacement), encoding="utf-8")
     runner = Path(__file__).with_name("forked_pytest.py")
-    done = subprocess.run(
+    done = succeeded(
         [sys.executable, str(runner), str(package), module, *map(str, replacements)],
         env={
             **os.environ,
             "PYTHONPATH": python_path(folder),
             "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1",
         },
-        capture_output=True,
-        text=True,
         timeout=250,
     )
-    assert done.returncode == 0, done.stderr
     outputs = [path.with_suffix(".txt").read_text() for path in (package, *replacements)]
     codes = map(int, done.stdout.split())
     return dict(zip([None, *damages], zip(codes, outputs, strict=True), strict=True))

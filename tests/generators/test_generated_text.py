@@ -1,10 +1,7 @@
 """Generated codecs as text: formatted, linted, typed, deterministic, and safe from model text."""
 
-from __future__ import annotations
-
 import ast
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -19,6 +16,7 @@ from codec_support import (
     render,
     shipped_sets,
 )
+from scripts import succeeded
 
 HERE = Path(__file__).parent
 EVERY_KIND = HERE / "every_kind.xmi"
@@ -26,15 +24,12 @@ HOSTILE = HERE / "hostile_messages.xmi"
 
 
 def run(*command: str, cwd: Path) -> None:
-    done = subprocess.run(
+    succeeded(
         [sys.executable, "-m", *command],
         cwd=cwd,
         env={**os.environ, "MYPYPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.fixture(scope="module")
@@ -48,16 +43,16 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_ruff_would_format_nothing(generated: Path) -> None:
+def test_ruff_would_format_nothing(generated):
     run("ruff", "format", "--check", "--config", str(ROOT / "pyproject.toml"), ".", cwd=generated)
 
 
-def test_ruff_finds_nothing(generated: Path) -> None:
+def test_ruff_finds_nothing(generated):
     run("ruff", "check", "--config", str(ROOT / "pyproject.toml"), ".", cwd=generated)
 
 
 @pytest.mark.slow
-def test_mypy_finds_nothing(generated: Path) -> None:
+def test_mypy_finds_nothing(generated):
     # What generated code imports of jausml is judged as it is by `make lint`.
     options = (
         "--config-file",
@@ -69,17 +64,17 @@ def test_mypy_finds_nothing(generated: Path) -> None:
     run("mypy", *options, ".", cwd=generated)
 
 
-def test_it_is_python_3_10(generated: Path) -> None:
+def test_it_is_python_3_10(generated):
     for path in generated.glob("*.py"):
         ast.parse(path.read_text("utf-8"), feature_version=(3, 10))
 
 
-def test_the_same_model_gives_the_same_bytes() -> None:
+def test_the_same_model_gives_the_same_bytes():
     for path in (EVERY_KIND, LIBRARY / "mobility.xmi"):
         assert render(read_messages(path)) == render(read_messages(path))
 
 
-def test_text_of_the_model_is_data() -> None:
+def test_text_of_the_model_is_data():
     text = render(read_messages(HOSTILE))
     calls = {ast.unparse(node.func) for node in ast.walk(ast.parse(text)) if type(node) is ast.Call}
     assert not {"exec", "eval", "print", "__import__", "os.system"} & calls
@@ -93,7 +88,7 @@ def test_text_of_the_model_is_data() -> None:
         assert view.jaus_name == message.NAME
 
 
-def test_struct_formats_are_shared_and_merged() -> None:
+def test_struct_formats_are_shared_and_merged():
     views, text, _ = library("mobility")
     waypoint = next(view for view in views if view.jaus_name == "SetGlobalWaypoint")
     assert [segment.kind for segment in waypoint.body.segments] == ["run", *["single"] * 6]
@@ -101,7 +96,7 @@ def test_struct_formats_are_shared_and_merged() -> None:
     assert text.count('= struct.Struct("<BII")') == 1
 
 
-def test_members_are_found_by_their_path() -> None:
+def test_members_are_found_by_their_path():
     views, _, _ = library("mobility")
     report = next(view for view in views if view.jaus_name == "ReportVelocityState")
     found = report.find("TimeStamp.Hour")

@@ -1,7 +1,5 @@
 """Our codecs against the bytes that other implementations made."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
@@ -38,7 +36,7 @@ def problems(names: FieldNames, vector: dict[str, Any]) -> list[str]:
 
 
 @pytest.mark.parametrize("set_name", shipped_sets())
-def test_every_vector_decodes_to_its_fields_and_back_to_its_bytes(set_name: str) -> None:
+def test_every_vector_decodes_to_its_fields_and_back_to_its_bytes(set_name):
     wrong = []
     vectors = [vector for vector in golden_vectors() if vector["set"] == set_name]
     for vector in vectors:
@@ -57,7 +55,7 @@ def steps(value: Any) -> tuple[float, float, int]:
 
 
 @pytest.mark.parametrize("set_name", shipped_sets())
-def test_coded_values_are_the_integers_of_the_other_implementation(set_name: str) -> None:
+def test_coded_values_are_the_integers_of_the_other_implementation(set_name):
     checked = 0
     for vector in (
         golden_vector for golden_vector in golden_vectors() if golden_vector["set"] == set_name

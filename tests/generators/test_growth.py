@@ -1,7 +1,5 @@
 """How generation grows with the model, in calls of Python functions: no clock is asked."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Commands of own services: nobody but the controller is obeyed, however the service is written."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

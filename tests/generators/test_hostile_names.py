@@ -1,7 +1,5 @@
 """No name of a model hides what the module of a bridge imports."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import needs

@@ -1,14 +1,9 @@
 """Names of the classes inside of a message: plain ones, and qualified ones where they clash."""
 
-from __future__ import annotations
-
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from .codec_support import load, read_messages, render
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """<?xml version="1.0" encoding="UTF-8"?>
 <jaus:ServiceSet xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
@@ -60,12 +55,12 @@ def enumerations(folder: Path, sampler: str, drill: str, *flags: str) -> dict[st
     }
 
 
-def test_one_class_for_equal_values_has_the_name_of_the_field(tmp_path: Path) -> None:
+def test_one_class_for_equal_values_has_the_name_of_the_field(tmp_path):
     state = integer("State", "idle", "busy")
     assert enumerations(tmp_path, state, state, "idle", "busy") == {"State": ["IDLE", "BUSY"]}
 
 
-def test_a_clash_is_told_apart_by_the_enclosing_record_or_bit_field(tmp_path: Path) -> None:
+def test_a_clash_is_told_apart_by_the_enclosing_record_or_bit_field(tmp_path):
     first, second = integer("State", "idle", "busy"), integer("State", "up", "down")
     assert enumerations(tmp_path, first, second, "off", "on") == {
         "State": ["IDLE", "BUSY"],
@@ -74,12 +69,12 @@ def test_a_clash_is_told_apart_by_the_enclosing_record_or_bit_field(tmp_path: Pa
     }
 
 
-def test_names_that_the_module_uses_itself_are_qualified(tmp_path: Path) -> None:
+def test_names_that_the_module_uses_itself_are_qualified(tmp_path):
     found = enumerations(tmp_path, integer("Message", "none", "some"), "", "off", "on")
     assert set(found) == {"SamplerMessage", "State"}
 
 
-def test_a_qualified_name_that_is_taken_too_gets_a_number(tmp_path: Path) -> None:
+def test_a_qualified_name_that_is_taken_too_gets_a_number(tmp_path):
     first = integer("State", "idle") + integer("DrillState", "far", "near")
     found = enumerations(tmp_path, first, integer("State", "up", "down"), "off", "on")
     assert set(found) == {"State", "DrillState", "DrillState2", "FlagsState"}

@@ -1,10 +1,7 @@
 """Packages of JAUS components: what is in them, and that they run."""
 
-from __future__ import annotations
-
 import inspect
 import os
-import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -12,6 +9,7 @@ from pathlib import Path
 import pytest
 from codec_support import ROOT
 from ports import free_port
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import python_path
 
@@ -52,19 +50,16 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def run(*command: str, cwd: Path, workspace: Path) -> None:
     path = python_path(workspace)
-    done = subprocess.run(
+    succeeded(
         [sys.executable, *command],
         cwd=cwd,
         env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_a_package_is_an_ament_python_package(package: str) -> None:
+def test_a_package_is_an_ament_python_package(package):
     files = {path.removeprefix(f"{package}/") for path in texts() if path.startswith(f"{package}/")}
     assert files == {
         "package.xml",
@@ -81,12 +76,12 @@ def test_a_package_is_an_ament_python_package(package: str) -> None:
     }
 
 
-def test_only_the_skeleton_is_the_users() -> None:
+def test_only_the_skeleton_is_the_users():
     skeletons = [a.path for a in artifacts() if a.kind is Kind.SKELETON]
     assert skeletons == sorted(f"{package}/{package}/{package}.py" for package in PACKAGES)
 
 
-def test_messages_are_those_of_services_and_connections() -> None:
+def test_messages_are_those_of_services_and_connections():
     driver = texts()["wrench_driver/wrench_driver/messages.py"]
     client = texts()["operator_jaus/operator_jaus/messages.py"]
     for name in ("SetWrenchEffort", "ReportLocalPose", "ExecuteList"):
@@ -96,7 +91,7 @@ def test_messages_are_those_of_services_and_connections() -> None:
     assert '"ExecuteList",' not in client
 
 
-def test_commands_are_obeyed_as_the_service_demands() -> None:
+def test_commands_are_obeyed_as_the_service_demands():
     base = texts()["wrench_driver/wrench_driver/wrench_driver_base.py"]
     flat = " ".join(base.split())
     assert "self.handle(SetWrenchEffort, self.on_set_wrench_effort, when=Guard.READY)" in flat
@@ -106,13 +101,13 @@ def test_commands_are_obeyed_as_the_service_demands() -> None:
         assert name not in flat, "the runtime handles the messages of the core services"
 
 
-def test_a_silent_report_leads_to_the_state_that_the_model_says() -> None:
+def test_a_silent_report_leads_to_the_state_that_the_model_says():
     flat = " ".join(texts()["operator_jaus/operator_jaus/operator_jaus_base.py"].split())
     assert "silence_timeout=0.5, on_silence=lambda: self.on_effort_silent" in flat
     assert flat.count("stands_by=True") == 1
 
 
-def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path: Path) -> None:
+def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path):
     library = ROOT / "models" / "library" / "jaus" / "mobility.xmi"
     path = tmp_path / "driver.xmi"
     path.write_text(
@@ -136,7 +131,7 @@ def test_limits_of_a_velocity_command_are_obeyed_in_standby(tmp_path: Path) -> N
     compile(base, "driver_base.py", "exec")
 
 
-def test_messages_without_fields_are_laid_out_too(tmp_path: Path) -> None:
+def test_messages_without_fields_are_laid_out_too(tmp_path):
     """A module without a `struct` once had a blank line too many."""
     path = tmp_path / "bell.xmi"
     path.write_text(
@@ -162,7 +157,7 @@ def test_messages_without_fields_are_laid_out_too(tmp_path: Path) -> None:
     run("-m", "ruff", "check", *config, cwd=tmp_path, workspace=tmp_path)
 
 
-def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract() -> None:
+def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract():
     (skeleton,) = (a for a in artifacts() if a.path.endswith("wrench_driver/wrench_driver.py"))
     assert skeleton.contract is not None
     names = [method.name for method in skeleton.contract.methods]
@@ -174,7 +169,7 @@ def test_every_method_of_the_base_is_in_the_skeleton_and_in_its_contract() -> No
             assert method.stub in skeleton.text
 
 
-def test_hooks_of_every_component_are_in_the_contract() -> None:
+def test_hooks_of_every_component_are_in_the_contract():
     """A user's `on_not_ready` was once reported as a method that nothing calls."""
     (skeleton,) = (a for a in artifacts() if a.path.endswith("wrench_driver/wrench_driver.py"))
     assert skeleton.contract is not None
@@ -192,7 +187,7 @@ def test_hooks_of_every_component_are_in_the_contract() -> None:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_ruff_finds_nothing(workspace: Path, package: str) -> None:
+def test_ruff_finds_nothing(workspace, package):
     config = ["--config", str(ROOT / "pyproject.toml")]
     # A skeleton imports what its user will need, and tests assert.
     ignore = ["--ignore", "S101,TC001,TC002,TC003"]
@@ -201,7 +196,7 @@ def test_ruff_finds_nothing(workspace: Path, package: str) -> None:
     run("-m", "ruff", "check", *config, *ignore, ".", cwd=folder, workspace=workspace)
 
 
-def test_one_service_and_a_long_documentation_are_laid_out(tmp_path: Path) -> None:
+def test_one_service_and_a_long_documentation_are_laid_out(tmp_path):
     path = tmp_path / "model.xmi"
     services, words = "http://www.jausml.org/library/jaus", " ".join(["documentation"] * 100)
     path.write_text(
@@ -220,19 +215,19 @@ def test_one_service_and_a_long_documentation_are_laid_out(tmp_path: Path) -> No
 
 
 @pytest.mark.slow
-def test_mypy_finds_nothing(workspace: Path) -> None:
+def test_mypy_finds_nothing(workspace):
     packages = [argument for package in PACKAGES for argument in ("-p", package)]
     run("-m", "mypy", "--strict", *packages, cwd=workspace, workspace=workspace)
 
 
 @pytest.mark.parametrize("package", sweep(PACKAGES, every=3))
-def test_generated_tests_pass(workspace: Path, package: str) -> None:
+def test_generated_tests_pass(workspace, package):
     run("-m", "pytest", "-q", "-W", "error", "test", cwd=workspace / package, workspace=workspace)
 
 
-def test_components_exchange_commands_and_reports(workspace: Path) -> None:
+def test_components_exchange_commands_and_reports(workspace):
     run(str(HERE / "exchange.py"), str(free_port()), cwd=workspace, workspace=workspace)
 
 
-def test_the_executable_explains_itself(workspace: Path) -> None:
+def test_the_executable_explains_itself(workspace):
     run("-m", "wrench_driver.main", "--help", cwd=workspace, workspace=workspace)

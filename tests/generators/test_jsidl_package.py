@@ -1,18 +1,13 @@
 """A service in JSIDL, all the way: imported, generated, clean, and the package's own tests pass."""
 
-from __future__ import annotations
-
 import os
-import subprocess
 import sys
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from codec_support import ROOT
+from scripts import succeeded
 from workspaces import python_path
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 JSIDL = ROOT / "tests" / "importers" / "winch"
 SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
@@ -27,15 +22,12 @@ SYSTEM = """<?xml version="1.0" encoding="UTF-8"?>
 
 def run(*command: str | Path, cwd: Path) -> str:
     path = python_path(cwd)
-    done = subprocess.run(
+    done = succeeded(
         [sys.executable, "-m", *map(str, command)],
         cwd=cwd,
         env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout + done.stderr
 
 
@@ -48,14 +40,14 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_machine_of_the_service_is_generated(workspace: Path) -> None:
+def test_the_machine_of_the_service_is_generated(workspace):
     base = (workspace / "hoist/hoist/hoist_base.py").read_text(encoding="utf-8")
     assert "self.add_machine(" in base
     assert "self.handle_by_machines(" in base
 
 
 @pytest.mark.slow
-def test_the_package_is_clean(workspace: Path) -> None:
+def test_the_package_is_clean(workspace):
     config = ["--config", ROOT / "pyproject.toml", "--no-cache"]
     run("ruff", "format", "--check", *config, "hoist", cwd=workspace)
     # Here the runtime stands beside the package; where that is built, it is installed.
@@ -67,7 +59,7 @@ def test_the_package_is_clean(workspace: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_tests_of_the_package_pass(workspace: Path) -> None:
+def test_the_tests_of_the_package_pass(workspace):
     done = run("pytest", "-q", "-W", "error", "hoist/test", cwd=workspace)
     assert " passed" in done
 
@@ -130,7 +122,7 @@ BALER = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 @pytest.mark.slow
-def test_a_service_refines_the_states_of_access_control(tmp_path: Path) -> None:
+def test_a_service_refines_the_states_of_access_control(tmp_path):
     """Where Management has further states, which the service knows nothing of."""
     (tmp_path / "Baler.xml").write_text(BALER, encoding="utf-8")
     said = run("jausml", "import", "jsidl", "Baler.xml", "-o", "services.xmi", cwd=tmp_path)

@@ -1,10 +1,9 @@
 """What generated classes do with bytes and values; tests/vectors has plain bytes and fields."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import pytest
 from codec_support import library, load, read_messages, render
@@ -15,16 +14,13 @@ from jausml.runtime import messages as core
 from jausml.runtime.wire.codec import scaled
 from jausml.runtime.wire.message import DecodeError, EncodeError
 
-if TYPE_CHECKING:
-    from types import ModuleType
-
 
 @pytest.fixture(scope="module")
 def mobility() -> ModuleType:
     return library("mobility")[2]
 
 
-def test_bits_of_a_time_stamp() -> None:
+def test_bits_of_a_time_stamp():
     stamp = core.SetTime.TimeStamp(milliseconds=999, seconds=59, minutes=1, hour=23, day=31)
     bits = 999 | 59 << 10 | 1 << 16 | 23 << 22 | 31 << 27
     assert core.SetTime(time_stamp=stamp).encode() == b"\x11\x00\x01" + bits.to_bytes(4, "little")
@@ -32,13 +28,13 @@ def test_bits_of_a_time_stamp() -> None:
 
 
 @pytest.mark.parametrize("value", [327.68, -327.69, math.nan, math.inf, -math.inf, 1e308, "1"])
-def test_values_out_of_range_are_not_sent(mobility: ModuleType, value: Any) -> None:
+def test_values_out_of_range_are_not_sent(mobility, value):
     with pytest.raises(EncodeError, match="velocity_x"):
         mobility.ReportVelocityState(velocity_x=value).encode()
 
 
 @pytest.mark.parametrize(("value", "raw"), [(-327.68, "00000000"), (327.67, "ffffffff")])
-def test_both_ends_of_a_range_are_exact(mobility: ModuleType, value: float, raw: str) -> None:
+def test_both_ends_of_a_range_are_exact(mobility, value, raw):
     data = mobility.ReportVelocityState(velocity_x=value).encode()
     assert data[4:].hex() == raw
     back = mobility.ReportVelocityState.decode(data)
@@ -47,12 +43,12 @@ def test_both_ends_of_a_range_are_exact(mobility: ModuleType, value: float, raw:
 
 
 @pytest.mark.parametrize("value", [-1, 256, 1.5, None, "1"])
-def test_integers_out_of_range_are_not_sent(value: Any) -> None:
+def test_integers_out_of_range_are_not_sent(value):
     with pytest.raises(EncodeError):
         core.RequestControl(value).encode()
 
 
-def test_values_are_rounded_to_the_nearest_step() -> None:
+def test_values_are_rounded_to_the_nearest_step():
     step = 1092.0 / 0xFFFF
     for offset, raw in ((0.49, 10), (0.51, 11)):
         data = core.ConfirmEventRequest(0, 0, (10 + offset) * step).encode()
@@ -80,7 +76,7 @@ def message_of_every_kind(kinds: ModuleType) -> Any:
     )
 
 
-def test_every_kind_of_field_at_once(kinds: ModuleType) -> None:
+def test_every_kind_of_field_at_once(kinds):
     message = message_of_every_kind(kinds)
     expected = (
         "0001 00 0000803F FEFF FFFFFFFFFFFFFFFF 07 08 000000000000E03F 00 01020304 01 61 02 6263"
@@ -90,7 +86,7 @@ def test_every_kind_of_field_at_once(kinds: ModuleType) -> None:
     assert kinds.Kinds.decode(message.encode()).encode() == message.encode()
 
 
-def test_options_that_are_no_records_have_classes(kinds: ModuleType) -> None:
+def test_options_that_are_no_records_have_classes(kinds):
     cls = kinds.Kinds
     message = message_of_every_kind(kinds)
     for choice, tail in ((cls.B([cls.P(1.0)]), "01 01 0000803F"), (cls.Nothing(), "02 00")):
@@ -100,7 +96,7 @@ def test_options_that_are_no_records_have_classes(kinds: ModuleType) -> None:
         assert cls.decode(data).choice == choice
 
 
-def test_a_gap_in_the_value_set(kinds: ModuleType) -> None:
+def test_a_gap_in_the_value_set(kinds):
     message = message_of_every_kind(kinds)
     for legal in (0, 4, 7):
         message.numbers.gap = legal
@@ -125,9 +121,7 @@ def test_a_gap_in_the_value_set(kinds: ModuleType) -> None:
         ("lists", [None] * 4),
     ],
 )
-def test_what_has_no_place_on_the_wire_raises_encode_error(
-    kinds: ModuleType, path: str, value: Any
-) -> None:
+def test_what_has_no_place_on_the_wire_raises_encode_error(kinds, path, value):
     message = message_of_every_kind(kinds)
     *way, last = path.split(".")
     owner = message
@@ -138,7 +132,7 @@ def test_what_has_no_place_on_the_wire_raises_encode_error(
         message.encode()
 
 
-def test_a_variable_field_of_an_integer_type_takes_whole_numbers(kinds: ModuleType) -> None:
+def test_a_variable_field_of_an_integer_type_takes_whole_numbers(kinds):
     message = message_of_every_kind(kinds)
     message.choice.v = kinds.Kinds.V(1, -3.0)
     assert message.encode().endswith(bytes.fromhex("00 01 FD"))
@@ -179,7 +173,7 @@ MORE = (
 )
 
 
-def test_more_kinds_of_fields_at_once(kinds: ModuleType) -> None:
+def test_more_kinds_of_fields_at_once(kinds):
     message = more_kinds(kinds)
     assert message.encode() == bytes.fromhex(MORE)
     assert kinds.More.decode(bytes.fromhex(MORE)) == message
@@ -200,16 +194,14 @@ def test_more_kinds_of_fields_at_once(kinds: ModuleType) -> None:
         (56, "0001", "More.Either: tag 256 names no option"),
     ],
 )
-def test_what_the_layout_does_not_know_is_refused(
-    kinds: ModuleType, position: int, changed: str, reason: str
-) -> None:
+def test_what_the_layout_does_not_know_is_refused(kinds, position, changed, reason):
     data = bytearray.fromhex(MORE)
     data[position : position + len(changed) // 2] = bytes.fromhex(changed)
     with pytest.raises(DecodeError, match=reason):
         kinds.More.decode(bytes(data))
 
 
-def test_list_of_fewest_elements_and_no_list_at_all_differ(kinds: ModuleType) -> None:
+def test_list_of_fewest_elements_and_no_list_at_all_differ(kinds):
     message = more_kinds(kinds)
     message.points = None
     assert message.encode()[2] == 0x02
@@ -219,7 +211,7 @@ def test_list_of_fewest_elements_and_no_list_at_all_differ(kinds: ModuleType) ->
     assert kinds.More.decode(short).encode() == short
 
 
-def test_list_with_too_many_elements_is_refused(kinds: ModuleType) -> None:
+def test_list_with_too_many_elements_is_refused(kinds):
     message = more_kinds(kinds)
     message.points = message.points[:1] * 4
     with pytest.raises(EncodeError, match=r"points: length 4 is outside 0 \.\. 3"):
@@ -243,9 +235,7 @@ def test_list_with_too_many_elements_is_refused(kinds: ModuleType) -> None:
         ("head.quantity", [(3, 0.0), (3, 2.0)], [(3, 3.0), (3, 255.0), (0, 0.0), (4, 0.0)]),
     ],
 )
-def test_legal_values_and_their_neighbours(
-    kinds: ModuleType, path: str, legal: list[Any], illegal: list[Any]
-) -> None:
+def test_legal_values_and_their_neighbours(kinds, path, legal, illegal):
     message = more_kinds(kinds)
     *way, last = path.split(".")
     owner = message
@@ -265,9 +255,7 @@ def test_legal_values_and_their_neighbours(
 
 
 @pytest.mark.parametrize("value", [None, 3, "x", [1], object(), 10**400, {"a": 1}])
-def test_values_of_another_type_raise_nothing_but_encode_error(
-    kinds: ModuleType, value: Any
-) -> None:
+def test_values_of_another_type_raise_nothing_but_encode_error(kinds, value):
     for name in ("head", "nested", "points", "either"):
         message = more_kinds(kinds)
         setattr(message, name, value)
@@ -285,7 +273,7 @@ def test_values_of_another_type_raise_nothing_but_encode_error(
             message.encode()
 
 
-def test_nan_and_infinity_of_a_peer_are_taken_but_not_sent(kinds: ModuleType) -> None:
+def test_nan_and_infinity_of_a_peer_are_taken_but_not_sent(kinds):
     for bits in ("7FF8000000000000", "7FF0000000000000", "FFF0000000000000"):
         number = bytes.fromhex(bits)[::-1]
         data = bytes.fromhex(MORE).replace(bytes.fromhex("000000000000E03F"), number)
@@ -295,7 +283,7 @@ def test_nan_and_infinity_of_a_peer_are_taken_but_not_sent(kinds: ModuleType) ->
             message.encode()
 
 
-def test_bits_that_no_part_has_are_sent_as_zero(kinds: ModuleType) -> None:
+def test_bits_that_no_part_has_are_sent_as_zero(kinds):
     data = bytearray.fromhex(MORE)
     data[9] |= 0x78  # bits 11 to 14
     assert kinds.More.decode(bytes(data)).encode() == bytes.fromhex(MORE)
@@ -306,9 +294,7 @@ SCALES = [(-327.68, 327.67), (0.0, 1092.0), (-math.pi, math.pi), (-90.0, 90.0), 
 
 
 @given(st.sampled_from(SCALES), st.sampled_from([8, 16, 32]), st.floats(0.0, 1.0, exclude_max=True))
-def test_a_truncating_peer_is_at_most_one_step_low(
-    scale: tuple[float, float], bits: int, part: float
-) -> None:
+def test_a_truncating_peer_is_at_most_one_step_low(scale, bits, part):
     lower, upper = scale
     largest = 2**bits - 1
     step = (upper - lower) / largest
@@ -325,16 +311,14 @@ def test_a_truncating_peer_is_at_most_one_step_low(
 
 @pytest.mark.parametrize("bits", [8, 16, 32])
 @pytest.mark.parametrize(("lower", "upper"), SCALES)
-def test_steps_next_to_the_ends_and_the_middle_come_back(
-    bits: int, lower: float, upper: float
-) -> None:
+def test_steps_next_to_the_ends_and_the_middle_come_back(bits, lower, upper):
     largest = 2**bits - 1
     step = (upper - lower) / largest
     for raw in (0, 1, largest // 2, largest // 2 + 1, largest - 1, largest):
         assert scaled(raw * step + lower, lower, step, largest, "") == raw
 
 
-def test_value_sets_that_count_from_their_lower_limit(kinds: ModuleType) -> None:
+def test_value_sets_that_count_from_their_lower_limit(kinds):
     cls = kinds.Offsets
     message = cls(
         year=2022,

@@ -1,12 +1,9 @@
 """Light classes: the bytes of rclpy for every type of the library, and sound with any bytes."""
 
-from __future__ import annotations
-
 import functools
 import importlib
 import os
 import random
-import subprocess
 import sys
 from array import array
 from contextlib import suppress
@@ -29,6 +26,7 @@ from light_support import (
     values_of,
     written,
 )
+from scripts import succeeded
 
 from jausml.generation.errors import GenerationError
 from jausml.runtime.bridge.light_message import differences, installed_class, is_light
@@ -288,12 +286,7 @@ def test_the_module_is_clean(tmp_path):
         file.write_text(made.text, encoding="utf-8")
         config = ["--config", str(ROOT / "pyproject.toml"), "--no-cache"]
         for check in (["format", "--check"], ["check"]):
-            done = subprocess.run(
-                [sys.executable, "-m", "ruff", *check, *config, str(file)],
-                capture_output=True,
-                text=True,
-            )
-            assert done.returncode == 0, done.stdout + done.stderr
+            succeeded([sys.executable, "-m", "ruff", *check, *config, str(file)])
 
 
 @pytest.mark.slow
@@ -301,8 +294,7 @@ def test_the_module_passes_the_type_checker(tmp_path):
     for number, made in enumerate((library(), extremes())):
         text = made.text.replace("from jausml_runtime.", "from jausml.runtime.")
         (tmp_path / f"types_{number}.py").write_text(text, encoding="utf-8")
-    done = subprocess.run(
-        # What it imports of jausml is judged as it is by `make lint`.
+    succeeded(
         [
             *(sys.executable, "-m", "mypy", "--explicit-package-bases"),
             *("--config-file", str(ROOT / "pyproject.toml")),
@@ -310,10 +302,7 @@ def test_the_module_passes_the_type_checker(tmp_path):
         ],
         cwd=tmp_path,
         env={**os.environ, "MYPYPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
     )
-    assert done.returncode == 0, done.stdout
 
 
 # ------------------------------------------------------------------ models that cannot be

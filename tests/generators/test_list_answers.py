@@ -1,16 +1,11 @@
 """What a generated list driver tells besides its active element."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """
 import mappings.global_waypoint_driver
@@ -58,19 +53,19 @@ def generated(folder: Path, more: str = "") -> str:
     )
 
 
-def test_each_driver_tells_the_speed_and_what_its_elements_hold(tmp_path: Path) -> None:
+def test_each_driver_tells_the_speed_and_what_its_elements_hold(tmp_path):
     base = generated(tmp_path)
     assert base.count(SPEED) == 2
     assert base.count("element=(QueryLocalWaypoint, ReportLocalWaypoint)") == 1
     assert base.count("element=(QueryGlobalWaypoint, ReportGlobalWaypoint)") == 1
 
 
-def test_a_connection_with_the_report_comes_first(tmp_path: Path) -> None:
+def test_a_connection_with_the_report_comes_first(tmp_path):
     base = generated(tmp_path, REPORT.format(exchange="periodicEvent"))
     assert SPEED not in base
     assert "element=(QueryLocalWaypoint, ReportLocalWaypoint)" in base
 
 
-def test_a_report_that_is_sent_unasked_answers_nothing(tmp_path: Path) -> None:
+def test_a_report_that_is_sent_unasked_answers_nothing(tmp_path):
     base = generated(tmp_path, REPORT.format(exchange="message"))
     assert base.count(SPEED) == 2

@@ -1,16 +1,14 @@
 """Components with modelled state machines: base, skeleton, its drift, and generated tests."""
 
-from __future__ import annotations
-
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import warm
 from codec_support import ROOT
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import packages_of, python_path
 
@@ -55,22 +53,16 @@ def workspace(texts: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -
 
 def run(*command: str, cwd: Path, workspace: Path) -> None:
     path = python_path(workspace)
-    done = subprocess.run(
+    succeeded(
         [sys.executable, *command],
         cwd=cwd,
         env={**os.environ, "PYTHONPATH": path, "MYPYPATH": path},
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def jausml(*arguments: str | Path) -> str:
-    done = subprocess.run(
-        [*warm.command(), *map(str, arguments)], capture_output=True, text=True, timeout=60
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = succeeded([*warm.command(), *map(str, arguments)], timeout=60)
     return done.stdout + done.stderr
 
 

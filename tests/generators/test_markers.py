@@ -1,13 +1,11 @@
 """Markers: a ROS field that says that it has no value is as absent as a JAUS field left out."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import os
 from array import array
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -15,10 +13,7 @@ from hypothesis import strategies as st
 from workspaces import packages_of
 
 from jausml.generation.native import SOURCE, State, build, compiler
-from tests.generators.assignment_support import generated
-
-if TYPE_CHECKING:
-    from tests.generators.assignment_support import Generated
+from tests.generators.assignment_support import Generated, generated
 
 GUARDS = ("generators/jausml_generators/cpp", "jausml/language/semantics/paths/markers.py")
 
@@ -193,11 +188,11 @@ def absent(message: Any) -> set[str]:
     return {slot for slot in message.__slots__ if getattr(message, slot) is None}
 
 
-def test_text_is_clean(made: Generated) -> None:
+def test_text_is_clean(made):
     made.check_text()
 
 
-def test_the_generated_tests_know_markers(made: Generated) -> None:
+def test_the_generated_tests_know_markers(made):
     tests = "".join(artifact.text for path, artifact in made.artifacts.items() if "/test/" in path)
     for name in ("down_voltage_without_voltage", "down_time_stamp_without_stamp"):
         assert f"def test_{name}(" in tests
@@ -219,15 +214,13 @@ def test_the_generated_tests_know_markers(made: Generated) -> None:
         ({"turning": 0.0}, {"turning"}),
     ],
 )
-def test_what_a_marker_says_is_absent(
-    made: Generated, fields: dict[str, Any], names: set[str]
-) -> None:
+def test_what_a_marker_says_is_absent(made, fields, names):
     others = {"charge", "ticks", "total", "x", "speed_x"}
     found = absent(made.bridge.translate_down(state(made, **fields)))
     assert found - others == names
 
 
-def test_an_absent_source_counts_as_its_default_in_an_expression(made: Generated) -> None:
+def test_an_absent_source_counts_as_its_default_in_an_expression(made):
     down = made.bridge.translate_more_down
     assert down(state(made, latitude=5.0, voltage=2.0)).total == 7.0
     assert down(state(made, latitude=5.0, voltage=math.nan)).total == 6.0
@@ -235,7 +228,7 @@ def test_an_absent_source_counts_as_its_default_in_an_expression(made: Generated
     assert down(state(made, voltage=math.nan, status=-1)).total is None
 
 
-def test_elements_have_their_own_markers(made: Generated) -> None:
+def test_elements_have_their_own_markers(made):
     down = made.bridge.translate_more_down
     found = down(state(made, ranges=[0.5, 2.0, 11.0, math.inf, math.nan])).ranges
     assert [(reading.range_, reading.ok) for reading in found] == [
@@ -247,7 +240,7 @@ def test_elements_have_their_own_markers(made: Generated) -> None:
     assert down(state(made, parts=[part(charge=3.0)])).charge == 3.0
 
 
-def test_policies_hold_for_markers(made: Generated) -> None:
+def test_policies_hold_for_markers(made):
     moment = importlib.import_module("jausml_runtime.conversions").Time(1_700_000_000, 0)
     made.bridge.now = lambda: moment
     down = made.bridge.translate_strict_down
@@ -260,7 +253,7 @@ def test_policies_hold_for_markers(made: Generated) -> None:
     assert down(state(made, voltage=math.nan)).voltage == 4.0
 
 
-def test_what_is_absent_or_not_set_is_said_by_markers(made: Generated) -> None:
+def test_what_is_absent_or_not_set_is_said_by_markers(made):
     message = made.messages.SetMark
     moment = importlib.import_module("jausml_runtime.conversions").Time(7, 8)
     made.bridge.now = lambda: moment
@@ -275,7 +268,7 @@ def test_what_is_absent_or_not_set_is_said_by_markers(made: Generated) -> None:
     assert [strict(message(voltage=2.0)).voltage, strict(message()).voltage] == [2.0, 2.0]
 
 
-def test_elements_say_that_they_have_no_value(made: Generated) -> None:
+def test_elements_say_that_they_have_no_value(made):
     record = made.messages.SetMark.RangeRec
     message = made.messages.SetMark(ranges=[record(range_=2.0), record()])
     found = made.bridge.translate_more_up(message)
@@ -284,7 +277,7 @@ def test_elements_say_that_they_have_no_value(made: Generated) -> None:
     assert math.isnan(found.parts[1].charge)
 
 
-def test_a_value_does_not_become_no_limit(made: Generated) -> None:
+def test_a_value_does_not_become_no_limit(made):
     up, message = made.bridge.translate_up, made.messages.SetMark
     assert up(message(turning=0.25)).turning == 0.25
     assert up(message()).turning == 0.0
@@ -293,7 +286,7 @@ def test_a_value_does_not_become_no_limit(made: Generated) -> None:
     assert (caught.value.field, caught.value.policy) == ("turning", "not_clampable")
 
 
-def test_a_place_is_not_moved_into_its_range(made: Generated) -> None:
+def test_a_place_is_not_moved_into_its_range(made):
     vector = types(made).Vector3
     assert made.bridge.translate_places(vector(x=100.0, y=101.0)).speed_x == 100.0
     with pytest.raises(made.error("OutOfRangeError"), match="101") as caught:
@@ -349,7 +342,7 @@ STATES = st.fixed_dictionaries(
 
 @pytest.mark.needs("compiler")
 @given(fields=STATES)
-def test_all_forms_say_the_same(compiled: Generated, fields: dict[str, Any]) -> None:
+def test_all_forms_say_the_same(compiled, fields):
     compiled.bridge.now = lambda: importlib.import_module("jausml_runtime.conversions").Time(7, 8)
     source = state(compiled, **fields)
     source.parts = [types(compiled).Part(charge=charge) for charge in fields["ranges"]]
@@ -368,7 +361,7 @@ def test_all_forms_say_the_same(compiled: Generated, fields: dict[str, Any]) -> 
 
 
 @pytest.mark.needs("compiler")
-def test_the_core_asks_markers_itself(compiled: Generated) -> None:
+def test_the_core_asks_markers_itself(compiled):
     part = types(compiled).Part(charge=math.nan)
     source = state(compiled, status=-1, voltage=math.nan, ranges=array("f", [2.0, 11.0]))
     source.parts = [part]

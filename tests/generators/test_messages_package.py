@@ -1,7 +1,5 @@
 """The package of a system's messages: each class once, and packages that name what they use."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """Names: valid, free of collisions, the same each time, whatever the model says."""
 
-from __future__ import annotations
-
 import builtins
 import keyword
 import sys
@@ -37,7 +35,7 @@ from jausml_generators.python import names
         ("§", "unnamed"),
     ],
 )
-def test_snake_case(name: str, expected: str) -> None:
+def test_snake_case(name, expected):
     assert names.snake_case(name) == expected
 
 
@@ -53,7 +51,7 @@ def test_snake_case(name: str, expected: str) -> None:
         ("", "Unnamed"),
     ],
 )
-def test_class_name(name: str, expected: str) -> None:
+def test_class_name(name, expected):
     assert names.class_name(name) == expected
 
 
@@ -66,18 +64,18 @@ def test_class_name(name: str, expected: str) -> None:
         ("!", "UNNAMED"),
     ],
 )
-def test_constant_name(name: str, expected: str) -> None:
+def test_constant_name(name, expected):
     assert names.constant_name(name) == expected
 
 
 @pytest.mark.parametrize(
     "name", ["operator", "json", "rclpy", "test", "tomllib", "imp", "class", "main", "messages"]
 )
-def test_a_package_hides_no_module(name: str) -> None:
+def test_a_package_hides_no_module(name):
     assert names.package_name(name) == f"{name}_jaus"
 
 
-def test_the_builtins_of_this_python_are_known() -> None:
+def test_the_builtins_of_this_python_are_known():
     shadowed = [name for name in dir(builtins) if not name.startswith("_")]
     for name in shadowed:
         assert names.snake_case(name) != name
@@ -85,7 +83,7 @@ def test_the_builtins_of_this_python_are_known() -> None:
 
 
 @given(st.text())
-def test_every_text_gives_valid_names(text: str) -> None:
+def test_every_text_gives_valid_names(text):
     for function in (names.snake_case, names.class_name, names.constant_name, names.package_name):
         name = function(text)
         assert name.isascii()
@@ -98,7 +96,7 @@ def test_every_text_gives_valid_names(text: str) -> None:
 
 
 @given(st.lists(st.text(max_size=3), max_size=30))
-def test_names_side_by_side_differ(texts: list[str]) -> None:
+def test_names_side_by_side_differ(texts):
     scope = names.Scope(frozenset(["offset", "x"]))
     claimed = [scope.claim(names.snake_case(text)) for text in texts]
     assert len(set(claimed)) == len(claimed)
@@ -107,6 +105,6 @@ def test_names_side_by_side_differ(texts: list[str]) -> None:
     assert [again.claim(names.snake_case(text)) for text in texts] == claimed
 
 
-def test_a_claimed_number_may_be_a_name_of_its_own() -> None:
+def test_a_claimed_number_may_be_a_name_of_its_own():
     scope = names.Scope()
     assert [scope.claim(name) for name in ("x", "x_2", "x", "x")] == ["x", "x_2", "x_3", "x_4"]

@@ -1,7 +1,5 @@
 """Lists of octets, which a table translates where each element depends on its octet alone."""
 
-from __future__ import annotations
-
 import importlib
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Paths that lead to one another, counted without comparing each with each."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml_generators.bridge.checks.ends import Paths

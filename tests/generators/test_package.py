@@ -1,7 +1,5 @@
 """What makes a folder an ament_python package: manifests, metadata, and a real installation."""
 
-from __future__ import annotations
-
 import configparser
 import os
 import re
@@ -222,7 +220,7 @@ def test_a_workspace_is_made_of_exactly_one_system():
     assert system_of(both).name == "talk"
 
 
-def test_what_the_users_code_needs_joins_the_dependencies() -> None:
+def test_what_the_users_code_needs_joins_the_dependencies():
     system = SimpleNamespace(
         version="1.0.0", maintainer="m", maintainerEmail="m@example.com", license="MIT"
     )

@@ -1,7 +1,5 @@
 """Generated packages as colcon, rosdep and bloom read them, by the library that all three use."""
 
-from __future__ import annotations
-
 import ast
 import sys
 from pathlib import Path

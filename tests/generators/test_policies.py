@@ -1,7 +1,5 @@
 """SROS 2 policies: of the form that `ros2 security` takes, and no more than a bridge needs."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs
@@ -74,7 +72,7 @@ def check_form(element: etree._Element) -> None:
 
 
 @pytest.mark.parametrize("path", sweep(MODELS, every=4), ids=lambda path: path.stem)
-def test_policies_have_the_form_of_their_schema(path: Path) -> None:
+def test_policies_have_the_form_of_their_schema(path):
     made = policies(path)
     assert made == policies(path)
     for name, text in made.items():
@@ -85,7 +83,7 @@ def test_policies_have_the_form_of_their_schema(path: Path) -> None:
         assert "/security/" in name
 
 
-def test_a_bridge_may_use_its_topics_and_no_others() -> None:
+def test_a_bridge_may_use_its_topics_and_no_others():
     (text,) = policies(ROOT / "models" / "examples" / "waypoints" / "waypoints.ros2jaus").values()
     own = "/vehicle/waypoint_vehicle"
     assert f'<enclave path="{own}">' in text
@@ -101,7 +99,7 @@ def test_a_bridge_may_use_its_topics_and_no_others() -> None:
     assert not names(text, "service", "request")
 
 
-def test_actions_are_called_or_executed() -> None:
+def test_actions_are_called_or_executed():
     made = {Path(name).name: text for name, text in policies(LISTS).items()}
     uses = {
         name: (names(text, "action", "call"), names(text, "action", "execute"))
@@ -116,7 +114,7 @@ def test_actions_are_called_or_executed() -> None:
     }
 
 
-def test_services_are_called_or_served() -> None:
+def test_services_are_called_or_served():
     model = read_models([ROOT / "tests/cases/rules/JML466-something-carried/good.xmi"]).model
     (text,) = (
         artifact.text
@@ -126,7 +124,7 @@ def test_services_are_called_or_served() -> None:
     assert names(text, "service", "reply") == {"/stop", *(f"/bridge/{name}" for name in OWN)}
 
 
-def test_a_node_of_the_model_may_use_what_it_has() -> None:
+def test_a_node_of_the_model_may_use_what_it_has():
     made = policies(ROOT / "tests" / "cases" / "ros_node" / "talk.xmi")
     (text,) = (text for name, text in made.items() if name.endswith("/talker.policy.xml"))
     assert names(text, "topic", "publish") == {
@@ -139,7 +137,7 @@ def test_a_node_of_the_model_may_use_what_it_has() -> None:
     assert "/team/talker/change_state" not in served
 
 
-def test_sros2_itself_takes_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sros2_itself_takes_them(tmp_path, monkeypatch):
     needs.ask("sros2")
     from sros2 import keystore
 

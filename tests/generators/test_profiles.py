@@ -1,7 +1,5 @@
 """The profiles of IOP that `jausml init` begins with, straight from the generator."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -10,6 +8,7 @@ from pathlib import Path
 import pytest
 import warm
 from profiles import decided
+from scripts import succeeded
 from workspaces import python_path
 
 HERE = Path(__file__).parent
@@ -18,8 +17,7 @@ GUARDS = ("jausml/authoring/projects/templates", "models/library/mappings")
 
 def jausml(*arguments: str | Path) -> None:
     line = [*warm.command(), *map(str, arguments)]
-    done = subprocess.run(line, capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stdout + done.stderr
+    succeeded(line, timeout=120)
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +37,7 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 @pytest.mark.slow
-def test_vehicle_and_unit_meet(path: str) -> None:
+def test_vehicle_and_unit_meet(path):
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "profiles_meet.py"],
         env={**os.environ, "PYTHONPATH": path},

@@ -1,7 +1,5 @@
 """Whatever bridges there are, a report tells of each connection, in a hundred columns."""
 
-from __future__ import annotations
-
 import os
 import tempfile
 from pathlib import Path

@@ -1,14 +1,12 @@
 """Interface packages: what rosidl reads out of them is what the model says."""
 
-from __future__ import annotations
-
 import json
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import warm
+from scripts import succeeded
 
 from jausml.generation.artifact import has_valid_header
 from jausml.generation.errors import GenerationError
@@ -347,8 +345,7 @@ def test_the_targets_make_the_same_again(model, tmp_path):
     assert render(model) == render(model)
     command = [*warm.command(), "generate", str(tmp_path / "tug.xmi")]
     command += ["--target", "ros_interfaces", "--target", "declared_interfaces"]
-    done = subprocess.run([*command, "-o", tmp_path / "out"], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    succeeded([*command, "-o", tmp_path / "out"])
     for path, text in render(model).items():
         assert (tmp_path / "out" / path).read_text(encoding="utf-8") == text
 
@@ -414,8 +411,7 @@ def test_rosidl_generates_classes(model, tmp_path):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text(text, encoding="utf-8")
     command = [sys.executable, "-c", ROSIDL, str(tmp_path / "tug_jaus_msgs"), str(tmp_path / "py")]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    done = succeeded(command)
     made = json.loads(done.stdout.splitlines()[-1])
     assert made["types"]["ReportWinch"] == {
         "has_speed": "boolean",

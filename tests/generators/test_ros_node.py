@@ -1,7 +1,5 @@
 """Node packages: clean by every tool, true to the model in a real rclpy process, safe from it."""
 
-from __future__ import annotations
-
 import ast
 import json
 import keyword

@@ -1,7 +1,5 @@
 """What users give to rclpy: the values that light classes would send, or the same error."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """The face of the runtime: all that generated code imports stands there, by name."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import os

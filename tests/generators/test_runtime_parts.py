@@ -1,10 +1,8 @@
 """The part of the runtime that a workspace has: what its code imports, and nothing else."""
 
-from __future__ import annotations
-
 import ast
 import json
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from workspaces import python_path
@@ -22,9 +20,6 @@ from jausml_generators.runtime.modules import copied, needed, runtime_modules
 from jausml_generators.runtime.target import TARGET as RUNTIME
 
 from .node_support import run
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HEAD = "import jaus.mobility\nimport mappings.velocity_state_sensor\n"
 TALKER = f"{HEAD}component talker {{ address: 1.1.1  provides: VelocityStateSensor }}\n"
@@ -51,7 +46,7 @@ def starts(workspace: Path, package: str) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_a_component_has_no_bridge(tmp_path: Path) -> None:
+def test_a_component_has_no_bridge(tmp_path):
     generate(tmp_path, TALKER, "talk")
     found = modules(tmp_path)
     assert "component/process.py" in found
@@ -60,7 +55,7 @@ def test_a_component_has_no_bridge(tmp_path: Path) -> None:
     starts(tmp_path / "src", "talker")
 
 
-def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path: Path) -> None:
+def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path):
     generate(tmp_path, TALKER, "talk")
     alone = modules(tmp_path)
     assert not [name for name in alone if "list" in name or "handoff" in name]
@@ -76,7 +71,7 @@ def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path: Path) -> No
     assert modules(tmp_path) - alone == {f"clients/{name}.py" for name in added}
 
 
-def test_who_asks_for_another_transport_than_the_model_is_told_the_word(tmp_path: Path) -> None:
+def test_who_asks_for_another_transport_than_the_model_is_told_the_word(tmp_path):
     generate(tmp_path, TALKER, "talk")
     workspace = tmp_path / "src"
     line = ("-m", "talker.main", "--jaus-transport", "jtcp")
@@ -90,14 +85,14 @@ def test_who_asks_for_another_transport_than_the_model_is_told_the_word(tmp_path
 @pytest.mark.parametrize(
     ("transport", "module"), [("jtcp", "jtcp"), ("nodeManager", "node_manager")]
 )
-def test_a_modelled_transport_is_there(tmp_path: Path, transport: str, module: str) -> None:
+def test_a_modelled_transport_is_there(tmp_path, transport, module):
     host = f"host pc {{ transport: {transport} }}\nplacement {{ host: pc  components: talker }}\n"
     generate(tmp_path, TALKER + host, "talk")
     assert f"transports/{module}.py" in modules(tmp_path)
     starts(tmp_path / "src", "talker")
 
 
-def test_a_method_of_a_part_that_the_base_has_not_is_a_finding(tmp_path: Path) -> None:
+def test_a_method_of_a_part_that_the_base_has_not_is_a_finding(tmp_path):
     generate(tmp_path, TALKER, "talk")
     own = tmp_path / "src" / "talker" / "talker" / "talker.py"
     text = own.read_text("utf-8")
@@ -113,7 +108,7 @@ def test_a_method_of_a_part_that_the_base_has_not_is_a_finding(tmp_path: Path) -
     starts(tmp_path / "src", "talker")
 
 
-def test_a_bridge_has_the_kinds_of_connections_that_it_has(tmp_path: Path) -> None:
+def test_a_bridge_has_the_kinds_of_connections_that_it_has(tmp_path):
     generate(tmp_path, FRONT, "front")
     found = modules(tmp_path)
     assert {"bridge/connections/to_reports.py", "guardian/process.py"} <= found
@@ -124,7 +119,7 @@ def test_a_bridge_has_the_kinds_of_connections_that_it_has(tmp_path: Path) -> No
     starts(tmp_path / "src", "front")
 
 
-def test_a_bridge_has_of_conversions_what_it_names(tmp_path: Path) -> None:
+def test_a_bridge_has_of_conversions_what_it_names(tmp_path):
     generate(tmp_path, FRONT, "front")
     found = {name for name in modules(tmp_path) if name.startswith("conversions/")}
     assert found == {f"conversions/{name}.py" for name in ("__init__", "numbers", "times", "types")}
@@ -137,7 +132,7 @@ def test_a_bridge_has_of_conversions_what_it_names(tmp_path: Path) -> None:
         assert "conversions.rasters" in needed([("a.py", f"{whole}\n")])
 
 
-def test_a_bridge_that_hears_of_handoffs_is_asked_what_a_person_decides(tmp_path: Path) -> None:
+def test_a_bridge_that_hears_of_handoffs_is_asked_what_a_person_decides(tmp_path):
     generate(tmp_path, FRONT, "front")
     assert not {name for name in modules(tmp_path) if "handoff" in name}
     deciding = FRONT.replace(
@@ -160,13 +155,13 @@ def test_a_bridge_that_hears_of_handoffs_is_asked_what_a_person_decides(tmp_path
         ("ActionToList", {"actions", "action_work", "introspection"}),
     ],
 )
-def test_a_node_has_the_parts_that_connections_ask_for(connection: str, parts: set[str]) -> None:
+def test_a_node_has_the_parts_that_connections_ask_for(connection, parts):
     code = f"from {FACE} import {connection}, run_bridge"
     found = {name.rpartition(".")[2] for name in needed([("a.py", code)]) if "bridge.ros." in name}
     assert found & {"services", "introspection", "actions", "action_work"} == parts
 
 
-def test_what_modules_import_is_there(tmp_path: Path) -> None:
+def test_what_modules_import_is_there(tmp_path):
     generate(tmp_path, FRONT, "front")
     lines = (f"from {FACE} import {name}" for name in ("Bridge", "Topic"))
     kept = needed([("a.py", "\n".join(lines))])
@@ -176,20 +171,20 @@ def test_what_modules_import_is_there(tmp_path: Path) -> None:
                 assert module in kept, (name, imported)
 
 
-def test_a_node_that_is_no_bridge_has_nothing_of_jaus() -> None:
+def test_a_node_that_is_no_bridge_has_nothing_of_jaus():
     found = {name for name in needed([("a.py", f"from {FACE} import run_node")]) if name}
     assert {name.split(".")[0] for name in found} == {"base", "bridge", "conversions", "wire"}
     assert not {"bridge.process", "bridge.bridge", "base.loop", "base.settings"} & found
 
 
-def test_the_manifest_says_for_which_code_a_module_is_there(tmp_path: Path) -> None:
+def test_the_manifest_says_for_which_code_a_module_is_there(tmp_path):
     generate(tmp_path, TALKER, "talk")
     manifest = json.loads((tmp_path / "src" / MANIFEST_PATH).read_text("utf-8"))
     entry = manifest["files"][f"{FACE}/{FACE}/component/process.py"]
     assert entry["element"] == "runtime:component/process.py for talker/talker/main.py"
 
 
-def test_models_of_one_workspace_share_what_both_need(tmp_path: Path) -> None:
+def test_models_of_one_workspace_share_what_both_need(tmp_path):
     generate(tmp_path, FRONT, "front")
     alone = modules(tmp_path)
     generate(tmp_path, TALKER, "talk")
@@ -199,7 +194,7 @@ def test_models_of_one_workspace_share_what_both_need(tmp_path: Path) -> None:
     assert generate(tmp_path, FRONT, "front", write=False).plan.is_up_to_date
 
 
-def test_the_runtime_alone_is_that_of_the_code_that_is_there(tmp_path: Path) -> None:
+def test_the_runtime_alone_is_that_of_the_code_that_is_there(tmp_path):
     generate(tmp_path, TALKER, "talk")
     before = modules(tmp_path)
     generate(tmp_path, TALKER, "talk", [RUNTIME.for_whole_library()])
@@ -216,7 +211,7 @@ def test_the_runtime_alone_is_that_of_the_code_that_is_there(tmp_path: Path) -> 
         "from jausml_runtime import Bridge",
     ],
 )
-def test_code_of_users_brings_what_it_imports(tmp_path: Path, line: str) -> None:
+def test_code_of_users_brings_what_it_imports(tmp_path, line):
     generate(tmp_path, TALKER, "talk")
     before = modules(tmp_path)
     own = tmp_path / "src" / "talker" / "talker" / "own.py"
@@ -229,7 +224,7 @@ def test_code_of_users_brings_what_it_imports(tmp_path: Path, line: str) -> None
     assert modules(tmp_path) == before
 
 
-def test_a_package_passes_on_what_is_kept_alone() -> None:
+def test_a_package_passes_on_what_is_kept_alone():
     module = runtime_modules()["wire"]
     text = copied(module, {"": "", "wire": "", "wire.message": "", "wire.codec": ""})
     names = [node.names for node in ast.parse(text).body if isinstance(node, ast.ImportFrom)]
@@ -239,7 +234,7 @@ def test_a_package_passes_on_what_is_kept_alone() -> None:
     assert copied(module, runtime_modules()) == module.text
 
 
-def test_modules_of_the_runtime_have_all_that_they_import() -> None:
+def test_modules_of_the_runtime_have_all_that_they_import():
     for module in runtime_modules().values():
         imports = {
             alias.name.partition(".")[0] if isinstance(node, ast.Import) else node.module
@@ -262,12 +257,12 @@ def test_modules_of_the_runtime_have_all_that_they_import() -> None:
         f'"""It may\nimport (much)\n"""\nfrom {FACE}.virtual import world',
     ],
 )
-def test_imports_of_any_layout_count(code: str) -> None:
+def test_imports_of_any_layout_count(code):
     text = f"class Loop:\n{code}" if code.startswith("\t") else code
     assert "virtual.world" in needed([("a.py", f"{text}\n")])
 
 
-def test_imports_in_functions_and_for_type_checkers_count() -> None:
+def test_imports_in_functions_and_for_type_checkers_count():
     code = f"""
 def start():
     from {FACE} import run_component
@@ -278,6 +273,6 @@ if TYPE_CHECKING:
     assert {"component.process", "virtual.world", "virtual.graph"} <= set(found)
 
 
-def test_files_of_older_runs_and_damaged_ones_ask_for_nothing() -> None:
+def test_files_of_older_runs_and_damaged_ones_ask_for_nothing():
     damaged = [("a.py", f"from {FACE} import ("), ("b.py", f"from {FACE}.gone import Name")]
     assert needed([*damaged, ("c.py", "import os")]) == {}

@@ -1,7 +1,5 @@
 """The copy of the whole runtime: complete, unchanged, and in need of nothing else."""
 
-from __future__ import annotations
-
 import ast
 import re
 

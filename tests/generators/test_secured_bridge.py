@@ -1,7 +1,5 @@
 """What a model says of sources, in the generated bridge and its parameter file."""
 
-from __future__ import annotations
-
 from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS

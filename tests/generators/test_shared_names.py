@@ -1,7 +1,5 @@
 """Names that meet in generated code: those of programs, messages, events and actions."""
 
-from __future__ import annotations
-
 import re
 
 import pytest
@@ -45,9 +43,7 @@ def texts(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return {made.path: made.text for made in render(model, [BRIDGES, COMPONENTS])}
 
 
-def test_a_program_leaves_the_names_of_messages_and_of_the_runtime_to_them(
-    texts: dict[str, str],
-) -> None:
+def test_a_program_leaves_the_names_of_messages_and_of_the_runtime_to_them(texts):
     assert "class LampComponent(LampComponentBase):" in texts["lamp/lamp/lamp.py"]
     assert "class SirenBridge(SirenBridgeBase):" in texts["siren/siren/siren.py"]
     # The runtime has a class Transport too.
@@ -55,24 +51,24 @@ def test_a_program_leaves_the_names_of_messages_and_of_the_runtime_to_them(
     assert "class TransportComponent(" in other
 
 
-def test_a_constant_of_a_base_hides_no_message(texts: dict[str, str]) -> None:
+def test_a_constant_of_a_base_hides_no_message(texts):
     base = texts["transport/transport/transport_base.py"]
     assert re.search(r"^ADDRESS = JausAddress", base, re.MULTILINE)
     assert "self.handle(ADDRESS2, " in base
 
 
-def test_walks_tell_an_event_from_a_message_of_its_name(texts: dict[str, str]) -> None:
+def test_walks_tell_an_event_from_a_message_of_its_name(texts):
     test = texts["lamp/test/test_lamp.py"]
     assert re.findall(r'\(\("(.*?)", 0, "On"', test) == ["event Lamp", "Lamp"]
 
 
-def test_a_test_of_machines_hides_none_of_their_methods(texts: dict[str, str]) -> None:
+def test_a_test_of_machines_hides_none_of_their_methods(texts):
     base = texts["lamp/lamp/lamp_base.py"]
     assert 'self.walk_ = self.add_machine("Walk"' in base
     assert "def refused_(self)" in base
 
 
-def test_a_connection_hides_no_translation_of_another(texts: dict[str, str]) -> None:
+def test_a_connection_hides_no_translation_of_another(texts):
     base = texts["siren/siren/siren_base.py"]
     assert "def translate_seen(self" in base
     assert "self.translate_seen_ = MessageToTopics(" in base

@@ -1,7 +1,5 @@
 """What connections of one map share is made once, and is what each would have alone."""
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from pathlib import Path

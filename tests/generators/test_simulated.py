@@ -1,15 +1,13 @@
 """Simulated components: what is set is reported, by a skeleton in which nothing is written."""
 
-from __future__ import annotations
-
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import warm
 from ports import free_port
+from scripts import succeeded
 from workspaces import python_path
 
 from jausml.generation.rendering import render
@@ -24,8 +22,7 @@ SUPPORT = HERE.parent / "support"
 
 def generated(model: Path, folder: Path) -> Path:
     line = [*warm.command(), "generate", str(model), "--all", "-o", str(folder)]
-    done = subprocess.run(line, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
+    succeeded(line, timeout=60)
     return folder
 
 
@@ -37,40 +34,37 @@ def workspace(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def run(workspace: Path, *arguments: str | Path, **variables: str) -> str:
     path = python_path(workspace)
     environment = {**os.environ, "MYPYPATH": path, **variables}
-    done = subprocess.run(
+    done = succeeded(
         [sys.executable, *map(str, arguments)],
         env={**environment, "PYTHONPATH": os.pathsep.join([path, str(SUPPORT)])},
         cwd=workspace,
-        capture_output=True,
-        text=True,
         timeout=110,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
 @pytest.mark.slow
-def test_the_component_does_as_it_is_told(workspace: Path) -> None:
+def test_the_component_does_as_it_is_told(workspace):
     told = run(workspace, "-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "simulated_arm.py")
     assert "8 passed" in told
 
 
 @pytest.mark.slow
 @pytest.mark.ports
-def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path: Path) -> None:
+def test_a_judge_has_every_answer_that_a_robot_should_give(tmp_path):
     robot = generated(HERE / "judged.ros2jaus", tmp_path)
     words = ("-m", "pytest", "-q", "-p", "no:cacheprovider", HERE / "judges_messages.py")
     assert "1 passed" in run(robot, *words, JUDGED_PORT=str(free_port()))
 
 
 @pytest.mark.slow
-def test_its_code_is_clean(workspace: Path) -> None:
+def test_its_code_is_clean(workspace):
     base = workspace / "arm" / "arm" / "arm_base.py"
     run(workspace, "-m", "mypy", "--strict", base)
     run(workspace, "-m", "ruff", "check", "--isolated", base)
 
 
-def test_other_components_are_as_before(tmp_path: Path) -> None:
+def test_other_components_are_as_before(tmp_path):
     path = tmp_path / "plain.ros2jaus"
     path.write_text(MODEL.read_text(encoding="utf-8").replace("simulated: true", ""), "utf-8")
     model = read_models([path], notations=NOTATIONS).model

@@ -1,7 +1,5 @@
 """Stubs that `jausml generate --check` prints for missing methods: what skeletons have."""
 
-from __future__ import annotations
-
 import pytest
 from click.testing import CliRunner
 from sweeps import sweep

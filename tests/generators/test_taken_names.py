@@ -1,9 +1,5 @@
 """Names of connections: none hides what a bridge has anyway."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 
 from jausml.generation.rendering import render
@@ -14,9 +10,6 @@ from jausml.runtime.bridge.bridge import Bridge
 from jausml_generators.bridge.parameters import parameter_lines
 from jausml_generators.bridge.target import TARGET
 from jausml_generators.bridge.views import bridge_views
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 MODEL = """
 import mappings.local_waypoint_driver
@@ -38,7 +31,7 @@ CONNECTION = """
 """
 
 
-def test_a_connection_hides_nothing_of_its_bridge(tmp_path: Path) -> None:
+def test_a_connection_hides_nothing_of_its_bridge(tmp_path):
     made = Bridge(BridgeSettings(name="robot", address=JausAddress(1, 1, 1)))
     public = {*dir(Bridge), *Bridge.__annotations__, *vars(made)}
     names = sorted(attribute for attribute in public if not attribute.startswith("_"))
@@ -55,7 +48,7 @@ def test_a_connection_hides_nothing_of_its_bridge(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["range", "input", "map", "filter", "clock", "SonarRange"])
-def test_a_connection_is_told_by_its_name_in_the_model(tmp_path: Path, name: str) -> None:
+def test_a_connection_is_told_by_its_name_in_the_model(tmp_path, name):
     # In Python it may have another name; diagnostics, parameters and logs say the model's.
     path = tmp_path / "robot.ros2jaus"
     path.write_text(

@@ -1,7 +1,5 @@
 """One class for the time stamp of AS5710, and one of its own for every other layout."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 from typing import Any
@@ -89,7 +87,7 @@ def packed(cls: Any, parts: tuple[Any, ...]) -> int | str:
     return integer
 
 
-def test_messages_share_the_class_and_offer_it() -> None:
+def test_messages_share_the_class_and_offer_it():
     assert SetTime.TimeStamp is ReportTime.TimeStamp is TimeStamp
     assert ANEW is not TimeStamp
     stamp = ReportTime.TimeStamp(milliseconds=1, day=2)
@@ -98,13 +96,13 @@ def test_messages_share_the_class_and_offer_it() -> None:
     assert repr(stamp) == "TimeStamp(milliseconds=1, seconds=0, minutes=0, hour=0, day=2)"
 
 
-def test_the_class_has_the_attributes_and_defaults_of_a_generated_one() -> None:
+def test_the_class_has_the_attributes_and_defaults_of_a_generated_one():
     assert TimeStamp.__slots__ == ANEW.__slots__ == PARTS
     assert repr(ANEW()) == f"SetTime.{TimeStamp()!r}"
 
 
 @given(st.integers(0, 2**32 - 1))
-def test_it_reads_the_bits_as_a_generated_one_does(bits: int) -> None:
+def test_it_reads_the_bits_as_a_generated_one_does(bits):
     ours, theirs = TimeStamp.from_integer(bits), ANEW.from_integer(bits)
     values = tuple(getattr(ours, part) for part in PARTS)
     assert values == tuple(getattr(theirs, part) for part in PARTS)
@@ -115,7 +113,7 @@ VALUES = (-1, 0, 1, 23, 24, 31, 32, 59, 60, 999, 1000, None, "x")
 
 
 @for_each(("index", "value"), itertools.product(range(len(PARTS)), VALUES))
-def test_it_refuses_what_a_generated_one_refuses(index: int, value: Any) -> None:
+def test_it_refuses_what_a_generated_one_refuses(index, value):
     parts: list[Any] = [1] * 5
     parts[index] = value
     assert packed(TimeStamp, tuple(parts)) == packed(ANEW, tuple(parts))
@@ -133,7 +131,7 @@ def test_it_refuses_what_a_generated_one_refuses(index: int, value: Any) -> None
         with_stamp(name="Moment"),
     ],
 )
-def test_another_layout_has_a_class_of_its_own(layout: Any) -> None:
+def test_another_layout_has_a_class_of_its_own(layout):
     view = MessageBuilder(layout, "SetTime").build()
     cls: Any = load(render((view,)), "time_stamp_of_another_layout").SetTime
     assert cls.__base__ is Message
@@ -142,7 +140,7 @@ def test_another_layout_has_a_class_of_its_own(layout: Any) -> None:
     assert nested.__qualname__.startswith("SetTime.")
 
 
-def test_a_stamp_that_is_always_there_is_made_with_its_message() -> None:
+def test_a_stamp_that_is_always_there_is_made_with_its_message():
     view = MessageBuilder(with_stamp(bit=0), "SetTime").build()
     cls: Any = load(render((view,)), "time_stamp_always").SetTime
     assert cls().time_stamp == TimeStamp()
@@ -150,12 +148,12 @@ def test_a_stamp_that_is_always_there_is_made_with_its_message() -> None:
 
 
 @pytest.mark.parametrize("set_name", shipped_sets())
-def test_no_message_of_the_library_has_a_class_of_its_own(set_name: str) -> None:
+def test_no_message_of_the_library_has_a_class_of_its_own(set_name):
     assert "class TimeStamp" not in library(set_name)[1]
 
 
 @pytest.mark.parametrize("system", SYSTEMS)
-def test_no_package_of_the_shipped_systems_has_a_class_of_its_own(system: str) -> None:
+def test_no_package_of_the_shipped_systems_has_a_class_of_its_own(system):
     model = read_models([ROOT / system]).model
     artifacts = render_artifacts(model, (COMPONENTS, BRIDGES, NODES, MESSAGES))
     texts = [artifact.text for artifact in artifacts if artifact.path.endswith(".py")]

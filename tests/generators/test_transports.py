@@ -1,7 +1,5 @@
 """The transport of a host, from the model to processes that talk."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
@@ -10,6 +8,7 @@ from pathlib import Path
 import pytest
 from codec_support import ROOT
 from ports import free_port
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import python_path
 
@@ -106,15 +105,12 @@ def test_a_process_has_the_transport_of_its_host(tmp_path, transport, expected):
         timeout=60,
     )
     assert done.stdout.strip() == expected, done.stderr
-    formatted = subprocess.run(
+    succeeded(
         ["ruff", "format", "--check", "--isolated", "--line-length", "100", "desk", "arm"],
         cwd=tmp_path,
         env={**os.environ, "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"},
-        capture_output=True,
-        text=True,
         timeout=60,
     )
-    assert formatted.returncode == 0, formatted.stdout
 
 
 def test_the_launch_files_pass_it_on(tmp_path):

@@ -1,7 +1,5 @@
 """What a component does for reports, and for their silence, before anybody has written it."""
 
-from __future__ import annotations
-
 from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS

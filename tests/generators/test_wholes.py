@@ -1,7 +1,5 @@
 """A record goes onto a message, an array onto an array: members of one type in Figure 5."""
 
-from __future__ import annotations
-
 import importlib
 
 import needs

@@ -1,7 +1,5 @@
 """The dissector's tables: which messages, what their filters are called, model text is data."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

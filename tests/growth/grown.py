@@ -1,7 +1,5 @@
 """Models that are as large as one likes in one dimension, and of which nothing else grows."""
 
-from __future__ import annotations
-
 HEAD = """<?xml version="1.0" encoding="UTF-8"?>
 <system:System xmi:version="2.0" xmlns:xmi="http://www.omg.org/XMI"
     xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"

@@ -4,8 +4,6 @@ It is counted in calls of each function: one that goes through all elements for 
 in small models, where what all others do would hide it.
 """
 
-from __future__ import annotations
-
 import importlib.util
 from functools import lru_cache
 from itertools import count

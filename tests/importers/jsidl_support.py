@@ -1,7 +1,5 @@
 """JSIDL texts for tests, and their import."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """State machines of JSIDL, and what of them a model cannot say."""
 
-from __future__ import annotations
-
 import pytest
 from jsidl_support import good, marked, run, service, winch
 

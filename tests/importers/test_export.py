@@ -1,7 +1,5 @@
 """What is exported as JSIDL is imported as it was; what JSIDL cannot say is told."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

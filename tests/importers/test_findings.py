@@ -1,7 +1,5 @@
 """What is wrong with JSIDL files is said with its place, all of it in one run."""
 
-from __future__ import annotations
-
 import pytest
 from jsidl_support import MARKER, constants, good, marked, record, run, service, type_set
 

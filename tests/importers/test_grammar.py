@@ -1,7 +1,5 @@
 """Each element and attribute of AS5684 1.0 and 1.1 is imported, or refused with its reason."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Damaged JSIDL is reported and never raises; what is taken for good can be written."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re

@@ -1,7 +1,5 @@
 """Service sets as other tools ship them are imported whole and agree with the library."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

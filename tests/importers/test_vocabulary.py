@@ -1,7 +1,5 @@
 """Every kind of field, names along references, numbers: what a service of JSIDL becomes."""
 
-from __future__ import annotations
-
 import pytest
 from codec_strategies import messages
 from codec_support import load, render

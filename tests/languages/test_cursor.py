@@ -1,7 +1,5 @@
 """The token cursor: what it takes, and where it says that a text goes wrong."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """Expressions: their grammar, their values, bounds that hold, and what is refused."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

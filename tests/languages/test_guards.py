@@ -1,7 +1,5 @@
 """Guards are read by a small grammar, whatever text stands in a model."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import pytest

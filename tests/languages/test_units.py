@@ -1,7 +1,5 @@
 """Units: what texts mean, in figures found elsewhere, and what is refused."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """An operator for the live tests: controls the bridge, commands a speed, watches the estimate."""
 
-from __future__ import annotations
-
 from jausml_runtime import ControlState, JausAddress, JausComponent
 from loop_bridge.messages import QueryLocalPose, ReportLocalPose, SetVelocityCommand
 from roles import core, run, say

@@ -1,7 +1,5 @@
 """Real processes, real JUDP and real rclpy for the live tests of bridges."""
 
-from __future__ import annotations
-
 import json
 import os
 import queue
@@ -10,8 +8,9 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ros_nodes import SpinningNode
 from workspaces import kept, packages_of
@@ -23,9 +22,6 @@ from jausml.language.text.notation import NOTATIONS
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL = ROOT / "tests" / "cases" / "bridge_loop" / "model.xmi"

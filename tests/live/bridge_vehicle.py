@@ -3,8 +3,6 @@
 One line of JSON for each command obeyed and for each report made.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from jausml_runtime import Guard, JausComponent

@@ -1,7 +1,5 @@
 """The ROS side of a bridge, and a node that it speaks with."""
 
-from __future__ import annotations
-
 import pytest
 from isolation import PROFILES
 from ports import free_domain

@@ -3,8 +3,6 @@
 One line of JSON for each command that it obeys.
 """
 
-from __future__ import annotations
-
 import argparse
 from functools import partial
 

@@ -1,7 +1,5 @@
 """A rover whose owner has overridden more than is good: it loses ROS on the way."""
 
-from __future__ import annotations
-
 from jausml_runtime import run_bridge
 from rover.rover import Rover
 

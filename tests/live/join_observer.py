@@ -1,7 +1,5 @@
 """An observer for the live test of joined topics: asks the bridge for its reports repeatedly."""
 
-from __future__ import annotations
-
 from jausml_runtime import JausAddress, JausComponent
 from pose_bridge.messages import (
     QueryGlobalPose,

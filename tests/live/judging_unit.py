@@ -3,8 +3,6 @@
 Each line on stdin begins a test; one line of JSON for each answer, and one at the end of the test.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -4,8 +4,6 @@ Lines of standard input are modes: `answer`, `refuse`, `late`, `silent`. One lin
 standard output for each message that it takes.
 """
 
-from __future__ import annotations
-
 import sys
 import threading
 

@@ -4,8 +4,6 @@
 each answer.
 """
 
-from __future__ import annotations
-
 import sys
 import threading
 

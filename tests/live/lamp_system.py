@@ -1,7 +1,5 @@
 """A bridge with ROS services, a lamp, an operator, and a node of the test."""
 
-from __future__ import annotations
-
 from functools import partial
 from pathlib import Path
 

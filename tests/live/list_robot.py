@@ -7,8 +7,6 @@ It says on stdout what happens, as JSON: goal with the x of its poses, reached, 
 done. On stdin it is told: next, abort, refuse (the goals to come) and accept.
 """
 
-from __future__ import annotations
-
 import json
 import queue
 import sys

@@ -1,7 +1,5 @@
 """The test bridge with overridden translations: some on light classes, some on those of ROS."""
 
-from __future__ import annotations
-
 from geometry_msgs.msg import Twist
 from jausml_runtime import ros_classes, run_bridge
 from loop_bridge import ros_types

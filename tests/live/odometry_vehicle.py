@@ -1,7 +1,5 @@
 """A component of the live test of joined reports: `pose` or `velocity` of one vehicle."""
 
-from __future__ import annotations
-
 import sys
 from functools import partial
 

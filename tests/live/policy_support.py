@@ -1,7 +1,5 @@
 """What an SROS 2 policy allows, and what a node of ROS has, in the same words."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 
 from lxml import etree

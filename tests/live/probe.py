@@ -4,8 +4,6 @@ probe.py listen udp|tcp ADDRESS GROUP PORT...    a line of JSON for each, until 
 probe.py knock udp|tcp SOURCE,ADDRESS,PORT...    in this order; connections last until stdin ends
 """
 
-from __future__ import annotations
-
 import json
 import selectors
 import socket

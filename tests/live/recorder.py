@@ -1,7 +1,5 @@
 """`jausml record` of the system of a test."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

@@ -3,8 +3,6 @@
 It stands for the judges' unit of a competition: no multicast, no answer to who has not greeted it.
 """
 
-from __future__ import annotations
-
 import socket
 import sys
 

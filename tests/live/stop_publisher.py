@@ -1,7 +1,5 @@
 """A ROS node that drives: repeats a command on every topic that it is given, until it is killed."""
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -1,7 +1,5 @@
 """A generated bridge between real JAUS components and real ROS nodes, in both directions."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -13,11 +11,7 @@ needs.ask("rclpy")
 
 from .bridge_support import Process, Repeater, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 FOLDER = Path(__file__).resolve().parent
 VEHICLE, OPERATOR = str(FOLDER / "bridge_vehicle.py"), str(FOLDER / "bridge_operator.py")

@@ -1,7 +1,5 @@
 """Quality of service and parameters of bridges on real rclpy: who does not fit is named."""
 
-from __future__ import annotations
-
 import logging
 import signal
 import subprocess
@@ -23,7 +21,6 @@ from .bridge_support import wait_for
 
 pytestmark = [
     pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
     # What rclpy 9 warns of while it tells that a publisher does not fit: as an error, it ends the
     # thread of the peer, which holds what the test destroys.
     pytest.mark.filterwarnings("ignore:Deprecated in favor of.*RcutilsLogger:DeprecationWarning"),

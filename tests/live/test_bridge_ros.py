@@ -1,7 +1,5 @@
 """The ROS side of bridges on real rclpy: names, quality of service, parameters, clock, log."""
 
-from __future__ import annotations
-
 import logging
 from concurrent.futures import ThreadPoolExecutor
 
@@ -18,10 +16,7 @@ from jausml.runtime.bridge.reports.diagnostics import ConnectionStatus
 
 from .bridge_support import wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 
 def test_names_are_relative_and_can_be_remapped(node, peer):

@@ -1,7 +1,5 @@
 """The example's vehicle, generated and run as a process, passes the conformance checks."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

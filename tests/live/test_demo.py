@@ -1,20 +1,15 @@
 """The demonstration drives the turn with real processes, as `make demo` does."""
 
-from __future__ import annotations
-
 import os
 import re
 import struct
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from for_each import for_each
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from scripts import succeeded
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(150)]
@@ -24,19 +19,16 @@ pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.timeout(150)]
 def run(tmp_path: Path) -> tuple[Path, str]:
     """Runs the demonstration; returns its folder and what it printed."""
     folder = tmp_path / "out"
-    result = subprocess.run(
+    result = succeeded(
         [sys.executable, str(ROOT / "models" / "catvehicle" / "demo.py"), str(folder)],
         env={**os.environ, "ROS_DOMAIN_ID": "88"},
         cwd=folder.parent,
-        capture_output=True,
-        text=True,
         timeout=120,
     )
-    assert result.returncode == 0, result.stdout[-4000:] + result.stderr[-4000:]
     return folder, result.stdout
 
 
-def test_a_drive_that_does_not_arrive_has_failed(tmp_path: Path) -> None:
+def test_a_drive_that_does_not_arrive_has_failed(tmp_path):
     result = subprocess.run(
         [sys.executable, str(ROOT / "models/catvehicle/demo.py"), str(tmp_path), "--limit", "14"],
         env={**os.environ, "ROS_DOMAIN_ID": "88"},
@@ -134,7 +126,5 @@ HOLDING = [
 
 
 @for_each("holds", HOLDING, ids=lambda holds: holds.__name__)
-def test_the_demonstration(
-    holds: Callable[[tuple[Path, str]], None], run: tuple[Path, str]
-) -> None:
+def test_the_demonstration(holds, run):
     holds(run)

@@ -1,7 +1,5 @@
 """Generated bridges as deployments change them: parameter files, command lines, launch options."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import time
@@ -20,10 +18,7 @@ from workspaces import packages_of
 
 from .bridge_support import Process, RosPeer, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "models" / "examples"
 BRIDGES = {"waypoints": "waypoint_vehicle", "catvehicle": "bridge"}

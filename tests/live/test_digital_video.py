@@ -3,8 +3,6 @@
 The camera is a bridge of its own and registers the address at the vehicle. The station asks that.
 """
 
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -16,13 +14,7 @@ needs.ask("rclpy")
 
 from .bridge_support import SUPPORT, Process, RosPeer, generate_text, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.needs("gstreamer"),
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.needs("gstreamer")]
 
 SYSTEM = """
 import mappings.digital_resource

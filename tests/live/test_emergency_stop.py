@@ -1,7 +1,5 @@
 """An emergency stop of ROS and the emergency of JAUS press and release each other, both ways."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs
@@ -12,11 +10,7 @@ needs.ask("rclpy")
 
 from .bridge_support import Process, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 MODEL = Path(__file__).with_name("emergency_stop.ros2jaus")
 

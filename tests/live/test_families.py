@@ -1,7 +1,5 @@
 """A generated bridge and peers of other makes: each gets what it needs, and is known for it."""
 
-from __future__ import annotations
-
 import shutil
 import sys
 from pathlib import Path
@@ -18,11 +16,7 @@ from jausml.live.peers.makes.vehicle import Place
 
 from .bridge_support import Process, Repeater, generate_text, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 FOLDER = Path(__file__).resolve().parent
 PEER = "152.1.1"

@@ -1,7 +1,5 @@
 """Messages that a compiled core passes on alone, and those among them that it leaves to Python."""
 
-from __future__ import annotations
-
 import random
 import socket
 import struct
@@ -30,12 +28,7 @@ from jausml.runtime.transports.packets.packet import (
 
 from .bridge_support import Process, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.needs("compiler"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.live, pytest.mark.needs("compiler"), pytest.mark.timeout(240)]
 
 MODEL = Path(__file__).with_name("fast_path.ros2jaus")
 BRIDGE, PEER = JausAddress(1, 1, 10), JausAddress(1, 1, 1)

@@ -1,7 +1,5 @@
 """Two robots from one model, told apart by parameters alone, side by side."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 
@@ -9,6 +7,7 @@ import needs
 import pytest
 import warm
 from ports import free_domain, free_port
+from scripts import succeeded
 
 needs.ask("rclpy")
 
@@ -16,11 +15,7 @@ from workspaces import packages_of
 
 from .bridge_support import Process, Repeater, RosPeer, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 FLEET = Path(__file__).resolve().parents[2] / "models" / "examples" / "fleet"
 ADDRESSES = {"first": "100.1.10", "second": "100.1.20"}
@@ -53,8 +48,7 @@ def fleet(tmp_path_factory):
 
 def ocu(port, *arguments):
     command = [*warm.command(), "ocu", *arguments, "--port", port]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout + done.stderr
+    done = succeeded(command, timeout=60)
     return done.stdout
 
 

@@ -1,7 +1,5 @@
 """Which goals a bridge takes for those of its former life."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 

@@ -1,7 +1,5 @@
 """A generated bridge whose peers are found by their services: they come, die, move."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -14,11 +12,7 @@ needs.ask("rclpy")
 
 from .bridge_support import Process, Repeater, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 FOLDER = Path(__file__).resolve().parent
 VEHICLE = str(FOLDER / "found_vehicle.py")

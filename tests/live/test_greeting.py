@@ -1,7 +1,5 @@
 """A generated bridge and a peer that is not found by multicast and says nothing by itself."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -13,12 +11,7 @@ needs.ask("rclpy")
 
 from .bridge_support import Process, RosPeer, generate_text, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 JUDGE = str(Path(__file__).with_name("silent_judge.py"))
 ENTRY = "155.1.1"

@@ -1,7 +1,5 @@
 """A guardian of a bridge whose topics and goals ROS refuses in part: it stops all others."""
 
-from __future__ import annotations
-
 import time
 from pathlib import Path
 

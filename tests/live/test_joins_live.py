@@ -1,7 +1,5 @@
 """A generated bridge that makes one JAUS report of two ROS topics."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -14,11 +12,7 @@ needs.ask("rclpy")
 
 from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 OBSERVER = str(Path(__file__).with_name("join_observer.py"))
 SYSTEM = """

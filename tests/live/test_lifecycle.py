@@ -1,7 +1,5 @@
 """A bridge as a managed node: transitions by real services, and what JAUS and ROS see of each."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 from ports import free_domain
@@ -11,10 +9,7 @@ needs.ask("rclpy")
 from .bridge_support import Repeater, generate, wait_for
 from .test_bridge_live import OPERATOR, System, call, efforts, state, twist
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 MANUAL = ("-m", "loop_bridge.main", "--ros-args", "-p", "autostart:=false", "--")
 

@@ -1,7 +1,5 @@
 """The live view of the studio beside a generated bridge, a vehicle and a ROS node."""
 
-from __future__ import annotations
-
 import queue
 import sys
 
@@ -22,11 +20,7 @@ from jausml.runtime.base.address import JausAddress
 from .bridge_support import MODEL, generate, wait_for
 from .test_top import System
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 ODOMETRY = "//@bridges.0/@bridgeConnections.0"
 DRIVE = "//@bridges.0/@bridgeConnections.3"

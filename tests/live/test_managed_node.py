@@ -1,7 +1,5 @@
 """A JAUS operator changes the life cycle and the mode of a ROS node, by the model of the page."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 
@@ -16,10 +14,7 @@ from rcl_interfaces.msg import IntegerRange, ParameterDescriptor
 
 from .bridge_support import ROOT, Process, generate_text, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 AT_MOST_2 = IntegerRange(from_value=0, to_value=2, step=1)
 PAGE = ROOT / "docs" / "how-to" / "ready-mappings.md"

@@ -3,8 +3,6 @@
 So does the paper run its Figure 5. Each of two such bridges is the JAUS peer of the other.
 """
 
-from __future__ import annotations
-
 import needs
 import pytest
 from ports import free_domain, free_port
@@ -18,12 +16,7 @@ from jausml.cli import main
 
 from .bridge_support import Process, Repeater, RosPeer, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 MAPS = """\
 WinchState {

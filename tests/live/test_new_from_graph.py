@@ -1,7 +1,5 @@
 """`jausml new bridge --from-graph`: a bridge for what runs in ROS."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 from click.testing import CliRunner
@@ -17,11 +15,7 @@ from jausml.language.model import read_models
 from jausml.language.model.names import name_of
 from jausml.language.text.notation import NOTATIONS
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Pictures and health go from a ROS node through two bridges to another, byte by byte."""
 
-from __future__ import annotations
-
 import sys
 
 import needs
@@ -12,12 +10,7 @@ needs.ask("rclpy")
 
 from .bridge_support import Process, Repeater, RosPeer, generate_text, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 SYSTEM = """
 import mappings.still_image

@@ -1,7 +1,5 @@
 """A running system is recorded, and its recording says why a message was not passed on."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 import sys
@@ -19,13 +17,7 @@ from jausml.live.systems.playback import indexed
 
 from .bridge_support import MODEL, Process, Repeater, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.ports,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.ports]
 VEHICLE = str(MODEL.parents[2] / "live" / "bridge_vehicle.py")
 BRIDGE = "/loop_bridge"
 PATIENCE = 90.0

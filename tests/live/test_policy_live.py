@@ -1,7 +1,5 @@
 """The SROS 2 policy of a node allows what the node has, and nothing else."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs
@@ -23,10 +21,7 @@ from jausml_generators.runtime.target import TARGET as RUNTIME
 from .bridge_support import MODEL, ROOT, Process, generate, wait_for
 from .policy_support import allowed, graph
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 TALK = ROOT / "tests" / "cases" / "ros_node" / "talk.xmi"
 

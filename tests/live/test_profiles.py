@@ -1,7 +1,5 @@
 """The profiles of IOP run, and have full marks for the behaviour of their core services."""
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import re

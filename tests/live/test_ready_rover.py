@@ -4,12 +4,9 @@ The model is the text of the page. Operators of `jausml ocu` drive the generated
 loss the last Twist on cmd_vel is zero while efforts go on arriving, and /diagnostics tells why.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import signal
-import subprocess
 import sys
 import time
 from types import SimpleNamespace
@@ -18,6 +15,7 @@ import needs
 import pytest
 import warm
 from ports import free_domain, free_port
+from scripts import succeeded
 
 needs.ask("rclpy")
 
@@ -36,10 +34,7 @@ from jausml.runtime.services.definitions import Status
 
 from .bridge_support import ROOT, Process, Repeater, RosPeer, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 FRAGILE = ROOT / "tests" / "live" / "fragile_rover.py"
 PAGE = ROOT / "docs" / "how-to" / "ready-mappings.md"
@@ -158,8 +153,7 @@ def workspace(tmp_path_factory):
     (text,) = HERE_DOCUMENT.findall(PAGE.read_text(encoding="utf-8"))
     (folder / "rover.ros2jaus").write_text(text, encoding="utf-8")
     command = [*warm.command(), "generate", "rover.ros2jaus", "-o", "rover-ws"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=PATIENCE)
-    assert done.returncode == 0, done.stderr
+    succeeded(command, cwd=folder, timeout=PATIENCE)
     return folder / "rover-ws"
 
 

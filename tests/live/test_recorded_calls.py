@@ -1,7 +1,5 @@
 """Calls of ROS services are recorded where the bridge publishes them, and failures explained."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 from ports import free_domain
@@ -16,12 +14,7 @@ from .bridge_support import generate, wait_for
 from .lamp_system import MODEL, System
 from .recorder import Recorder
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.ports,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.live, pytest.mark.ports]
 INTROSPECTION = ("--ros-args", "-p", "service_introspection:=contents", "--")
 
 

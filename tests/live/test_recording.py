@@ -1,7 +1,5 @@
 """A running bridge is recorded on both sides, and both recordings say again what it said."""
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess
@@ -23,12 +21,7 @@ from jausml.live.peers.query_client import NoAnswer
 
 from .bridge_support import Process, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.ports,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.live, pytest.mark.ports]
 ROOT = Path(__file__).resolve().parents[2]
 FLEET = ROOT / "models" / "examples" / "fleet" / "fleet.ros2jaus"
 ROBOT, TOPIC, REPORT = "100.1.10", "/odom", "ReportVelocityState"

@@ -1,7 +1,5 @@
 """The bridge of the example is killed while the vehicle drives, and started again."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -10,15 +8,12 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 import warm
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "models" / "catvehicle"
@@ -111,7 +106,7 @@ def kill_bridge(bridge: System) -> None:
     bridge.process.wait(20)
 
 
-def test_vehicle_stops_without_the_bridge_and_goes_on_with_a_new_one(workspace: Path) -> None:
+def test_vehicle_stops_without_the_bridge_and_goes_on_with_a_new_one(workspace):
     with running(workspace, *OTHERS) as others:
         with running(workspace, "bridge") as bridge:
             wait_for(lambda: max(others.speeds(), default=0.0) > 2.0, "never drove", others)

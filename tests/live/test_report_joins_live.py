@@ -1,7 +1,5 @@
 """A generated bridge that makes one ROS message of two JAUS reports."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -14,12 +12,7 @@ needs.ask("rclpy")
 
 from .bridge_support import Process, RosPeer, generate_text, wait_for
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 VEHICLE = str(Path(__file__).with_name("odometry_vehicle.py"))
 SYSTEM = """

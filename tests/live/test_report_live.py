@@ -1,7 +1,5 @@
 """What `jausml report` tells of a system is what its sockets carry."""
 
-from __future__ import annotations
-
 import socket
 import struct
 import sys
@@ -27,10 +25,7 @@ from jausml.views.analysis.sizes import Assumptions
 
 from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 VEHICLE = str(Path(__file__).resolve().parent / "bridge_vehicle.py")
 ETH_P_ALL, PACKET_OUTGOING, ETHERNET = 3, 4, 1

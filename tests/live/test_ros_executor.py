@@ -1,7 +1,5 @@
 """The executor of a bridge on real rclpy: nothing that callbacks raise ends it."""
 
-from __future__ import annotations
-
 import threading
 
 import needs
@@ -10,17 +8,14 @@ from ros_nodes import SpinningNode
 
 needs.ask("rclpy")
 
-from .bridge_support import RosPeer, wait_for
+from .bridge_support import wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 FAILED = "ros.callback_failed"
 
 
-def test_an_end_in_any_moment_is_noticed(peer: RosPeer):
+def test_an_end_in_any_moment_is_noticed(peer):
     """What rclpy offers for it, `shutdown`, is not, just before it waits."""
     from jausml.runtime.bridge.ros.lifecycle import EndableExecutor
 
@@ -38,7 +33,7 @@ def test_an_end_in_any_moment_is_noticed(peer: RosPeer):
 
 
 @pytest.mark.parametrize("moment", ["can_execute", "_make_handler"])
-def test_what_is_destroyed_between_a_look_and_the_next_ends_nothing(peer: RosPeer, moment):
+def test_what_is_destroyed_between_a_look_and_the_next_ends_nothing(peer, moment):
     """As another thread does: before it is waited for, and before its news are taken."""
     from rclpy.qos import DurabilityPolicy, QoSProfile
     from std_msgs.msg import Float64
@@ -97,7 +92,7 @@ async def fails_later(*_arguments):
     raise ValueError("of a request")
 
 
-def test_each_kind_of_callback_may_fail_again_and_again(spun, peer: RosPeer):
+def test_each_kind_of_callback_may_fail_again_and_again(spun, peer):
     from rclpy.task import Future
     from std_msgs.msg import Float64
 
@@ -117,7 +112,7 @@ def test_each_kind_of_callback_may_fail_again_and_again(spun, peer: RosPeer):
     assert spun.spins
 
 
-def test_a_request_that_cannot_be_taken_leaves_the_service_open(spun, peer: RosPeer):
+def test_a_request_that_cannot_be_taken_leaves_the_service_open(spun, peer):
     """As one whose bytes cannot be decoded, or whose client is gone before its answer."""
     from std_srvs.srv import Trigger
 
@@ -149,7 +144,7 @@ def test_a_request_that_cannot_be_taken_leaves_the_service_open(spun, peer: RosP
     assert spun.spins
 
 
-def test_a_service_that_fails_answers_all_the_same(spun, peer: RosPeer):
+def test_a_service_that_fails_answers_all_the_same(spun, peer):
     from std_srvs.srv import Trigger
 
     spun.node.create_service(Trigger, "failing", fails)

@@ -1,7 +1,5 @@
 """Generated nodes in processes of their own: topics, latched state, a service, signals."""
 
-from __future__ import annotations
-
 import os
 import queue
 import re
@@ -14,6 +12,7 @@ from pathlib import Path
 
 import needs
 import pytest
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import python_path
 
@@ -264,10 +263,7 @@ main()
 def test_a_shutdown_that_wakes_nobody_is_noticed(workspace):
     environment = {**os.environ, "PYTHONPATH": python_path(workspace)}
     command = [sys.executable, "-c", UNSEEN]
-    ended = subprocess.run(
-        command, env=environment, capture_output=True, text=True, timeout=PATIENCE
-    )
-    assert ended.returncode == 0, ended.stderr
+    ended = succeeded(command, env=environment, timeout=PATIENCE)
     assert ended.stdout == "shut down\n"
 
 

@@ -1,7 +1,5 @@
 """How the ROS side waits: nothing is lost unseen, nobody starves, and it ends in any order."""
 
-from __future__ import annotations
-
 import logging
 import os
 import time
@@ -22,10 +20,7 @@ from jausml.runtime.bridge.ros.taking import AT_ONCE
 
 from .bridge_support import wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Calls of ROS services across a generated bridge, both ways: answered, refused, lost, late."""
 
-from __future__ import annotations
-
 import threading
 
 import needs
@@ -13,11 +11,7 @@ needs.ask("rclpy")
 from .bridge_support import generate, wait_for
 from .lamp_system import MODEL, System, states
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """A bridge beside a simulation, on a real `/clock` that is slow, fast, at rest, and that ends."""
 
-from __future__ import annotations
-
 import threading
 
 import needs
@@ -13,10 +11,7 @@ needs.ask("rclpy")
 from .bridge_support import Repeater, generate, wait_for
 from .test_bridge_live import System, commands, efforts, state, twist
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 STEP = 0.01
 SIMULATED = ("-m", "loop_bridge.main", "--ros-args", "-p", "use_sim_time:=true", "--")

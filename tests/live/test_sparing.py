@@ -1,7 +1,5 @@
 """A bridge does without modules that ROS imports and it does not use."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,5 @@
 """The steering controller of the example hands reports to its logic and publishes the steps."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
@@ -11,6 +9,7 @@ from pathlib import Path
 
 import pytest
 import warm
+from scripts import succeeded
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "models" / "catvehicle"
 pytestmark = pytest.mark.live
@@ -58,7 +57,7 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     ]
 
 
-def test_steps(packages: list[str]) -> None:
+def test_steps(packages):
     messages = [("angle", 0.1), ("odometry", 1), ("odometry", 2), ("angle", 0.2), ("odometry", 3)]
     environment = {
         **os.environ,
@@ -66,12 +65,7 @@ def test_steps(packages: list[str]) -> None:
         "ROS_DOMAIN_ID": "90",
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
     }
-    result = subprocess.run(
-        [sys.executable, "-c", SCRIPT, json.dumps(messages)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=60,
+    result = succeeded(
+        [sys.executable, "-c", SCRIPT, json.dumps(messages)], env=environment, timeout=60
     )
-    assert result.returncode == 0, result.stderr
     assert json.loads(result.stdout) == [[1, 0.1], [2, 0.2], [3, 0.3]]

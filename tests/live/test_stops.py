@@ -5,8 +5,6 @@ test loses something on the way; afterwards the topics of the vehicle carry a st
 behind it.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys
@@ -32,11 +30,7 @@ from jausml.runtime.messages import ClearEmergency, SetEmergency, Shutdown, Stan
 from .bridge_support import Process, RosPeer, generate, wait_for
 from .stop_publisher import moving
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 FOLDER = Path(__file__).resolve().parent
 VEHICLE, STATION = JausAddress(10, 1, 1), JausAddress(10, 1, 2)

@@ -1,14 +1,12 @@
 """Three kinds of new users, each from an empty folder to what they wanted."""
 
-from __future__ import annotations
-
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 import warm
+from scripts import succeeded
 from story import Step, Teller, read
 from sweeps import sweep
 
@@ -45,5 +43,5 @@ def test_each_story_is_told():
 @pytest.mark.skipif(not INSTALLED, reason="make stories tells them with an installed wheel")
 def test_what_is_told_is_the_wheel(tmp_path):
     program = [str(Path(INSTALLED, "python")), "-c", "import jausml; print(jausml.__file__)"]
-    place = subprocess.run(program, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    place = succeeded(program, cwd=tmp_path).stdout
     assert Path(place).is_relative_to(Path(INSTALLED).parent)

@@ -4,8 +4,6 @@ A halt of the bridge stands for the suspension, whose length its clocks tell (su
 the usual one rests meanwhile.
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import struct
@@ -27,12 +25,7 @@ from jausml.runtime.messages import QueryStatus, ReportStatus, RequestControl, R
 from .bridge_support import Process, RosPeer, generate, wait_for
 from .test_fast_path import RawPeer, speed
 
-pytestmark = [
-    pytest.mark.live,
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-    pytest.mark.needs("compiler"),
-    pytest.mark.timeout(240),
-]
+pytestmark = [pytest.mark.live, pytest.mark.needs("compiler"), pytest.mark.timeout(240)]
 
 MODEL = Path(__file__).with_name("suspend.ros2jaus")
 SUSPENDED = 10

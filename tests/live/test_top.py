@@ -1,7 +1,5 @@
 """`jausml top` beside a generated bridge, a vehicle and a ROS node."""
 
-from __future__ import annotations
-
 import itertools
 import subprocess
 import sys
@@ -25,11 +23,7 @@ from jausml.runtime.base.address import JausAddress
 
 from .bridge_support import MODEL, Process, RosPeer, generate, wait_for
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 VEHICLE = str(Path(__file__).resolve().parent / "bridge_vehicle.py")
 TARGET = JausAddress(10, 1, 1)

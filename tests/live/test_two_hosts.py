@@ -5,8 +5,6 @@ bridge is on the other host; a ROS 2 node beside the vehicle says what arrives. 
 units say.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import signal

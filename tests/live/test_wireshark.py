@@ -1,11 +1,10 @@
 """The generated dissector in tshark, against bytes of other implementations and against damage."""
 
-from __future__ import annotations
-
 import random
 import struct
 import subprocess
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 from sweeps import sweep
@@ -35,9 +34,6 @@ from .wireshark_support import (
     write_capture,
     write_dissector,
 )
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = pytest.mark.needs("tshark")
 
@@ -74,9 +70,7 @@ def is_right(view: DissectorView, fields: list[Shown], vector: dict[str, Any]) -
 
 
 @pytest.mark.beside("golden/jaus_messages.jsonl")
-def test_every_vector_shows_its_name_and_fields(
-    library: tuple[Path, DissectorView], tmp_path: Path
-) -> None:
+def test_every_vector_shows_its_name_and_fields(library, tmp_path):
     script, view = library
     golden = golden_vectors()
     packets = [udp(datagram(bytes.fromhex(golden_vector["hex"]))) for golden_vector in golden]
@@ -95,9 +89,7 @@ def test_every_vector_shows_its_name_and_fields(
 
 
 @pytest.mark.beside("golden/judp_datagrams.jsonl")
-def test_captured_datagrams_show_their_header(
-    library: tuple[Path, DissectorView], tmp_path: Path
-) -> None:
+def test_captured_datagrams_show_their_header(library, tmp_path):
     script, _ = library
     golden = golden_vectors("judp_datagrams.jsonl")
     packets = [udp(bytes.fromhex(vector["hex"])) for vector in golden]
@@ -120,7 +112,7 @@ def test_captured_datagrams_show_their_header(
 
 
 @pytest.mark.slow
-def test_a_datagram_may_hold_several_messages(example: Path, tmp_path: Path) -> None:
+def test_a_datagram_may_hold_several_messages(example, tmp_path):
     data = b"\x02" + packet(WRENCH, 7) + packet(bytes.fromhex("0320"), 8)
     (fields,) = dissect(example, [udp(data)], tmp_path)
     assert shown(fields, "jaus.code") == ["0x0405", "0x2003"]
@@ -129,7 +121,7 @@ def test_a_datagram_may_hold_several_messages(example: Path, tmp_path: Path) -> 
     assert "SetWrenchEffort, 126.1.20 -> 200.1.2; QueryTimeout, 126.1.20 -> 200.1.2" in text
 
 
-def test_a_second_dissector_says_that_it_is_not_loaded(example: Path, tmp_path: Path) -> None:
+def test_a_second_dissector_says_that_it_is_not_loaded(example, tmp_path):
     capture = write_capture(tmp_path / "one.pcap", [udp(datagram(WRENCH))])
     scripts = [f"-Xlua_script:{path}" for path in (example, example)]
     done = subprocess.run(
@@ -143,7 +135,7 @@ def test_a_second_dissector_says_that_it_is_not_loaded(example: Path, tmp_path: 
     assert "Error" not in done.stderr
 
 
-def test_scaled_values_stand_beside_the_raw_integer(example: Path, tmp_path: Path) -> None:
+def test_scaled_values_stand_beside_the_raw_integer(example, tmp_path):
     (fields,) = dissect(example, [udp(datagram(WRENCH))], tmp_path)
     name = "jaus.set_wrench_effort"
     assert shown(fields, f"{name}.presence") == ["0x0870"]
@@ -152,7 +144,7 @@ def test_scaled_values_stand_beside_the_raw_integer(example: Path, tmp_path: Pat
     assert not shown(fields, f"{name}.propulsive_linear_effort_x")
 
 
-def test_fields_filter(example: Path, tmp_path: Path) -> None:
+def test_fields_filter(example, tmp_path):
     capture = write_capture(
         tmp_path / "two.pcap", [udp(datagram(WRENCH, 1)), udp(datagram(b"\x03\x20", 2))]
     )
@@ -162,7 +154,7 @@ def test_fields_filter(example: Path, tmp_path: Path) -> None:
     assert run_tshark(example, capture, "-Y", "jaus.message == QueryTimeout").count("\n") == 1
 
 
-def test_an_acknowledgement_has_no_body(example: Path, tmp_path: Path) -> None:
+def test_an_acknowledgement_has_no_body(example, tmp_path):
     (fields,) = dissect(example, [udp(datagram(b"", 9, 0x31))], tmp_path)
     assert shown(fields, "jaus.ack_nak") == ["3"]
     assert not shown(fields, "jaus.code")
@@ -170,7 +162,7 @@ def test_an_acknowledgement_has_no_body(example: Path, tmp_path: Path) -> None:
     assert "Acknowledge, 126.1.20" in run_tshark(example, tmp_path / "packets.pcap")
 
 
-def test_header_compression_bytes_are_skipped(example: Path, tmp_path: Path) -> None:
+def test_header_compression_bytes_are_skipped(example, tmp_path):
     plain = packet(b"\x03\x20", 5)
     data = b"\x02\x40" + (len(plain) + 2).to_bytes(2, "little") + b"\x07\x0c" + plain[3:]
     (fields,) = dissect(example, [udp(data)], tmp_path)
@@ -180,14 +172,14 @@ def test_header_compression_bytes_are_skipped(example: Path, tmp_path: Path) -> 
     assert shown(fields, "jaus.message") == ["QueryTimeout"]
 
 
-def test_an_embedded_message_is_shown_inside(example: Path, tmp_path: Path) -> None:
+def test_an_embedded_message_is_shown_inside(example, tmp_path):
     inner = bytes.fromhex("0324ff01")
     event = bytes.fromhex("f1410502") + len(inner).to_bytes(4, "little") + inner
     (fields,) = dissect(example, [udp(datagram(event))], tmp_path)
     assert shown(fields, "jaus.code") == ["0x41f1", "0x2403"]
 
 
-def test_messages_are_shown_to_a_bounded_depth(example: Path, tmp_path: Path) -> None:
+def test_messages_are_shown_to_a_bounded_depth(example, tmp_path):
     data = b"\x03\x20"
     for _ in range(40):
         data = bytes.fromhex("f1410502") + len(data).to_bytes(4, "little") + data
@@ -202,9 +194,7 @@ FLAGS = [0x41, 0x81, 0x81, 0xC1]
 
 @pytest.mark.parametrize("first", sweep([65534, 10], every=2))
 @pytest.mark.parametrize("order", [(0, 1, 2, 3), (3, 1, 0, 2)], ids=["in order", "mixed"])
-def test_fragments_are_reassembled(
-    example: Path, tmp_path: Path, first: int, order: tuple[int, ...]
-) -> None:
+def test_fragments_are_reassembled(example, tmp_path, first, order):
     packets = [udp(datagram(PARTS[n], first + n, FLAGS[n])) for n in order]
     for arguments in ((), ("-2",)):
         packets_shown = dissect(example, packets, tmp_path, *arguments)
@@ -214,7 +204,7 @@ def test_fragments_are_reassembled(
         assert all(shown(fields, "jaus.fragment") for fields in packets_shown)
 
 
-def test_fragments_of_two_senders_are_not_mixed(example: Path, tmp_path: Path) -> None:
+def test_fragments_of_two_senders_are_not_mixed(example, tmp_path):
     other = b"\x02" + packet(PARTS[1], 11, FLAGS[1], source=(7, 7, 7))
     packets = [
         udp(datagram(PARTS[0], 10, FLAGS[0])),
@@ -225,7 +215,7 @@ def test_fragments_of_two_senders_are_not_mixed(example: Path, tmp_path: Path) -
 
 
 @pytest.mark.parametrize("cut", sweep([13, 1, 2, 4, 24, 25, 26, 40], every=8))
-def test_tcp_is_cut_into_messages(example: Path, tmp_path: Path, cut: int) -> None:
+def test_tcp_is_cut_into_messages(example, tmp_path, cut):
     stream = b"\x02" + packet(WRENCH, 1) + packet(b"\x03\x20", 2) + packet(WRENCH, 3)
     answer = b"\x02" + packet(bytes.fromhex("034005"), 1)
     packets = [tcp(stream[:cut], 0), tcp(stream[cut:], cut), tcp(answer, 0, is_answer=True)]
@@ -239,9 +229,7 @@ def test_tcp_is_cut_into_messages(example: Path, tmp_path: Path, cut: int) -> No
 # -- several definitions of one code ---------------------------------------------------------------
 
 
-def test_of_several_definitions_the_one_that_fits_is_shown(
-    library: tuple[Path, DissectorView], tmp_path: Path
-) -> None:
+def test_of_several_definitions_the_one_that_fits_is_shown(library, tmp_path):
     script, view = library
     codes = [message.code for message in view.messages]
     assert len(codes) > len(set(codes)), "no code has two definitions"
@@ -286,7 +274,7 @@ def dissector_of(model: Path, folder: Path) -> tuple[Path, DissectorView]:
     return write_dissector(folder / "own.lua", view), view
 
 
-def test_every_kind_of_field_is_shown(tmp_path: Path) -> None:
+def test_every_kind_of_field_is_shown(tmp_path):
     script, _ = dissector_of(MODELS / "every_kind.xmi", tmp_path)
     body = struct.pack("<Bff", 1, 1.5, -2.5)
     body += struct.pack("<hQBBdB4B", -2, 2**64 - 1, 7, 8, 0.1, 0, 1, 2, 3, 4)
@@ -320,7 +308,7 @@ MODELS_OF_VECTORS = sorted({vector["model"] for vector in vectors()})
 
 
 @pytest.mark.parametrize("model", sweep(MODELS_OF_VECTORS, every=3))
-def test_the_vectors_are_shown(model: str, tmp_path: Path) -> None:
+def test_the_vectors_are_shown(model, tmp_path):
     script, view = dissector_of(ROOT / model, tmp_path)
     decoded = [vector for vector in vectors() if vector["model"] == model and "payload" in vector]
     packets = [udp(datagram(payload_of(vector) or b"")) for vector in decoded]
@@ -330,7 +318,7 @@ def test_the_vectors_are_shown(model: str, tmp_path: Path) -> None:
     ]
 
 
-def test_wide_and_signed_fields_are_shown(tmp_path: Path) -> None:
+def test_wide_and_signed_fields_are_shown(tmp_path):
     model = tmp_path / "more.xmi"
     model.write_text(MORE_KINDS, encoding="utf-8")
     script, _ = dissector_of(model, tmp_path)
@@ -353,7 +341,7 @@ def test_wide_and_signed_fields_are_shown(tmp_path: Path) -> None:
     assert "Huge: 7 (SEVEN)" in text
 
 
-def test_text_is_whole_whatever_its_letters_take_in_utf_8(tmp_path: Path) -> None:
+def test_text_is_whole_whatever_its_letters_take_in_utf_8(tmp_path):
     model = tmp_path / "more.xmi"
     model.write_text(MORE_KINDS, encoding="utf-8")
     script, _ = dissector_of(model, tmp_path)
@@ -364,7 +352,7 @@ def test_text_is_whole_whatever_its_letters_take_in_utf_8(tmp_path: Path) -> Non
     assert found == [["\xe9\xff\xa0\xbf\xc0\x80"], ["\xe9"], [""]]
 
 
-def test_hostile_names_only_show(tmp_path: Path) -> None:
+def test_hostile_names_only_show(tmp_path):
     script, view = dissector_of(MODELS / "hostile_messages.xmi", tmp_path)
     packets = [
         udp(datagram(message.code.to_bytes(2, "little") + bytes(80))) for message in view.messages
@@ -376,9 +364,7 @@ def test_hostile_names_only_show(tmp_path: Path) -> None:
 # -- every message, with random bodies ------------------------------------------------------------
 
 
-def test_every_message_of_the_library_shows_what_the_codec_decodes(
-    library: tuple[Path, DissectorView], tmp_path: Path
-) -> None:
+def test_every_message_of_the_library_shows_what_the_codec_decodes(library, tmp_path):
     script, view = library
     chance = random.Random(5684)
     catalogue = load_catalogue()
@@ -436,14 +422,14 @@ def _named(entry: Any) -> str:
         every=4,
     ),
 )
-def test_damage_is_named(example: Path, tmp_path: Path, data: bytes, name: str) -> None:
+def test_damage_is_named(example, tmp_path, data, name):
     if data == b"\x02":
         data = b"\x02\x00"
     (fields,) = dissect(example, [udp(data)], tmp_path)
     assert shown(fields, f"jaus.{name}") == [""]
 
 
-def test_a_capture_that_holds_less_is_no_damage(example: Path, tmp_path: Path) -> None:
+def test_a_capture_that_holds_less_is_no_damage(example, tmp_path):
     whole = udp(datagram(WRENCH))
     capture = write_capture(tmp_path / "cut.pcap", [whole], most=len(whole) - 4)
     (fields,) = fields_of(example, capture)
@@ -452,7 +438,7 @@ def test_a_capture_that_holds_less_is_no_damage(example: Path, tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_no_stream_breaks_the_dissector(example: Path, tmp_path: Path) -> None:
+def test_no_stream_breaks_the_dissector(example, tmp_path):
     chance = random.Random(3794)
     packets, position = [], 0
     for _ in range(2000):
@@ -463,9 +449,7 @@ def test_no_stream_breaks_the_dissector(example: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_no_datagram_breaks_the_dissector(
-    library: tuple[Path, DissectorView], tmp_path: Path
-) -> None:
+def test_no_datagram_breaks_the_dissector(library, tmp_path):
     script, view = library
     chance = random.Random(3794)
     packets = [udp(datagram_of_chance(chance, view)) for _ in range(6000)]

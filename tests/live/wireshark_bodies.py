@@ -1,18 +1,14 @@
 """Bodies of messages: what the dissector should show of them, and random ones."""
 
-from __future__ import annotations
-
 import math
+import random
 import struct
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator
+from typing import Any
 
 from jausml.language.wire import INTEGERS, REALS
 
-if TYPE_CHECKING:
-    import random
-    from collections.abc import Iterable, Iterator
-
-    from .wireshark_support import Shown
+from .wireshark_support import Shown
 
 _FORMATS = {name: number_type.format for name, number_type in (*INTEGERS.items(), *REALS.items())}
 

@@ -1,22 +1,18 @@
 """Capture files, dissectors and what tshark makes of them."""
 
-from __future__ import annotations
-
 import re
 import shutil
 import struct
 import subprocess
 import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.generation.rendering import render
 from jausml.language.model import read_models
 from jausml_generators.wireshark.target import TARGET
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
 
 ROOT = Path(__file__).resolve().parents[2]
 CATVEHICLE = ROOT / "models" / "catvehicle" / "catvehicle.xmi"

@@ -1,7 +1,5 @@
 """`jausml doctor`: what a machine lacks, and how to fix it."""
 
-from __future__ import annotations
-
 import json
 import os
 import socket

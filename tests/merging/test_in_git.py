@@ -1,7 +1,5 @@
 """`jausml merge` and `jausml diff` as drivers of a real git, configured as the how-to says."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Three-way merges by elements: what theirs did is done to ours."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 from random import Random

@@ -3,8 +3,6 @@
 `JAUSML_EXAMPLES` raises how many are tried.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import sys

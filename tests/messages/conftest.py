@@ -1,7 +1,5 @@
 """One catalogue for all tests, and the support of the generated codecs to compare with."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

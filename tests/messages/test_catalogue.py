@@ -1,7 +1,5 @@
 """Services and messages by name and code."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.live.messages import (

@@ -1,7 +1,5 @@
 """Fields and their wire form: shapes, limits, and errors that name the field."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

@@ -1,7 +1,5 @@
 """The interpreting codec against the bytes that other implementations made."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """What is shown of a message is taken back; errors name all fields that are wrong."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.live.messages import EncodeError

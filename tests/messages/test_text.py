@@ -1,7 +1,5 @@
 """Messages for people."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.live.messages import text

@@ -4,8 +4,6 @@ The dissector reads them in tests/live/test_wireshark.py and, without Wireshark,
 tests/generators/test_dissected_vectors.py.
 """
 
-from __future__ import annotations
-
 import functools
 import re
 

@@ -1,7 +1,5 @@
 """Quick access to features says what pyecore's own access says."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

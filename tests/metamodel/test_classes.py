@@ -1,7 +1,5 @@
 """What mypy is told of the metamodels, beside what pyecore really does."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import importlib.util

@@ -1,9 +1,8 @@
 """Metamodels that several threads ask for at once: there is one of each."""
 
-from __future__ import annotations
-
-import subprocess
 import sys
+
+from scripts import succeeded
 
 PROGRAM = """
 import threading
@@ -25,7 +24,5 @@ print(len(found), len(set(map(id, found))))
 
 
 def test_metamodels_are_loaded_once():
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM], capture_output=True, text=True, check=True, timeout=60
-    )
+    done = succeeded([sys.executable, "-c", PROGRAM], timeout=60)
     assert done.stdout.split() == ["4", "1"]

@@ -1,7 +1,5 @@
 """Random models over all classes and features of some metamodels."""
 
-from __future__ import annotations
-
 from hypothesis import strategies as st
 
 from jausml.language.metamodel import FeatureKind, ValueKind

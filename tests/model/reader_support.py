@@ -1,7 +1,5 @@
 """Documents in texts: written, read, and compared with markers that stand at the findings."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Two models are compared feature by feature."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.model import read_models

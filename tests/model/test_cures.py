@@ -1,7 +1,5 @@
 """What messages say to do: the cure is one that helps."""
 
-from __future__ import annotations
-
 from jausml.language.model.xmi import parsing
 from jausml.language.validation.engine import check_project
 

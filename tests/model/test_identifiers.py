@@ -1,7 +1,5 @@
 """Ids that elements get from their names."""
 
-from __future__ import annotations
-
 from jausml.language.model import read_models
 from jausml.language.model.xmi.writer import name_identifiers
 

@@ -1,7 +1,5 @@
 """The one door for files of users: what is no regular file, or too large, is refused at once."""
 
-from __future__ import annotations
-
 import ast
 import os
 

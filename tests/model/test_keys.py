@@ -1,7 +1,5 @@
 """References and keys: exact, and lasting."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from for_each import for_each

@@ -1,7 +1,5 @@
 """Models that share the documents of the library are what they are without sharing."""
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Several threads may ask one model at once, as those of the studio do."""
 
-from __future__ import annotations
-
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier

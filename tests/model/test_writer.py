@@ -1,7 +1,5 @@
 """What is written is what EMF writes, and reads back as the same model."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import stat

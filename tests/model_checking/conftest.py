@@ -1,15 +1,13 @@
 """Scripts that run beside the packages of a model, which are generated once."""
 
-from __future__ import annotations
-
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from scripts import succeeded
 from workspaces import python_path
 
 from jausml.cli import main
@@ -39,14 +37,11 @@ def run_script(path_of):
     """Runs a script of this folder beside the packages of a model; returns what it says as JSON."""
 
     def run(name, *words, model=ROVER):
-        result = subprocess.run(
+        result = succeeded(
             [sys.executable, str(FOLDER / name), *words],
             env={**os.environ, "PYTHONPATH": path_of(model)},
-            capture_output=True,
-            text=True,
             timeout=100,
         )
-        assert result.returncode == 0, result.stderr
         return json.loads(result.stdout)
 
     return run

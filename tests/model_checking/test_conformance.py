@@ -1,7 +1,5 @@
 """The abstract machines do what the runtime does: random walks through both, in virtual time."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Products of state machines: held against the generated winch, and faults of models found."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

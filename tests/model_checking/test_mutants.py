@@ -1,7 +1,5 @@
 """Faults that are put into the abstract machines are found, each with a way that leads to it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Machines that are stepped by hand, and the tests that are made of paths."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

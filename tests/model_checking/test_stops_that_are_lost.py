@@ -1,7 +1,5 @@
 """The radio is away while a stop is sent: it is sent again, as long as the peer would go on."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """`jausml model-check`: what it finds in models, in which formats, and what it leaves behind."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -3,8 +3,6 @@
 Prints the first step after which they differ, as JSON, and how many steps and states were seen.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import json

@@ -1,7 +1,5 @@
 """Walks at random through a bridge that drives along lists, beside its abstract state."""
 
-from __future__ import annotations
-
 from jausml_runtime.bridge.ends.actions import Outcome
 from jausml_runtime.messages import DeleteElement, SetElement
 from lister.messages import ExecuteList, SetLocalWaypoint

@@ -3,8 +3,6 @@
 Conditions of the user say the same in both. Prints the first difference, as JSON.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import logging

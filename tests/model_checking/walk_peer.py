@@ -5,8 +5,6 @@ they may differ for as long as a renewal takes, and must agree again by then. Pr
 difference that stays, or a command that stands for longer than the product says, as JSON.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import logging

@@ -10,8 +10,6 @@ each definition without its comments. It was not read by the importer that made 
                      versions before and after it, which have these fields in common
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

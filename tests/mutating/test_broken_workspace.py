@@ -1,7 +1,5 @@
 """Workspaces of which files are replaced: their tests see the replaced ones, and only these."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

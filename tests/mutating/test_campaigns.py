@@ -1,7 +1,5 @@
 """Campaigns: what notices mutations of a model is told, and what nothing notices."""
 
-from __future__ import annotations
-
 import json
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Model checks of a broken model find what those of the sound one do not."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Operators: each one changes the one thing that it says, and what it does can be undone."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

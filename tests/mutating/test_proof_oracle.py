@@ -1,7 +1,5 @@
 """Proofs of a broken map find what those of the map do not."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import bridge

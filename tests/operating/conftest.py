@@ -1,17 +1,10 @@
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from ports import free_port
 from simulated_vehicle import LEASE, STOP, VEHICLE, Vehicle, take, until
-from studio_client import operating
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Page, Server
+from studio_client import Page, Server, operating
 
 
 @pytest.fixture(scope="session")

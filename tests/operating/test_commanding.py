@@ -1,19 +1,18 @@
 """Who may command by a page, and what stops when nobody does, with a real component."""
 
-from __future__ import annotations
-
 import fcntl
 import signal
 import socket
 import subprocess
 import time
+from collections.abc import Iterator
 from contextlib import ExitStack, suppress
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import warm
-from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, Vehicle, take, until
-from studio_client import LONGEST, RefusedError, begun, operating
+from simulated_vehicle import LEASE, STOP, TIMEOUT, VEHICLE, take, until
+from studio_client import LONGEST, Page, RefusedError, Server, begun, operating
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from jausml.live.operating.reading import read
@@ -35,14 +34,7 @@ from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import running_transport
 from jausml.runtime.messages import SetEmergency
 from jausml.runtime.services.definitions import CORE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Page, Server
-
-    from jausml.runtime.transports.transport import Transport
+from jausml.runtime.transports.transport import Transport
 
 pytestmark = pytest.mark.ports
 
@@ -87,7 +79,7 @@ def nobody_commands(server: Server) -> bool:
 # ---- the right -----------------------------------------------------------------------------------
 
 
-def test_each_command_is_refused_without_the_right(server: Server) -> None:
+def test_each_command_is_refused_without_the_right(server):
     with server.page() as page:
         for method, params in COMMANDS.items():
             with pytest.raises(RefusedError) as refused:
@@ -97,7 +89,7 @@ def test_each_command_is_refused_without_the_right(server: Server) -> None:
 
 
 @pytest.mark.usefixtures("vehicle")
-def test_pages_that_look_leave_places_to_those_that_may_command(server: Server) -> None:
+def test_pages_that_look_leave_places_to_those_that_may_command(server):
     with ExitStack() as held:
         looking = [held.enter_context(server.page()) for _ in range(MOST_SOCKETS)]
         late = [held.enter_context(server.page()) for _ in range(2 * KEPT_SOCKETS)]
@@ -113,7 +105,7 @@ def test_pages_that_look_leave_places_to_those_that_may_command(server: Server) 
     assert closed.value.rcvd.code == 1013
 
 
-def test_a_page_that_asks_without_end_is_read_slowly(server: Server) -> None:
+def test_a_page_that_asks_without_end_is_read_slowly(server):
     with server.page() as flooding, server.page() as other:
         other.ask("claim", right=server.right, name="person")
         for _ in range(60):
@@ -128,7 +120,7 @@ def test_a_page_that_asks_without_end_is_read_slowly(server: Server) -> None:
         flooding.socket.socket.shutdown(socket.SHUT_RDWR)  # a close waits until all is read
 
 
-def test_a_stop_is_never_one_request_too_many(server: Server) -> None:
+def test_a_stop_is_never_one_request_too_many(server):
     with server.page() as page:
         for number in range(1, 101):  # of components that nobody answers for
             page.send("messages", component=f"100.2.{number}")
@@ -139,7 +131,7 @@ def test_a_stop_is_never_one_request_too_many(server: Server) -> None:
 
 
 @pytest.mark.parametrize("right", ["", "wrong"])
-def test_another_right_is_none(server: Server, right: str) -> None:
+def test_another_right_is_none(server, right):
     with server.page() as page:
         for claimed in (right, server.token):
             with pytest.raises(RefusedError) as refused:
@@ -150,7 +142,7 @@ def test_another_right_is_none(server: Server, right: str) -> None:
         assert refused.value.code == UNAUTHORIZED
 
 
-def test_the_right_does_not_open_a_socket(server: Server) -> None:
+def test_the_right_does_not_open_a_socket(server):
     assert server.right not in ("", server.token)
     with server.connect("/socket") as socket:
         socket.send(
@@ -160,15 +152,13 @@ def test_the_right_does_not_open_a_socket(server: Server) -> None:
 
 
 @pytest.mark.parametrize("origin", [None, "null", "http://attacker.example", "http://localhost:1"])
-def test_a_page_of_another_site_commands_nothing(server: Server, origin: str | None) -> None:
+def test_a_page_of_another_site_commands_nothing(server, origin):
     with pytest.raises(InvalidStatus) as refused, server.connect("/socket", origin=origin):
         pass
     assert refused.value.response.status_code == 403
 
 
-def test_a_studio_without_the_word_commands_nothing(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
-) -> None:
+def test_a_studio_without_the_word_commands_nothing(folder, built, port, vehicle):
     options = ("--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
         assert not page.project["can_command"]
@@ -199,9 +189,7 @@ def watch(page: Page) -> None:
 # ---- one commands --------------------------------------------------------------------------------
 
 
-def test_a_command_comes_to_the_vehicle_and_its_answer_back(
-    holding: Page, vehicle: Vehicle
-) -> None:
+def test_a_command_comes_to_the_vehicle_and_its_answer_back(holding, vehicle):
     fields = {"PropulsiveLinearEffortX": 20.0}
     answer = holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
     assert "ReportWrenchEffort" in answer["answer"]
@@ -210,7 +198,7 @@ def test_a_command_comes_to_the_vehicle_and_its_answer_back(
     assert any("SetWrenchEffort to 100.1.10: PropulsiveLinearEffortX=20" in text for text in texts)
 
 
-def test_a_value_out_of_range_is_refused_at_its_field(holding: Page, vehicle: Vehicle) -> None:
+def test_a_value_out_of_range_is_refused_at_its_field(holding, vehicle):
     fields = {"PropulsiveLinearEffortX": 200.0}
     with pytest.raises(RefusedError, match=r"-100.0 \.\. 100.0") as refused:
         holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
@@ -218,7 +206,7 @@ def test_a_value_out_of_range_is_refused_at_its_field(holding: Page, vehicle: Ve
     assert vehicle.efforts == []
 
 
-def test_a_second_page_does_not_command_and_sees_who_does(server: Server, holding: Page) -> None:
+def test_a_second_page_does_not_command_and_sees_who_does(server, holding):
     with server.page() as second:
         second.ask("claim", right=server.right, name="berta")
         state = second.await_told("operate.state", lambda told: told["commander"])
@@ -232,12 +220,12 @@ def test_a_second_page_does_not_command_and_sees_who_does(server: Server, holdin
     holding.ask("renew")
 
 
-def test_stop_brings_what_is_controlled_to_standby(holding: Page, vehicle: Vehicle) -> None:
+def test_stop_brings_what_is_controlled_to_standby(holding, vehicle):
     assert holding.ask("stop")["stopped"] == [{"component": VEHICLE, "outcome": "STANDBY"}]
     assert vehicle.status == "STANDBY"
 
 
-def test_control_is_released(holding: Page, server: Server) -> None:
+def test_control_is_released(holding, server):
     holding.ask("release", component=VEHICLE)
     assert nobody_commands(server)
     with pytest.raises(RefusedError, match="nobody commands"):
@@ -256,11 +244,7 @@ def move(page: Page, number: int, effort: float) -> None:
     page.ask("stick.move", stick=number, fields={"PropulsiveLinearEffortX": effort})
 
 
-def texts_of(told: list[dict[str, Any]]) -> list[str]:
-    return [entry["text"] for entry in told]
-
-
-def test_a_stick_that_is_released_stops(holding: Page, vehicle: Vehicle) -> None:
+def test_a_stick_that_is_released_stops(holding, vehicle):
     number = held(holding)
     move(holding, number, 30.0)
     until(lambda: vehicle.last == 30.0)
@@ -271,9 +255,7 @@ def test_a_stick_that_is_released_stops(holding: Page, vehicle: Vehicle) -> None
     assert vehicle.last == 0.0
 
 
-def test_a_stick_that_is_not_renewed_stops_in_time_and_says_nothing_more(
-    holding: Page, vehicle: Vehicle
-) -> None:
+def test_a_stick_that_is_not_renewed_stops_in_time_and_says_nothing_more(holding, vehicle):
     number = held(holding)
     for effort in (10.0, 20.0, 30.0):
         move(holding, number, effort)
@@ -289,9 +271,7 @@ def test_a_stick_that_is_not_renewed_stops_in_time_and_says_nothing_more(
     )
 
 
-def test_a_page_that_is_gone_stops_and_releases(
-    server: Server, holding: Page, vehicle: Vehicle
-) -> None:
+def test_a_page_that_is_gone_stops_and_releases(server, holding, vehicle):
     number = held(holding)
     move(holding, number, 30.0)
     holding.socket.close()
@@ -300,9 +280,7 @@ def test_a_page_that_is_gone_stops_and_releases(
     until(lambda: nobody_commands(server))
 
 
-def test_a_page_that_does_not_renew_commands_no_more(
-    server: Server, holding: Page, vehicle: Vehicle
-) -> None:
+def test_a_page_that_does_not_renew_commands_no_more(server, holding, vehicle):
     fields = {"PropulsiveLinearEffortX": 20.0}
     holding.ask("send", component=VEHICLE, message="SetWrenchEffort", fields=fields)
     until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
@@ -314,7 +292,7 @@ def test_a_page_that_does_not_renew_commands_no_more(
 
 
 @pytest.mark.slow
-def test_a_page_that_renews_goes_on(holding: Page, vehicle: Vehicle) -> None:
+def test_a_page_that_renews_goes_on(holding, vehicle):
     end = time.monotonic() + 1.5 * LEASE
     while time.monotonic() < end:
         holding.ask("renew")
@@ -322,7 +300,7 @@ def test_a_page_that_renews_goes_on(holding: Page, vehicle: Vehicle) -> None:
     assert vehicle.status == "READY"
 
 
-def test_a_stick_without_a_declared_stop_is_refused_with_the_reason(holding: Page) -> None:
+def test_a_stick_without_a_declared_stop_is_refused_with_the_reason(holding):
     with pytest.raises(RefusedError, match="no stop of SetAccelerationLimit"):
         holding.ask("stick.begin", component=VEHICLE, message="SetAccelerationLimit")
     commands = {
@@ -333,7 +311,7 @@ def test_a_stick_without_a_declared_stop_is_refused_with_the_reason(holding: Pag
     assert "no stop of" in commands["Standby"]["stick"]["refusal"]
 
 
-def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
+def test_an_alarm_is_silenced_with_a_reason_that_stays(holding):
     move(holding, held(holding), 30.0)
     told = holding.await_told("operate.state", lambda told: told["alarms"])
     number = next(alarm["number"] for alarm in told["alarms"])
@@ -345,9 +323,7 @@ def test_an_alarm_is_silenced_with_a_reason_that_stays(holding: Page) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_studio_that_ends_stops_and_releases(
-    folder: Path, built: Path, port: int, vehicle: Vehicle, number: signal.Signals
-) -> None:
+def test_a_studio_that_ends_stops_and_releases(folder, built, port, vehicle, number):
     options = ("--stop-all", "standby", "--lease", "30", "--stop", STOP, "--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="")
@@ -365,8 +341,8 @@ def test_a_studio_that_ends_stops_and_releases(
 
 
 def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
-) -> None:
+    folder, built, port, vehicle
+):
     options = ("--stop-all", "emergency", "--lease", "5", "--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="")
@@ -377,7 +353,7 @@ def test_an_emergency_stops_what_is_not_controlled_until_it_is_cleared(
         assert vehicle.status != "EMERGENCY"
 
 
-def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path: Path, port: int) -> None:
+def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path, port):
     address, sent = JausAddress(100, 1, 77), set()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as deaf:
         deaf.bind(("127.0.0.1", 0))
@@ -398,9 +374,7 @@ def test_a_stop_that_nobody_acknowledges_is_sent_again(tmp_path: Path, port: int
     assert len(sent) > TRIES
 
 
-def test_a_terminal_that_takes_nothing_does_not_hold_up_the_stop(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
-) -> None:
+def test_a_terminal_that_takes_nothing_does_not_hold_up_the_stop(folder, built, port, vehicle):
     options = ("--stop-all", "standby", "--lease", "60", "--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="anna")
@@ -426,16 +400,14 @@ def test_a_terminal_that_takes_nothing_does_not_hold_up_the_stop(
         (("--stop-all", "standby", "--lease", "2", "--stop", "SetWrenchEffort 1 X=0"), "--stop:"),
     ],
 )
-def test_half_of_a_decision_is_none(
-    folder: Path, built: Path, options: tuple[str, ...], said: str
-) -> None:
+def test_half_of_a_decision_is_none(folder, built, options, said):
     process = begun(folder, built, *options, verb="operate")
     _, told = process.communicate(timeout=LONGEST)
     assert process.returncode == 2
     assert said in told
 
 
-def test_a_model_that_cannot_be_read_is_told_at_the_start(folder: Path, built: Path) -> None:
+def test_a_model_that_cannot_be_read_is_told_at_the_start(folder, built):
     """Its stops are those of the start, so it must be there."""
     model = folder / "rover.ros2jaus"
     model.write_text("system rover {", encoding="utf-8")
@@ -490,12 +462,8 @@ SHARED = "100.1.20"
 
 @pytest.mark.parametrize(("decision", "answer"), [("deny", "DENIED"), ("grant", "GRANTED")])
 def test_a_request_for_control_waits_for_a_person(
-    server: Server,
-    commanding: Page,
-    handing_over: tuple[JausComponent, Asking],
-    decision: str,
-    answer: str,
-) -> None:
+    server, commanding, handing_over, decision, answer
+):
     target, other = handing_over
     take(commanding, SHARED)
     other.ask_for(SHARED)
@@ -520,7 +488,7 @@ def test_a_request_for_control_waits_for_a_person(
 
 
 @pytest.mark.needs("capture")
-def test_a_recording_has_what_was_commanded(holding: Page, port: int, tmp_path: Path) -> None:
+def test_a_recording_has_what_was_commanded(holding, port, tmp_path):
     path, log = tmp_path / "run.mcap", tmp_path / "run.log"
     line = [*warm.command(), "record", "--output", str(path), "--port", str(port)]
     with log.open("w") as stream:
@@ -540,8 +508,8 @@ def test_a_recording_has_what_was_commanded(holding: Page, port: int, tmp_path: 
 
 
 def test_nobody_takes_control_while_what_a_lost_page_commanded_is_stopped(
-    tmp_path: Path, port: int, vehicle: Vehicle, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, port, vehicle, monkeypatch
+):
     network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
     unit = OperatorUnit(read(tmp_path), network, Powers("standby", 60.0), lambda *_: None)
     address, refused = JausAddress.parse(VEHICLE), []

@@ -1,11 +1,9 @@
 """Alarms say who is lost, that it is back, and take one reason for several."""
 
-from __future__ import annotations
-
 from jausml.live.operating.journal import Journal
 
 
-def test_alarms_come_newest_first_and_say_when_their_subject_is_back() -> None:
+def test_alarms_come_newest_first_and_say_when_their_subject_is_back():
     journal = Journal(lambda *_: None)
     journal.alarm("gps (1.1.2)", "lost: silent")
     journal.alarm("gps (1.1.2)", "no source", "connection bridge.fix")
@@ -20,7 +18,7 @@ def test_alarms_come_newest_first_and_say_when_their_subject_is_back() -> None:
     assert len(journal.alarms) == 3
 
 
-def test_one_reason_silences_several() -> None:
+def test_one_reason_silences_several():
     journal = Journal(lambda *_: None)
     for number in range(3):
         journal.alarm(f"component {number}", "lost")

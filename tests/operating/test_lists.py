@@ -1,23 +1,16 @@
 """Lists that a page has drawn: their bytes, their way, and what ends them, at a real component."""
 
-from __future__ import annotations
-
 import math
 import time
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from lossy_network import LossyTransport
 from simulated_vehicle import VEHICLE, Vehicle, take, until
-from studio_client import RefusedError, operating
+from studio_client import Page, RefusedError, Server, operating
 
 from jausml import Component
 from jausml.runtime.component import process
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page, Server
 
 pytestmark = pytest.mark.ports
 
@@ -48,7 +41,7 @@ def scaled(value: float, low: float, high: float) -> bytes:
     return math.floor((value - low) / (high - low) * (2**32 - 1) + 0.5).to_bytes(4, "little")
 
 
-def test_a_list_arrives_as_it_is_drawn(holding: Page, vehicle: Vehicle) -> None:
+def test_a_list_arrives_as_it_is_drawn(holding, vehicle):
     drawn(holding)
     # X forward or north and Y right or east keep their signs; no optional field is made up.
     assert [element.data for element in vehicle.list] == [
@@ -62,7 +55,7 @@ def test_a_list_arrives_as_it_is_drawn(holding: Page, vehicle: Vehicle) -> None:
     assert any("list of 3 SetLocalWaypoint to 100.1.10: 1: X=" in text for text in journal(holding))
 
 
-def test_a_list_is_executed_in_its_order_and_told(holding: Page, vehicle: Vehicle) -> None:
+def test_a_list_is_executed_in_its_order_and_told(holding, vehicle):
     drawn(holding)
     holding.ask("watch", component=VEHICLE, report="ActiveElement", rate=5)
 
@@ -81,7 +74,7 @@ def test_a_list_is_executed_in_its_order_and_told(holding: Page, vehicle: Vehicl
     assert vehicle.executed == [(1.5, 1)]
 
 
-def test_what_the_vehicle_does_not_have_is_not_executed(holding: Page, vehicle: Vehicle) -> None:
+def test_what_the_vehicle_does_not_have_is_not_executed(holding, vehicle):
     for elements in (ROUTE, ROUTE[:2], [*ROUTE[:2], {"X": 0.0, "Y": 2.1}]):
         with pytest.raises(RefusedError, match="another list than the one that is drawn"):
             execute(holding, elements)
@@ -94,9 +87,7 @@ def test_what_the_vehicle_does_not_have_is_not_executed(holding: Page, vehicle: 
     ("element", "path"),
     [({"X": 100000.5, "Y": 0.0}, "X"), ({"X": 0.0}, "Y"), ({"X": 0.0, "Y": 0.0, "Yaw": 4}, "Yaw")],
 )
-def test_a_waypoint_out_of_range_is_refused_at_its_place(
-    holding: Page, vehicle: Vehicle, element: dict[str, float], path: str
-) -> None:
+def test_a_waypoint_out_of_range_is_refused_at_its_place(holding, vehicle, element, path):
     drawn(holding)
     with pytest.raises(RefusedError) as refused:
         drawn(holding, [ROUTE[0], element])
@@ -104,7 +95,7 @@ def test_a_waypoint_out_of_range_is_refused_at_its_place(
     assert len(vehicle.list) == 3
 
 
-def test_a_speed_out_of_range_is_refused(holding: Page, vehicle: Vehicle) -> None:
+def test_a_speed_out_of_range_is_refused(holding, vehicle):
     drawn(holding)
     with pytest.raises(RefusedError) as refused:
         holding.ask(
@@ -115,20 +106,18 @@ def test_a_speed_out_of_range_is_refused(holding: Page, vehicle: Vehicle) -> Non
 
 
 @pytest.mark.parametrize("elements", [[], [ROUTE[0]] * 1001])
-def test_no_list_and_too_long_ones_are_refused(
-    holding: Page, elements: list[dict[str, float]]
-) -> None:
+def test_no_list_and_too_long_ones_are_refused(holding, elements):
     with pytest.raises(RefusedError, match="1 to 1000"):
         drawn(holding, elements)
 
 
-def test_a_component_without_the_driver_is_told_no_list(holding: Page, vehicle: Vehicle) -> None:
+def test_a_component_without_the_driver_is_told_no_list(holding, vehicle):
     with pytest.raises(RefusedError, match="no driver for lists of SetGlobalWaypoint"):
         drawn(holding, [{"Latitude": 48.0, "Longitude": 11.0}], GLOBAL)
     assert vehicle.list == []
 
 
-def test_its_end_leaves_nothing_that_could_go_on(holding: Page, vehicle: Vehicle) -> None:
+def test_its_end_leaves_nothing_that_could_go_on(holding, vehicle):
     drawn(holding)
     execute(holding)
     holding.ask("list.end", component=VEHICLE)
@@ -136,9 +125,7 @@ def test_its_end_leaves_nothing_that_could_go_on(holding: Page, vehicle: Vehicle
     assert vehicle.list == []
 
 
-def test_a_page_that_is_lost_while_it_drives_stops_it(
-    server: Server, holding: Page, vehicle: Vehicle
-) -> None:
+def test_a_page_that_is_lost_while_it_drives_stops_it(server, holding, vehicle):
     drawn(holding)
     execute(holding)
     assert vehicle.active == 1
@@ -153,7 +140,7 @@ def test_a_page_that_is_lost_while_it_drives_stops_it(
     assert vehicle.executed == [(1.5, 1)]
 
 
-def test_a_silent_page_stops_what_it_executes(holding: Page, vehicle: Vehicle) -> None:
+def test_a_silent_page_stops_what_it_executes(holding, vehicle):
     drawn(holding)
     execute(holding)
     until(lambda: vehicle.status == "STANDBY" and vehicle.controller is None)
@@ -163,9 +150,7 @@ def test_a_silent_page_stops_what_it_executes(holding: Page, vehicle: Vehicle) -
 
 
 @pytest.mark.slow
-def test_an_emergency_ends_it_where_the_person_chose_that(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
-) -> None:
+def test_an_emergency_ends_it_where_the_person_chose_that(folder, built, port, vehicle):
     options = ("--stop-all", "emergency", "--lease", "1", "--jaus-port", str(port))
     with operating(folder, built, *options) as server, server.page() as page:
         page.ask("claim", right=server.right, name="")
@@ -192,9 +177,7 @@ def lossy(monkeypatch: pytest.MonkeyPatch) -> list[LossyTransport]:
 
 
 @pytest.mark.slow
-def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
-    folder: Path, built: Path, port: int, lossy: list[LossyTransport]
-) -> None:
+def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(folder, built, port, lossy):
     long = [{"X": float(at), "Y": -float(at)} for at in range(150)]
     options = ("--stop-all", "standby", "--lease", "60", "--jaus-port", str(port))
     with (
@@ -210,9 +193,7 @@ def test_where_a_fifth_is_lost_the_list_is_whole_and_in_order(
     assert sum(transport.counters.snapshot()["lost"] for transport in lossy) > 0
 
 
-def test_a_stop_ends_what_is_being_set(
-    commanding: Page, port: int, lossy: list[LossyTransport]
-) -> None:
+def test_a_stop_ends_what_is_being_set(commanding, port, lossy):
     with Vehicle(port) as vehicle:
         for transport in lossy:
             transport.share = 0.0
@@ -248,8 +229,8 @@ def is_done(page: Page, method: str, **params: Any) -> bool:
      (-90.0, 180.0, "0c040000000000ffffffff")],
 )  # fmt: skip
 def test_global_waypoints_have_latitude_before_longitude(
-    commanding: Page, port: int, latitude: float, longitude: float, data: str | None
-) -> None:
+    commanding, port, latitude, longitude, data
+):
     component = Component("100.1.11", provides="GlobalWaypointListDriver", name="g", port=port)
     with component:
         take(commanding, "100.1.11")

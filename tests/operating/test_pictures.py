@@ -1,22 +1,17 @@
 """Pictures of a component in a page: by their content, whatever they are labelled."""
 
-from __future__ import annotations
-
 import base64
 import struct
 import zlib
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from simulated_vehicle import until
-from studio_client import RefusedError
+from studio_client import Page, RefusedError
 
 from jausml import Component
 from jausml.live.operating.values import MOST_BYTES, picture_url
 from jausml.live.peers.query_client import Refused
-
-if TYPE_CHECKING:
-    from studio_client import Page
 
 CAMERA = "100.1.20"
 
@@ -46,7 +41,7 @@ def jpeg(width: int, height: int) -> bytes:
 @pytest.mark.parametrize(
     ("data", "kind"), [(png(4, 3), "png"), (jpeg(640, 480), "jpeg")], ids=["png", "jpeg"]
 )
-def test_a_picture_is_a_url_of_its_own_kind(data: bytes, kind: str) -> None:
+def test_a_picture_is_a_url_of_its_own_kind(data, kind):
     head, _, rest = picture_url(data).partition(",")
     assert head == f"data:image/{kind};base64"
     assert base64.b64decode(rest) == data
@@ -68,13 +63,13 @@ def test_a_picture_is_a_url_of_its_own_kind(data: bytes, kind: str) -> None:
         (png(4, 4) + bytes(MOST_BYTES), "bytes"),
     ],
 )  # fmt: skip
-def test_what_a_browser_should_not_unpack_is_no_picture(data: bytes, why: str) -> None:
+def test_what_a_browser_should_not_unpack_is_no_picture(data, why):
     with pytest.raises(Refused, match=why):
         picture_url(data)
 
 
 @pytest.mark.ports
-def test_the_picture_of_a_component_is_shown_by_its_content(commanding: Page, port: int) -> None:
+def test_the_picture_of_a_component_is_shown_by_its_content(commanding, port):
     shown = [png(8, 8)]
     asked: list[Any] = []
 

@@ -1,29 +1,21 @@
 """A process of its own: what it does not load, what it learns, and what is said when it is gone."""
 
-from __future__ import annotations
-
 import json
 import signal
-import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from large_systems import large_system
-from simulated_vehicle import STOP, TIMEOUT, VEHICLE, take, until
-from studio_client import RefusedError, Server, operating, serving, started
+from scripts import succeeded
+from simulated_vehicle import STOP, TIMEOUT, VEHICLE, Vehicle, take, until
+from studio_client import Page, RefusedError, Server, operating, serving, started
 
 from jausml.language.model.library import LIBRARY_URI
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from simulated_vehicle import Vehicle
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 
@@ -38,18 +30,16 @@ GROUPS = 476
 """21 elements a group: ten thousand in all."""
 
 
-def test_it_loads_nothing_that_reads_models() -> None:
+def test_it_loads_nothing_that_reads_models():
     code = "import sys; from jausml.cli.live import operate;"
     code += "from jausml.live.operating import serving; print('\\n'.join(sys.modules))"
     line = [sys.executable, "-c", code]
-    loaded = subprocess.run(line, capture_output=True, text=True, check=True).stdout.split()
+    loaded = succeeded(line).stdout.split()
     heavy = ("jausml.authoring", "jausml.language.metamodel", "jausml.language.model", "pyecore")
     assert [name for name in loaded if name.startswith(heavy)] == []
 
 
-def test_services_that_are_modelled_after_its_start_are_learnt(
-    folder: Path, built: Path, port: int
-) -> None:
+def test_services_that_are_modelled_after_its_start_are_learnt(folder, built, port):
     asked = {"component": VEHICLE, "message": "SetWinchCommand"}
     with operating(folder, built, "--jaus-port", str(port)) as server, server.page() as page:
         until(lambda: page.project["state"]["own"] or page.await_told("operate.state")["own"])
@@ -106,9 +96,7 @@ def page_of(socket: object, server: Server) -> Page:
     return page
 
 
-def test_a_unit_that_is_killed_has_its_stops_said(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
-) -> None:
+def test_a_unit_that_is_killed_has_its_stops_said(folder, built, port, vehicle):
     with driving(folder, built, port, vehicle) as server:
         server.process.kill()
         until(lambda: vehicle.last == 0.0)
@@ -117,9 +105,7 @@ def test_a_unit_that_is_killed_has_its_stops_said(
     assert f"guardian: the operator unit (process {server.process.pid}) has died: 2 stops" in log
 
 
-def test_a_unit_that_stands_still_has_its_stops_said_and_says_so(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
-) -> None:
+def test_a_unit_that_stands_still_has_its_stops_said_and_says_so(folder, built, port, vehicle):
     with driving(folder, built, port, vehicle) as server:
         server.process.send_signal(signal.SIGSTOP)
         until(lambda: vehicle.last == 0.0)
@@ -139,9 +125,7 @@ def test_a_unit_that_stands_still_has_its_stops_said_and_says_so(
 
 @pytest.mark.slow
 @pytest.mark.timeout(900)
-def test_edits_of_a_large_model_do_not_hold_it_up(
-    folder: Path, built: Path, port: int, vehicle: Vehicle
-) -> None:
+def test_edits_of_a_large_model_do_not_hold_it_up(folder, built, port, vehicle):
     """A studio edits ten thousand elements, which a child of the unit reads; a stick is held."""
     model = folder / "large.ros2jaus"
     model.write_text(large_system(GROUPS), encoding="utf-8")

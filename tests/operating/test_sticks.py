@@ -1,7 +1,5 @@
 """What a hand holds ends with its stop, whoever comes first: the hand, its page or the time."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Stops are those that a person has declared, and nothing is made up where nobody has."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

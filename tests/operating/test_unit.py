@@ -1,17 +1,17 @@
 """The operator unit in one process: whom its stops are for, and what they keep from being sent."""
 
-from __future__ import annotations
-
 import asyncio
 import re
 import webbrowser
+from collections.abc import Iterator
 from contextlib import AsyncExitStack, suppress
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from simulated_vehicle import VEHICLE, Vehicle, until
+from starlette.types import Message
 from starlette.websockets import WebSocket
 
 from jausml import Component
@@ -22,8 +22,9 @@ from jausml.live.operating.reading import read
 from jausml.live.operating.seats import Seat
 from jausml.live.operating.serving import KEPT_SOCKETS, UnitSockets
 from jausml.live.operating.unit import OperatorUnit, Powers
+from jausml.live.peers.control import Hold
 from jausml.live.peers.network import DEFAULT_GROUP, make_network
-from jausml.live.peers.operator import running_operator
+from jausml.live.peers.operator import Operator, running_operator
 from jausml.live.peers.query_client import NoAnswer, Refused
 from jausml.live.serving.rpc import Request, RpcError, parsed
 from jausml.live.serving.server import MOST_SOCKETS
@@ -32,14 +33,6 @@ from jausml.runtime import (
     ControlState,
 )
 from jausml.runtime.base.address import JausAddress
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from starlette.types import Message
-
-    from jausml.live.peers.control import Hold
-    from jausml.live.peers.operator import Operator
 
 pytestmark = pytest.mark.ports
 
@@ -74,7 +67,7 @@ def guarded(unit: OperatorUnit) -> list[JausAddress]:
 
 
 @pytest.mark.usefixtures("vehicle")
-def test_what_a_higher_authority_has_taken_is_not_stopped(unit: OperatorUnit, port: int) -> None:
+def test_what_a_higher_authority_has_taken_is_not_stopped(unit, port):
     hold = take_in(unit)
     assert guarded(unit) == [ADDRESS]
     network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
@@ -93,16 +86,14 @@ def controlled_by(other: Operator) -> bool:
 
 
 @pytest.mark.usefixtures("vehicle")
-def test_what_is_controlled_is_not_taken_again(unit: OperatorUnit) -> None:
+def test_what_is_controlled_is_not_taken_again(unit):
     hold = take_in(unit)
     with pytest.raises(Refused, match="is controlled already"):
         unit.take(1, "anna", ADDRESS, 210)
     assert (unit.operator.holds, hold.is_held) == ((hold,), True)
 
 
-def test_what_does_not_answer_any_more_is_stopped_all_the_same(
-    unit: OperatorUnit, port: int
-) -> None:
+def test_what_does_not_answer_any_more_is_stopped_all_the_same(unit, port):
     with Vehicle(port):
         hold = take_in(unit)
     until(lambda: hold.session and hold.session.state is ControlState.SEEKING)
@@ -112,9 +103,7 @@ def test_what_does_not_answer_any_more_is_stopped_all_the_same(
 
 
 @pytest.mark.parametrize("is_closed", [True, False], ids=["closed", "reads nothing"])
-def test_a_page_that_gives_way_does_not_hold_up_the_next_one(
-    unit: OperatorUnit, is_closed: bool
-) -> None:
+def test_a_page_that_gives_way_does_not_hold_up_the_next_one(unit, is_closed):
     """Places are kept, whatever becomes of the socket that gives way."""
 
     async def receive() -> dict[str, str]:
@@ -140,7 +129,7 @@ def test_a_page_that_gives_way_does_not_hold_up_the_next_one(
     assert all(asyncio.run(asyncio.wait_for(served(), 60)))
 
 
-def test_the_guardian_says_whom_it_could_not_stop(port: int) -> None:
+def test_the_guardian_says_whom_it_could_not_stop(port):
     network = make_network(None, "127.0.0.1", port, DEFAULT_GROUP, ())
     with running_operator(network, load_catalogue()) as operator:
         guarding = Guarding(operator, 2.0, "standby", lambda: None)
@@ -150,9 +139,7 @@ def test_the_guardian_says_whom_it_could_not_stop(port: int) -> None:
         guarding.close()
 
 
-def test_commands_that_a_bridge_does_not_take_are_not_offered(
-    unit: OperatorUnit, port: int, tmp_path: Path
-) -> None:
+def test_commands_that_a_bridge_does_not_take_are_not_offered(unit, port, tmp_path):
     def offered(text: str) -> set[str]:
         model = tmp_path / "waypoints.ros2jaus"
         model.write_text(text, encoding="utf-8")
@@ -167,9 +154,7 @@ def test_commands_that_a_bridge_does_not_take_are_not_offered(
         assert both & offered(without_speed) == {"SetLocalWaypoint"}
 
 
-def test_what_was_asked_before_a_stop_is_not_sent_after_it(
-    unit: OperatorUnit, vehicle: Vehicle
-) -> None:
+def test_what_was_asked_before_a_stop_is_not_sent_after_it(unit, vehicle):
     take_in(unit)
 
     async def ask() -> None:
@@ -194,9 +179,7 @@ def asked(seat: Seat, method: str, **params: Any) -> asyncio.Task[object]:
 
 
 @pytest.mark.usefixtures("vehicle")
-def test_control_is_released_also_where_a_stop_fails(
-    unit: OperatorUnit, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_control_is_released_also_where_a_stop_fails(unit, monkeypatch):
     def stop_all(*_: object) -> None:
         raise RuntimeError("a fault of ours")
 
@@ -209,14 +192,12 @@ def test_control_is_released_also_where_a_stop_fails(
 
 
 @pytest.mark.parametrize("number", ["1e999", "-1e999", "1e300"])
-def test_an_id_that_no_answer_could_have_is_refused(number: str) -> None:
+def test_an_id_that_no_answer_could_have_is_refused(number):
     with pytest.raises(RpcError, match="too large"):
         parsed(f'{{"jsonrpc": "2.0", "id": {number}, "method": "renew"}}')
 
 
-def test_the_browser_is_not_told_the_right_to_command(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_browser_is_not_told_the_right_to_command(monkeypatch, capsys):
     opened: list[str] = []
     monkeypatch.setattr(webbrowser, "open", opened.append)
     unit: Any = SimpleNamespace(address="looking", commanding_address="commanding")

@@ -1,7 +1,5 @@
 """The hooks for pre-commit name commands that take files and fail as hooks shall."""
 
-from __future__ import annotations
-
 import re
 import shlex
 import subprocess

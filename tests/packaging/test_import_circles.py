@@ -1,7 +1,5 @@
 """No module of the project imports one that imports it, imports for types included."""
 
-from __future__ import annotations
-
 import grimp
 from sources import PACKAGES
 

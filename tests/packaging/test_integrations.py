@@ -1,7 +1,5 @@
 """The action and the examples for CI systems: sound by their schemas, and their commands run."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """Each folder of code is a package: what is left of one that moved would be imported as well."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path

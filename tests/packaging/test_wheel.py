@@ -1,7 +1,5 @@
 """The wheel works in an empty environment, without ROS, from any working directory."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
@@ -11,14 +9,12 @@ import venv
 import zipfile
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import pytest
 from for_each import for_each
 from packaging.requirements import Requirement
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from scripts import succeeded
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -28,15 +24,7 @@ pytestmark = [pytest.mark.timeout(400), pytest.mark.slow]
 def run(*command: str | Path, cwd: Path) -> str:
     """Runs a command outside the checkout; returns what it printed."""
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
-    result = subprocess.run(
-        list(map(str, command)),
-        cwd=cwd,
-        env=environment,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert result.returncode == 0, f"{command}\n{result.stdout}\n{result.stderr}"
+    result = succeeded(list(map(str, command)), cwd=cwd, env=environment, timeout=300)
     return result.stdout
 
 
@@ -65,9 +53,7 @@ def copy_distribution(name: str, target: Path) -> None:
 
 def tracked() -> list[str]:
     """The files of the checkout that git knows and that are there."""
-    names = subprocess.run(
-        ["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True
-    ).stdout.split("\0")
+    names = succeeded(["git", "ls-files", "-z"], cwd=ROOT).stdout.split("\0")
     return [name for name in names if name and (ROOT / name).exists()]
 
 
@@ -196,5 +182,5 @@ HOLDING = [
 
 
 @for_each("holds", HOLDING, ids=lambda holds: holds.__name__)
-def test_the_wheel(holds: Callable[[Made], None], made: Made) -> None:
+def test_the_wheel(holds, made):
     holds(made)

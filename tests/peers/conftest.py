@@ -1,7 +1,5 @@
 """Targets for the live tools: components of ours and of another make, on loopback."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 import time

@@ -1,7 +1,5 @@
 """A small JAUS component of another make, with faults to order; shares no service with ours."""
 
-from __future__ import annotations
-
 import re
 import select
 import socket

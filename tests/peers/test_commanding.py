@@ -1,7 +1,5 @@
 """When a command that is repeated is due."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.live.peers.requesting import Course

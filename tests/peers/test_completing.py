@@ -1,7 +1,5 @@
 """Completion of what is typed in a session of `jausml ocu`."""
 
-from __future__ import annotations
-
 import pytest
 from click.shell_completion import ShellComplete
 

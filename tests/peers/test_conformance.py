@@ -1,7 +1,5 @@
 """The conformance checks pass good components and find each fault by the check that names it."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """`jausml conformance` from the command line: formats, choices, exit status."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """What a tool has heard, and the answers that somebody awaits."""
 
-from __future__ import annotations
-
 from jausml.live.peers.heard import Heard
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters

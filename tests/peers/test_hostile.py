@@ -1,7 +1,5 @@
 """Whatever a target sends, the tools give a verdict and no traceback."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

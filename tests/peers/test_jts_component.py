@@ -1,7 +1,5 @@
 """Live tools with a component as the JAUS Tool Set generates it, on Junior."""
 
-from __future__ import annotations
-
 from contextlib import contextmanager
 from dataclasses import replace
 from threading import Event, Thread

@@ -1,7 +1,5 @@
 """Live tools with a winch that the JAUS Tool Set generated from what `export jsidl` wrote."""
 
-from __future__ import annotations
-
 import pytest
 from jts_winch import ADDRESS, SERVICE, URNS, Winch
 

@@ -3,8 +3,6 @@
 Robot and judge live in virtual time: the whole competition takes a tenth of a second.
 """
 
-from __future__ import annotations
-
 import json
 import random
 from html.parser import HTMLParser

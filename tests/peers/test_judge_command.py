@@ -1,7 +1,5 @@
 """`jausml judge` from the command line: sheets, choices, exit status."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

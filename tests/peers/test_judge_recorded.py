@@ -1,7 +1,5 @@
 """What a score sheet says stands in a recording made beside it, so that it can be appealed."""
 
-from __future__ import annotations
-
 import json
 import signal
 import subprocess

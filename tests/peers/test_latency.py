@@ -1,7 +1,5 @@
 """`jausml latency` against running components, and the figures that it shows."""
 
-from __future__ import annotations
-
 import json
 import time
 from datetime import datetime, timezone

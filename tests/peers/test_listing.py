@@ -1,7 +1,5 @@
 """Changes of the lists of other components, by several threads at once."""
 
-from __future__ import annotations
-
 import sys
 from queue import SimpleQueue
 from threading import Thread

@@ -1,7 +1,5 @@
 """A component that is lost while it is commanded, and tools that must not disturb each other."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Where machines are, as observers learn it: of a generated winch, and of who tells nonsense."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Live tools with a vehicle on JAUS++."""
 
-from __future__ import annotations
-
 import signal
 import subprocess
 

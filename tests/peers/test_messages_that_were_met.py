@@ -4,8 +4,6 @@ Each row is one message that they met: the files and commands before it, the com
 wrong, and what it must say in order, the last part being the next step.
 """
 
-from __future__ import annotations
-
 import shlex
 from dataclasses import dataclass, field
 

@@ -1,7 +1,5 @@
 """`jausml ocu` against a running component."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

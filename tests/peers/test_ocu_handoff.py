@@ -1,7 +1,5 @@
 """`jausml ocu`: a person asks for control, and another one decides (IOP, HandoffController)."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.live.peers.console import Console

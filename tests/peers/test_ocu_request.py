@@ -1,7 +1,5 @@
 """`jausml ocu request` against a running component."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """`jausml ping` against running components, in this process and in others."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

@@ -1,7 +1,5 @@
 """Reports of Discovery as addresses and services."""
 
-from __future__ import annotations
-
 from jausml.live.peers.discovery import services_of
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import ReportServiceList, ReportServices

@@ -1,7 +1,5 @@
 """Live tools on a host whose port belongs to a node manager."""
 
-from __future__ import annotations
-
 import socket
 import subprocess
 import sys

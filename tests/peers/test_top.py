@@ -1,7 +1,5 @@
 """`jausml top` with JAUS alone: there is no rclpy where these tests look."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """What a client of the conformance test has caused is owed until it is undone."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.live.peers.conformance.client import Client

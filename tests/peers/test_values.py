@@ -1,7 +1,5 @@
 """Fields in words, plain queries, and what a name of a message means."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.live.messages import MessageError

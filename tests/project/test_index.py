@@ -1,7 +1,5 @@
 """The index of a project: what its files have, in one order, read once."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import jaus, ros

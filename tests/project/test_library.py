@@ -1,7 +1,5 @@
 """The shipped library is found and read in one place, once for all threads."""
 
-from __future__ import annotations
-
 import ast
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache

@@ -1,7 +1,5 @@
 """What a project is: its folder, the root of references, and its model files."""
 
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -1,7 +1,5 @@
 """Projects that `jausml init` makes, and the verb itself."""
 
-from __future__ import annotations
-
 import shutil
 
 import pytest

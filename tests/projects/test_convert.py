@@ -1,7 +1,5 @@
 """`jausml convert` in a project: what becomes XMI leads Eclipse to the copies that lie there."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`jausml init`: a project that validates, generates and opens in Eclipse as it is."""
 
-from __future__ import annotations
-
 import hashlib
 import re
 import shutil

@@ -1,7 +1,5 @@
 """`jausml init --from topics|jsidl`: projects that begin with what is there."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import emf_check

@@ -1,7 +1,5 @@
 """`jausml new bridge`: bridges of topics by ready maps, in both notations."""
 
-from __future__ import annotations
-
 import os
 import pty
 import re

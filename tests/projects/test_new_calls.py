@@ -1,7 +1,5 @@
 """`jausml new service-connection` and `new action-connection`, in both notations."""
 
-from __future__ import annotations
-
 import pytest
 from sweeps import sweep
 

@@ -1,7 +1,5 @@
 """Maps of joints: each robot has its own names, and those of the library are used by nobody."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

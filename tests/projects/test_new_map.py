@@ -1,7 +1,5 @@
 """`jausml new map`: maps that are filled, and copies of ready ones, in both notations."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

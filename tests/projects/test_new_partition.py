@@ -1,7 +1,5 @@
 """`jausml new partition`: what it shows, what it writes, and what goes along."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 

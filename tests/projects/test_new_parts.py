@@ -1,7 +1,5 @@
 """`jausml new component`, `node`, `map` and `service`, in both notations."""
 
-from __future__ import annotations
-
 import re
 
 import emf_check

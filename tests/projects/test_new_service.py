@@ -1,7 +1,5 @@
 """`jausml new service`: services with messages, in both notations."""
 
-from __future__ import annotations
-
 import emf_check
 import pytest
 from sweeps import sweep

@@ -1,7 +1,5 @@
 """Verbs know the whole project: what stands in its other files is named like what stands in one."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

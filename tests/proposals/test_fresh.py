@@ -1,7 +1,5 @@
 """Names that are free."""
 
-from __future__ import annotations
-
 from jausml.authoring.proposals.new_elements import free_name
 
 

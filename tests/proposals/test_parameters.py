@@ -1,7 +1,5 @@
 """What parameters of nodes mean for a model."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.authoring.proposals.topics import (

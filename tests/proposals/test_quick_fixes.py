@@ -1,7 +1,5 @@
 """Quick fixes of findings: done through a project, the finding is gone and no other has come."""
 
-from __future__ import annotations
-
 import shutil
 from collections import Counter
 from pathlib import Path

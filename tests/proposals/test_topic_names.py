@@ -1,7 +1,5 @@
 """What topics are proposed as: by what their names say, where a type alone says nothing."""
 
-from __future__ import annotations
-
 import re
 from collections import defaultdict
 

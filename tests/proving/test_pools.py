@@ -1,7 +1,5 @@
 """Pieces of work: the processes of a pool come to the results that are asked of them."""
 
-from __future__ import annotations
-
 import functools
 import operator
 import os
@@ -16,24 +14,24 @@ from jausml.live.workers.pool_processes import PoolError
 GUARDS = ("jausml/live/workers", "jausml/proving/running.py", "jausml/mutating/running.py")
 
 
-def test_results_are_those_of_their_pieces() -> None:
+def test_results_are_those_of_their_pieces():
     work = Work(operator.itemgetter, 1)
     found = dict(work.results([(number, number * number) for number in range(20)], jobs=3))
     assert found == {number: number * number for number in range(20)}
 
 
-def test_what_a_worker_raises_is_raised() -> None:
+def test_what_a_worker_raises_is_raised():
     with pytest.raises(IndexError):
         list(Work(operator.itemgetter, 1).results([(1, 2), ()], jobs=1))
 
 
-def test_a_process_that_ends_is_told() -> None:
+def test_a_process_that_ends_is_told():
     work = Work(functools.partial, os._exit)
     with pytest.raises(PoolError, match="has ended"):
         list(work.results([3, 3], jobs=2))
 
 
-def test_what_is_left_in_folders_is_removed() -> None:
+def test_what_is_left_in_folders_is_removed():
     work = Work(functools.partial, tempfile.mkdtemp)
     results = work.results([".a", ".b", ".c"], jobs=1)
     _, first = next(results)

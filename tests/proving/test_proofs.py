@@ -1,33 +1,24 @@
 """Proofs find what becomes of values, and every fault that is planted in one direction of a map."""
 
-from __future__ import annotations
-
 import struct
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from sweeps import sweep
 
 from jausml.generation.native import compiler
+from jausml.language.model import Model
 from jausml.language.validation.engine import check_project
-from jausml.proving.compiled_form import CompiledForm, compiled, proof_code
+from jausml.language.validation.rule import Report
+from jausml.proving.compiled_form import CompiledForm, ProofCode, Tally, compiled, proof_code
 from jausml.proving.plan import plan
-from jausml.proving.results import with_proofs
-from jausml.proving.round_trips import round_trips
+from jausml.proving.results import FieldResult, with_proofs
+from jausml.proving.round_trips import RoundTrip, round_trips
 from jausml.proving.running import Settings, prove
 from tests.generators.assignment_support import generated
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
-
-    from jausml.language.model import Model
-    from jausml.language.validation.rule import Report
-    from jausml.proving.compiled_form import ProofCode, Tally
-    from jausml.proving.results import FieldResult
-    from jausml.proving.round_trips import RoundTrip
 
 GUARDS = ("generators/jausml_generators/cpp",)
 
@@ -112,7 +103,7 @@ def proofs(tmp_path_factory: pytest.TempPathFactory) -> Proofs:
     return Proofs(MESSAGE + small(), tmp_path_factory.mktemp("proofs"))
 
 
-def test_all_values_of_16_bits_are_unchanged(proofs: Proofs) -> None:
+def test_all_values_of_16_bits_are_unchanged(proofs):
     for path, total in {"Speed": 65536, "Turn": 65536, "Gear": 256}.items():
         found = proofs.field(path)
         assert (found.tried, found.unchanged, found.changed) == (total, total, 0), path
@@ -123,7 +114,7 @@ def test_all_values_of_16_bits_are_unchanged(proofs: Proofs) -> None:
     assert not proofs.rules("small")
 
 
-def test_wide_numbers_are_never_claimed_as_all(proofs: Proofs) -> None:
+def test_wide_numbers_are_never_claimed_as_all(proofs):
     found = proofs.field("Wide")
     assert not found.is_complete
     assert found.tried == 65536 == found.unchanged
@@ -131,7 +122,7 @@ def test_wide_numbers_are_never_claimed_as_all(proofs: Proofs) -> None:
     assert not proofs.field("linear.x", "ROS").is_complete
 
 
-def test_rounding_on_the_wire_is_told_from_the_side_of_ros(proofs: Proofs) -> None:
+def test_rounding_on_the_wire_is_told_from_the_side_of_ros(proofs):
     found = proofs.field("linear.z", "ROS")
     assert found.largest is not None
     step = 655.35 / (2**32 - 1)
@@ -139,7 +130,7 @@ def test_rounding_on_the_wire_is_told_from_the_side_of_ros(proofs: Proofs) -> No
     assert found.largest.between["Wide"] == pytest.approx(found.largest.back)
 
 
-def test_what_does_not_fit_is_told_by_the_python_form(proofs: Proofs) -> None:
+def test_what_does_not_fit_is_told_by_the_python_form(proofs):
     found = proofs.field("angular.x", "ROS")  # to a field of 8 bits, whose policy refuses
     assert found.refused == found.sampled > 0
     assert found.limited == 0
@@ -147,7 +138,7 @@ def test_what_does_not_fit_is_told_by_the_python_form(proofs: Proofs) -> None:
 
 
 @pytest.mark.slow
-def test_every_count_is_that_of_a_loop_over_the_python_form(tmp_path: Path) -> None:
+def test_every_count_is_that_of_a_loop_over_the_python_form(tmp_path):
     """The reference is a bridge that is generated and imported, without anything of proofs."""
     text = MESSAGE + small(
         up='Speed -> linear.x : expression("value * abs(value)") Gear -> linear.y : scale(3)',
@@ -184,7 +175,7 @@ def test_every_count_is_that_of_a_loop_over_the_python_form(tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-def test_single_precision_is_found_by_itself(tmp_path: Path) -> None:
+def test_single_precision_is_found_by_itself(tmp_path):
     up, down = "Speed -> x Wide -> y", "x -> Speed y -> Wide"
     proofs = Proofs(MESSAGE + small(type_="geometry_msgs/Point32", up=up, down=down), tmp_path)
     narrow = proofs.field("Speed")
@@ -200,7 +191,7 @@ def test_single_precision_is_found_by_itself(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_shortcut_counts_as_whole_messages_and_as_python_do(tmp_path: Path) -> None:
+def test_a_shortcut_counts_as_whole_messages_and_as_python_do(tmp_path):
     up, down = "Speed -> x Wide -> y", "x -> Speed y -> Wide"
     up, down = f"{up} Real -> z : negate", f"{down} z -> Real : negate"
     path = tmp_path / "short.ros2jaus"
@@ -229,7 +220,7 @@ def test_a_shortcut_counts_as_whole_messages_and_as_python_do(tmp_path: Path) ->
     assert found["Wide"].unchanged == unchanged
 
 
-def test_what_a_bridge_says_of_its_map_counts(tmp_path: Path) -> None:
+def test_what_a_bridge_says_of_its_map_counts(tmp_path):
     text = (
         MESSAGE
         + """
@@ -281,7 +272,7 @@ angles {
 """
 
 
-def test_numbers_that_share_a_member_are_tried_together(tmp_path: Path) -> None:
+def test_numbers_that_share_a_member_are_tried_together(tmp_path):
     proofs = Proofs(ANGLES, tmp_path)
     for path in ("Roll", "Pitch", "Yaw"):
         found = proofs.field(path, name="angles")
@@ -295,7 +286,7 @@ def test_numbers_that_share_a_member_are_tried_together(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_angles_beyond_upright_are_told_by_others(tmp_path: Path) -> None:
+def test_angles_beyond_upright_are_told_by_others(tmp_path):
     wide = Proofs(ANGLES.replace("lower: -1.5 upper: 1.5", "lower: -3 upper: 3"), tmp_path)
     pitch = wide.field("Pitch", name="angles")
     assert 0.4 < pitch.changed / 65536 < 0.6
@@ -337,7 +328,7 @@ bridge second {
 
 
 @pytest.mark.slow
-def test_two_bridges_that_meet_at_a_topic_are_one_trip(tmp_path: Path) -> None:
+def test_two_bridges_that_meet_at_a_topic_are_one_trip(tmp_path):
     proofs = Proofs(MESSAGE + TWO_BRIDGES, tmp_path)
     assert list(proofs.maps) == ["there", "back", "other", "first.up + second.down"]
     name = "first.up + second.down"
@@ -351,7 +342,7 @@ def test_two_bridges_that_meet_at_a_topic_are_one_trip(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_factor_between_two_bridges_names_both(tmp_path: Path) -> None:
+def test_a_factor_between_two_bridges_names_both(tmp_path):
     text = TWO_BRIDGES.replace("linear.x -> Speed ", "linear.x -> Speed : scale(0.5) ")
     proofs = Proofs(MESSAGE + text, tmp_path)
     name = "first.up + second.down"
@@ -381,7 +372,7 @@ joined {
 
 
 @pytest.mark.slow
-def test_joined_messages_are_tried_as_others(tmp_path: Path) -> None:
+def test_joined_messages_are_tried_as_others(tmp_path):
     proofs = Proofs(MESSAGE + JOINED, tmp_path)
     gear = proofs.field("gear.data", "ROS", "joined")
     assert (gear.tried, gear.has_way_back) == (256, False)
@@ -404,9 +395,7 @@ def test_joined_messages_are_tried_as_others(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_forms_that_differ_by_a_joined_message_are_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_forms_that_differ_by_a_joined_message_are_told(tmp_path, monkeypatch):
     def planted(model: Model, used: RoundTrip) -> ProofCode:
         code = proof_code(model, used)
         assert "255.0 - " in code.core
@@ -419,7 +408,7 @@ def test_forms_that_differ_by_a_joined_message_are_told(
 
 
 @pytest.mark.slow
-def test_forms_that_differ_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_forms_that_differ_are_told(tmp_path, monkeypatch):
     def planted(model: Model, used: RoundTrip) -> ProofCode:
         code = proof_code(model, used)
         assert "return -value;" in code.core
@@ -431,9 +420,7 @@ def test_forms_that_differ_are_told(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert "JML925" in proofs.rules("small")
 
 
-def test_errors_that_nobody_foresees_are_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_errors_that_nobody_foresees_are_told(tmp_path, monkeypatch):
     def planted(model: Model, used: RoundTrip) -> ProofCode:
         code = proof_code(model, used)
         files = {
@@ -482,12 +469,12 @@ def mutant(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Proofs]:
 
 # A wrong factor is found between two bridges too, by the same rule.
 @pytest.mark.parametrize("name", sweep(MUTANTS, every=lambda name: name == "swapped", rest=1))
-def test_a_planted_fault_is_found(mutant: Callable[[str], Proofs], name: str) -> None:
+def test_a_planted_fault_is_found(mutant, name):
     proofs = mutant(name)
     assert MUTANTS[name][1] <= proofs.rules(name), proofs.maps[name].fields
 
 
-def test_a_finding_stands_at_the_assignment(mutant: Callable[[str], Proofs]) -> None:
+def test_a_finding_stands_at_the_assignment(mutant):
     mutants = mutant("rounded")
     (found,) = (
         diagnostic

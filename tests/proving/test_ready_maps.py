@@ -1,9 +1,7 @@
 """Proofs of the ready maps and of the examples find no fault in them, and both forms agree."""
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from for_each import for_each
@@ -11,14 +9,9 @@ from for_each import for_each
 from jausml.generation.native import compiler
 from jausml.language.model import library_root
 from jausml.language.validation.engine import check_project
-from jausml.proving.results import PROOF_RULES, with_proofs
+from jausml.proving.results import PROOF_RULES, MapResult, with_proofs
 from jausml.proving.round_trips import round_trips
 from jausml.proving.running import Settings, prove
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from jausml.proving.results import MapResult
 
 GUARDS = ("generators/jausml_generators/cpp", "models/library/mappings")
 
@@ -50,7 +43,7 @@ def proved(path: Path, names: Sequence[str] = ()) -> list[MapResult]:
     return results
 
 
-def test_the_maps_of_the_example() -> None:
+def test_the_maps_of_the_example():
     proved(EXAMPLE)
 
 
@@ -68,11 +61,11 @@ def of_library() -> list[tuple[Path, list[str]]]:
 
 
 @for_each(("path", "names"), of_library, ids=lambda pair: ", ".join(pair[1]), shards=3)
-def test_ready_maps(path: Path, names: list[str]) -> None:
+def test_ready_maps(path, names):
     assert {result.name for result in proved(path, names)} == set(names)
 
 
-def test_what_of_ready_maps_is_known() -> None:
+def test_what_of_ready_maps_is_known():
     (twist,) = proved(
         library_root() / "mappings/velocity_state_sensor.ros2jaus", ["velocity_state_twist"]
     )
@@ -85,7 +78,7 @@ def test_what_of_ready_maps_is_known() -> None:
     assert (hour.unchanged, hour.refused) == (24, 8)
 
 
-def test_joined_reports_and_topics_take_all_values() -> None:
+def test_joined_reports_and_topics_take_all_values():
     (odometry,) = proved(library_root() / "mappings/odometry.ros2jaus")
     rate = odometry.find("JAUS", "velocity.YawRate")
     assert rate is not None
@@ -95,7 +88,7 @@ def test_joined_reports_and_topics_take_all_values() -> None:
     assert {field.path: field.tried for field in lamps.fields}["fog_lights.data"] == 2
 
 
-def test_lists_have_the_elements_that_a_map_wants() -> None:
+def test_lists_have_the_elements_that_a_map_wants():
     path = library_root() / "mappings/joint_positions.ros2jaus"
     (found,) = proved(path, ["joint_positions"])
     for joint in range(6):
@@ -104,7 +97,7 @@ def test_lists_have_the_elements_that_a_map_wants() -> None:
         assert angle.unchanged == angle.tried == 65536
 
 
-def test_an_integer_of_which_one_value_counts_is_carried() -> None:
+def test_an_integer_of_which_one_value_counts_is_carried():
     path = library_root() / "mappings/visual_sensor.ros2jaus"
     (found,) = proved(path, ["visual_sensor_switched"])
     (sensor,) = found.fields  # of one of the options of a variant
@@ -112,7 +105,7 @@ def test_an_integer_of_which_one_value_counts_is_carried() -> None:
     assert [reached.path for reached in sensor.reached] == ["success"]
 
 
-def test_a_map_that_is_left_to_python_is_called_so() -> None:
+def test_a_map_that_is_left_to_python_is_called_so():
     report = check_project([library_root() / "mappings/cost_map_2d.ros2jaus"])
     maps = [trip for trip in round_trips(report.model) if trip.name == "cost_map"]
     (found,) = prove(report.model, maps, Settings(str(compiler()), 0.01, 1))
@@ -120,7 +113,7 @@ def test_a_map_that_is_left_to_python_is_called_so() -> None:
     assert [remark.partition(": ")[0] for remark in found.remarks] == ["left to Python"] * 2
 
 
-def test_a_variant_takes_the_option_of_which_most_comes_back() -> None:
+def test_a_variant_takes_the_option_of_which_most_comes_back():
     (found,) = proved(library_root() / "mappings/power_plant.ros2jaus", ["battery"])
     path = "powerPlantStatusList[0].powerPlantStatusVar.batteryStatus[0].voltage"
     voltage = found.find("JAUS", path)
@@ -128,7 +121,7 @@ def test_a_variant_takes_the_option_of_which_most_comes_back() -> None:
     assert voltage.unchanged == 65536
 
 
-def test_options_that_are_not_tried_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_options_that_are_not_tried_are_told(monkeypatch):
     monkeypatch.setattr("jausml.proving.plan._OPTIONS", 1)
     (found,) = proved(library_root() / "mappings/power_plant.ros2jaus", ["battery"])
     assert "JAUS: options behind the first 1 are not tried" in found.remarks

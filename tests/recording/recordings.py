@@ -1,7 +1,5 @@
 """Captures of JAUS traffic made by hand, and recordings as others read them."""
 
-from __future__ import annotations
-
 import struct
 import time
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Recordings of ROS that are none, or were damaged: each is told, whatever the libraries raise."""
 
-from __future__ import annotations
-
 import io
 import sqlite3
 from contextlib import closing, suppress

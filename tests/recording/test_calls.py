@@ -1,7 +1,5 @@
 """Services and actions in recordings: what their topics say, in the words of others."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs
@@ -121,7 +119,6 @@ def test_topics_of_a_model_are_those_of_its_calls_too(request):
 
 
 @pytest.mark.live
-@pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 def test_calls_are_recorded_where_a_node_publishes_them(tmp_path, monkeypatch):
     needs.ask("rclpy")
     from ports import free_domain

@@ -1,7 +1,5 @@
 """MCAP files that were cut off at any byte: what was flushed is read, and becomes whole again."""
 
-from __future__ import annotations
-
 import io
 from functools import cache
 

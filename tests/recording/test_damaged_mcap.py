@@ -1,7 +1,5 @@
 """MCAP files that are damaged within, or say less of themselves than usual, or too much."""
 
-from __future__ import annotations
-
 import io
 import struct
 

@@ -1,7 +1,5 @@
 """Rows of files: when another begins, which stay, and that nothing is overwritten."""
 
-from __future__ import annotations
-
 import resource
 from contextlib import contextmanager
 

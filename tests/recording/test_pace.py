@@ -1,7 +1,5 @@
 """Replays: which part, at which pace, and what somebody at the terminal sees and presses."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from threading import Event, Thread
 from types import SimpleNamespace

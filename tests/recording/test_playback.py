@@ -1,7 +1,5 @@
 """A recording at any moment is the fold of all before, and what was dropped is explained."""
 
-from __future__ import annotations
-
 import struct
 from functools import cache, reduce
 
@@ -122,7 +120,6 @@ def test_a_drop_is_explained_word_for_word(opened):
 ROOT = MODEL.parents[3]
 LAMPS = ROOT / "tests" / "live" / "services.ros2jaus"
 LISTS = ROOT / "models" / "examples" / "nav2" / "nav2.ros2jaus"
-ROUTES = ROOT / "tests" / "live" / "waypoint_lists.ros2jaus"
 CATVEHICLE = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
 CALLER = "20.1.1"
 

@@ -1,7 +1,5 @@
 """`jausml record` beside those who speak: what passes on loopback stands in both files."""
 
-from __future__ import annotations
-
 import json
 import os
 import re
@@ -49,9 +47,8 @@ class Recording:
         self.capture = self.path.with_suffix(".pcap")
         line = ["record", "--output", str(self.path), "--port", str(port), *options]
         with self.log.open("wb") as log:
-            self.process = subprocess.Popen(
-                [*prefix, sys.executable, "-m", "jausml", *line], stderr=log
-            )
+            program = [*prefix, sys.executable, "-m", "jausml"] if prefix else warm.command()
+            self.process = subprocess.Popen([*program, *line], stderr=log)
 
     def begin(self):
         wait_for(lambda: "record" in self.log.read_text(), "begin")

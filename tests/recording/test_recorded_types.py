@@ -1,7 +1,5 @@
 """Types of messages that have changed since they were recorded: never read by their bytes alone."""
 
-from __future__ import annotations
-
 import struct
 from functools import cache
 

@@ -1,7 +1,5 @@
 """`jausml replay` of captures: an MCAP file that others read, with the right values and times."""
 
-from __future__ import annotations
-
 import json
 import math
 import struct

@@ -1,7 +1,5 @@
 """`jausml replay` of topics: bridges on the network that say what was recorded, and no more."""
 
-from __future__ import annotations
-
 import signal
 import struct
 import subprocess

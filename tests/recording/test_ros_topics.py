@@ -1,7 +1,5 @@
 """Topics of ROS as they are recorded: latched ones in each file of a row, lost messages counted."""
 
-from __future__ import annotations
-
 import re
 import time
 from threading import Event
@@ -21,11 +19,7 @@ from jausml.live.recording.mcap_reading import McapRecording
 from jausml.live.recording.recorder import Recorder, RecordingFiles, SplitLimits
 from jausml.live.recording.ros_topics import RosTopics
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Definitions of ROS types in recordings: others understand them, and say what models say."""
 
-from __future__ import annotations
-
 import pytest
 from rosbags.typesys import get_types_from_msg
 

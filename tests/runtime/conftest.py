@@ -1,25 +1,19 @@
 """Real sockets on loopback for the tests of the runtime."""
 
-from __future__ import annotations
-
 import socket
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
 
 import ports
 import pytest
 
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.component.process import create_transport
+from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import Packet, parse_datagram
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from jausml.runtime.base.address import JausAddress
-    from jausml.runtime.transports.delivery import ReceivedMessage
 
 GROUP = "239.255.0.1"
 LOOPBACK = "127.0.0.1"
@@ -43,7 +37,7 @@ class Station:
         self.transport.open()
         self.loop.start()
 
-    def attach(self, *addresses: JausAddress) -> Station:
+    def attach(self, *addresses: JausAddress):
         for address in addresses:
             self.transport.attach(
                 address, lambda message, own=address: self.received.append((own, message))
@@ -133,7 +127,7 @@ def station(free_port: int) -> Iterator[Callable[..., Station]]:
     """Make running transports on one free port, with settings by keyword."""
     stations: list[Station] = []
 
-    def make(**settings: object) -> Station:
+    def make(**settings: object):
         stations.append(Station(TransportSettings(**{"port": free_port, **settings})))
         return stations[-1]
 

@@ -4,18 +4,13 @@ Arguments: port, address. Reads commands from standard input: ``send ADDRESS HEX
 Writes ``open HOST:PORT``, then one line for each message and for each change of endpoint.
 """
 
-from __future__ import annotations
-
 import sys
-from typing import TYPE_CHECKING
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
+from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.udp.judp import JudpTransport
-
-if TYPE_CHECKING:
-    from jausml.runtime.transports.delivery import ReceivedMessage
 
 ECHO = b"\x00\xd0"
 

@@ -7,8 +7,6 @@ datagram, passed on by its destination, between clients and to and from the one 
 Writes ``ready``, then one line for each client that comes or goes.
 """
 
-from __future__ import annotations
-
 import selectors
 import socket
 import struct

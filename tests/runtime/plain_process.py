@@ -1,7 +1,5 @@
 """A process of one component with the core services, as a generated one is made."""
 
-from __future__ import annotations
-
 import sys
 
 from jausml.runtime import JausComponent, ServiceIdentity

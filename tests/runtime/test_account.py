@@ -1,9 +1,8 @@
 """What is said of lost messages, against what was lost."""
 
-from __future__ import annotations
-
 import random
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable
+from typing import NamedTuple
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,9 +10,6 @@ from hypothesis import strategies as st
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.transports.packets.duplicates import SPAN, Account, DuplicateWindow
 from jausml.runtime.transports.packets.packet import Packet
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
 
 SENDER, OTHER, HERE = JausAddress(2, 1, 1), JausAddress(3, 1, 1), JausAddress(9, 1, 1)
 
@@ -77,8 +73,8 @@ def play(window: DuplicateWindow, arrivals: Iterable[int], every: int = 100) -> 
     st.sampled_from([1, 100, 10_000]),
 )
 def test_what_was_lost_repeated_reordered_and_wrapped_adds_up(
-    seed: int, count: int, first: int, drop: float, repeat: float, jitter: int, every: int
-) -> None:
+    seed, count, first, drop, repeat, jitter, every
+):
     truth = network(random.Random(seed), count, first, drop=drop, repeat=repeat, jitter=jitter)
     window = DuplicateWindow(history=64)
     play(window, truth.arrivals, every)
@@ -90,7 +86,7 @@ def test_what_was_lost_repeated_reordered_and_wrapped_adds_up(
 
 
 @given(st.integers(0, 0xFFFF), st.integers(SPAN + 1, 0x10000 - 2 * SPAN), st.integers(0, 2**32))
-def test_a_sender_that_begins_anew_is_counted_on(first: int, jump: int, seed: int) -> None:
+def test_a_sender_that_begins_anew_is_counted_on(first, jump, seed):
     rng = random.Random(seed)
     fates = {"drop": 0.2, "repeat": 0.1, "jitter": 0}
     before = network(rng, 300, first, **fates)
@@ -102,7 +98,7 @@ def test_a_sender_that_begins_anew_is_counted_on(first: int, jump: int, seed: in
     assert (account.came, account.sent) == (before.came + after.came, 600)
 
 
-def test_a_sender_whose_numbers_always_begin_at_one() -> None:
+def test_a_sender_whose_numbers_always_begin_at_one():
     """As those of each process of Junior do."""
     window = DuplicateWindow()
     for life in range(3):
@@ -113,7 +109,7 @@ def test_a_sender_whose_numbers_always_begin_at_one() -> None:
     assert (account.came, account.lost, account.restarts) == (600, 0, 2)
 
 
-def test_what_is_repeated_for_long_is_no_new_life() -> None:
+def test_what_is_repeated_for_long_is_no_new_life():
     """As by a sender that hears no acknowledgement."""
     window = DuplicateWindow(seconds=1.5)
     for number in range(100):
@@ -125,7 +121,7 @@ def test_what_is_repeated_for_long_is_no_new_life() -> None:
     assert (account.came, account.lost, account.repeated, account.restarts) == (101, 0, 6, 0)
 
 
-def test_what_comes_again_soon_is_counted() -> None:
+def test_what_comes_again_soon_is_counted():
     window = DuplicateWindow(seconds=1.5)
     for number in range(100):
         assert not window.is_duplicate(packet(number), 0.0)
@@ -135,7 +131,7 @@ def test_what_comes_again_soon_is_counted() -> None:
     assert (account.came, account.doubled, account.repeated) == (100, 3, 0)
 
 
-def test_few_that_come_again_after_they_were_forgotten_are_no_new_life() -> None:
+def test_few_that_come_again_after_they_were_forgotten_are_no_new_life():
     window = DuplicateWindow(history=10)
     for number in range(100):
         window.is_duplicate(packet(number), 0.0)
@@ -146,7 +142,7 @@ def test_few_that_come_again_after_they_were_forgotten_are_no_new_life() -> None
     assert (account.came, account.lost, account.repeated, account.restarts) == (101, 0, 2, 0)
 
 
-def test_a_late_one_is_lost_no_more() -> None:
+def test_a_late_one_is_lost_no_more():
     window = DuplicateWindow()
     for number in (0, 2, 3):
         window.is_duplicate(packet(number), 0.0)
@@ -156,7 +152,7 @@ def test_a_late_one_is_lost_no_more() -> None:
     assert (account.came, account.lost, account.late) == (4, 0, 1)
 
 
-def test_a_flood_between_two_looks_is_counted() -> None:
+def test_a_flood_between_two_looks_is_counted():
     """The memory is smaller than what comes between two looks."""
     window = DuplicateWindow()
     play(window, (number for number in range(20_001) if number % 10 == 0), every=10**9)
@@ -164,7 +160,7 @@ def test_a_flood_between_two_looks_is_counted() -> None:
     assert (account.came, account.lost) == (2001, 18_000)
 
 
-def test_a_sender_that_is_forgotten_begins_anew() -> None:
+def test_a_sender_that_is_forgotten_begins_anew():
     window = DuplicateWindow(sources=1)
     window.is_duplicate(packet(1), 0.0)
     window.is_duplicate(packet(1, source=OTHER), 0.0)
@@ -172,7 +168,7 @@ def test_a_sender_that_is_forgotten_begins_anew() -> None:
     assert [(source, account.sent) for source, _, account in window.accounts()] == [(SENDER, 1)]
 
 
-def test_a_packet_to_everybody_is_no_gap() -> None:
+def test_a_packet_to_everybody_is_no_gap():
     window = DuplicateWindow()
     for number in range(3):
         window.is_duplicate(packet(number), 0.0)
@@ -185,7 +181,7 @@ def hear(window: DuplicateWindow, number: int, now: float, destination: JausAddr
     window.is_duplicate(Packet(destination, SENDER, payload, number & 0xFFFF), now)
 
 
-def test_what_was_lost_is_an_upper_bound_until_a_packet_to_everybody_came() -> None:
+def test_what_was_lost_is_an_upper_bound_until_a_packet_to_everybody_came():
     window = DuplicateWindow()
     for number in range(10):
         hear(window, number, number / 10)
@@ -194,7 +190,7 @@ def test_what_was_lost_is_an_upper_bound_until_a_packet_to_everybody_came() -> N
     assert account_of(window).is_exact
 
 
-def test_the_numbers_of_packets_to_everybody_may_be_the_smaller_ones() -> None:
+def test_the_numbers_of_packets_to_everybody_may_be_the_smaller_ones():
     window = DuplicateWindow()
     hear(window, 30_000, 0.0)
     hear(window, 5, 0.1, BROADCAST)
@@ -202,9 +198,7 @@ def test_the_numbers_of_packets_to_everybody_may_be_the_smaller_ones() -> None:
 
 
 @given(st.integers(0, 0xFFFF), st.integers(1, SPAN // 4), st.integers(0, 2**32))
-def test_a_sender_with_one_count_for_all_is_never_taken_for_exact(
-    first: int, stride: int, seed: int
-) -> None:
+def test_a_sender_with_one_count_for_all_is_never_taken_for_exact(first, stride, seed):
     """Between any two of its packets to us it sends up to so many to others."""
     rng, window, number = random.Random(seed), DuplicateWindow(), first
     for place in range(60):
@@ -213,14 +207,14 @@ def test_a_sender_with_one_count_for_all_is_never_taken_for_exact(
         assert not any(account.is_exact for _, _, account in window.accounts())
 
 
-def test_packets_that_are_far_apart_in_time_tell_nothing() -> None:
+def test_packets_that_are_far_apart_in_time_tell_nothing():
     window = DuplicateWindow()
     hear(window, 30_000, 0.0, BROADCAST)
     hear(window, 1, 60.0)
     assert not account_of(window).is_exact
 
 
-def test_a_new_life_may_number_otherwise() -> None:
+def test_a_new_life_may_number_otherwise():
     window = DuplicateWindow()
     hear(window, 30_000, 0.0, BROADCAST)
     hear(window, 1, 0.1)

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import copy
 
 import pytest
@@ -11,12 +9,12 @@ from jausml.runtime.base.address import BROADCAST, JausAddress, address_of
 ADDRESSES = st.builds(JausAddress, st.integers(0, 65535), st.integers(0, 255), st.integers(0, 255))
 
 
-def test_the_number_has_the_subsystem_in_its_upper_half() -> None:
+def test_the_number_has_the_subsystem_in_its_upper_half():
     assert JausAddress(200, 1, 2).packed == 0x00C80102
 
 
 @given(ADDRESSES)
-def test_every_form_can_be_read_back(address: JausAddress) -> None:
+def test_every_form_can_be_read_back(address):
     assert JausAddress.parse(str(address)) == address
     assert address_of(address.packed) == address
     assert hash(address_of(address.packed)) == hash(address)
@@ -25,27 +23,25 @@ def test_every_form_can_be_read_back(address: JausAddress) -> None:
 @pytest.mark.parametrize(
     "text", ["", "1.2", "1.2.3.4", "65536.1.1", "1.256.1", "-1.1.1", "1.1.x", "1. 1.1", "١.1.1"]
 )
-def test_other_text_is_refused(text: str) -> None:
+def test_other_text_is_refused(text):
     with pytest.raises(ValueError, match="JAUS address"):
         JausAddress.parse(text)
 
 
 @pytest.mark.parametrize("parts", [(65536, 1, 1), (1, 256, 1), (1, 1, 256), (-1, 1, 1)])
-def test_parts_that_the_wire_cannot_carry_are_refused(parts: tuple[int, int, int]) -> None:
+def test_parts_that_the_wire_cannot_carry_are_refused(parts):
     with pytest.raises(ValueError, match="out of range"):
         JausAddress(*parts)
 
 
-def test_addresses_sort_by_subsystem_node_component() -> None:
+def test_addresses_sort_by_subsystem_node_component():
     ordered = [JausAddress(1, 2, 3), JausAddress(1, 3, 1), JausAddress(2, 1, 1)]
     shuffled = [ordered[2], ordered[0], ordered[1]]
     assert sorted(shuffled) == ordered
 
 
 @given(ADDRESSES, ADDRESSES)
-def test_a_wildcard_stands_for_every_value_of_its_part(
-    pattern: JausAddress, other: JausAddress
-) -> None:
+def test_a_wildcard_stands_for_every_value_of_its_part(pattern, other):
     expected = (
         pattern.subsystem in (65535, other.subsystem)
         and pattern.node in (255, other.node)
@@ -69,15 +65,13 @@ def test_a_wildcard_stands_for_every_value_of_its_part(
         ("0.0.255", True, False),
     ],
 )
-def test_zero_is_reserved_and_all_ones_is_a_wildcard(
-    text: str, wildcard: bool, concrete: bool
-) -> None:
+def test_zero_is_reserved_and_all_ones_is_a_wildcard(text, wildcard, concrete):
     address = JausAddress.parse(text)
     assert (address.is_wildcard, address.is_concrete) == (wildcard, concrete)
 
 
 @given(ADDRESSES)
-def test_an_address_is_its_number_and_stays_an_address(address: JausAddress) -> None:
+def test_an_address_is_its_number_and_stays_an_address(address):
     assert {address: 1}[address.packed] == 1
     assert type(address.packed) is int
     assert address

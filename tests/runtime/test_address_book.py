@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import socket
 
 import pytest
@@ -22,9 +20,7 @@ def book(counters: Counters) -> AddressBook:
     return AddressBook(10.0, counters)
 
 
-def test_the_newest_endpoint_wins_over_older_and_configured_ones(
-    book: AddressBook, counters: Counters
-) -> None:
+def test_the_newest_endpoint_wins_over_older_and_configured_ones(book, counters):
     assert book.find(ROBOT) is None
     book.configure({ROBOT: HERE})
     assert book.find(ROBOT) == HERE
@@ -35,9 +31,7 @@ def test_the_newest_endpoint_wins_over_older_and_configured_ones(
     assert counters.snapshot() == {"transport.address_changed": 2}
 
 
-def test_a_host_name_is_resolved_once_and_an_unknown_one_left_out(
-    book: AddressBook, counters: Counters, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_host_name_is_resolved_once_and_an_unknown_one_left_out(book, counters, monkeypatch):
     def resolve(host: str) -> str:
         if host != "robot":
             raise socket.gaierror(-2, "unknown")
@@ -51,7 +45,7 @@ def test_a_host_name_is_resolved_once_and_an_unknown_one_left_out(
     assert counters.snapshot() == {"transport.unresolved_host": 1}
 
 
-def test_a_silent_component_is_asked_and_then_searched(book: AddressBook) -> None:
+def test_a_silent_component_is_asked_and_then_searched(book):
     book.learn(ROBOT, HERE, 0.0)
     assert book.doubt(ROBOT, 9.9) is Doubt.NONE
     assert book.doubt(ROBOT, 10.0) is Doubt.ASK
@@ -64,16 +58,14 @@ def test_a_silent_component_is_asked_and_then_searched(book: AddressBook) -> Non
     assert book.doubt(ROBOT, 22.2) is Doubt.ASK
 
 
-def test_a_configured_component_is_asked_first(book: AddressBook) -> None:
+def test_a_configured_component_is_asked_first(book):
     book.configure({ROBOT: HERE})
     assert book.doubt(ROBOT, 0.0) is Doubt.ASK
     assert book.doubt(ROBOT, 1.0) is Doubt.SEARCH
 
 
 @pytest.mark.parametrize("configured", [True, False])
-def test_a_component_that_did_not_acknowledge_is_searched_at_once(
-    book: AddressBook, configured: bool
-) -> None:
+def test_a_component_that_did_not_acknowledge_is_searched_at_once(book, configured):
     if configured:
         book.configure({ROBOT: HERE})
     else:
@@ -83,15 +75,13 @@ def test_a_component_that_did_not_acknowledge_is_searched_at_once(
     book.suspect(JausAddress(9, 9, 9), 101.0)
 
 
-def test_a_component_that_is_heard_acknowledges_late_and_is_not_searched(book: AddressBook) -> None:
+def test_a_component_that_is_heard_acknowledges_late_and_is_not_searched(book):
     book.learn(ROBOT, HERE, 100.0)
     book.suspect(ROBOT, 99.5)
     assert book.doubt(ROBOT, 101.0) is Doubt.NONE
 
 
-def test_a_flood_of_sources_forgets_the_silent_and_keeps_the_configured(
-    book: AddressBook, counters: Counters
-) -> None:
+def test_a_flood_of_sources_forgets_the_silent_and_keeps_the_configured(book, counters):
     book.configure({ROBOT: HERE})
     talker = JausAddress(5000, 1, 1)
     for subsystem in range(1, 3000):

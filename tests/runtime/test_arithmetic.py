@@ -1,7 +1,5 @@
 """What expressions compute with, and that a missing value is a `ConversionError`."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

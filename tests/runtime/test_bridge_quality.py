@@ -1,7 +1,5 @@
 """Which publishers and subscriptions ROS connects, by the rules of DDS."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.bridge.ends.topics import (

@@ -1,7 +1,5 @@
 """Garbage of a bridge is collected at quiet moments."""
 
-from __future__ import annotations
-
 import gc
 import socket
 import weakref

@@ -5,8 +5,6 @@ often, does about it. Ours is equal or better; where the standard and Junior dif
 the standard and accepts the peer as well. ``remark`` says what is better, and why.
 """
 
-from __future__ import annotations
-
 import socket
 from dataclasses import dataclass, field
 
@@ -352,7 +350,7 @@ RECEIVED = [
 
 
 @pytest.mark.parametrize("row", RECEIVED, ids=[row.clause for row in RECEIVED])
-def test_what_is_received(row: Row, station, peer, wait_until) -> None:
+def test_what_is_received(row, station, peer, wait_until):
     here = station().attach(DRIVER, SENSOR)
     for data in row.datagrams:
         peer.send(data)

@@ -1,7 +1,5 @@
 """Conversions: absolute vectors, agreement with rotation matrices, calendar edges."""
 
-from __future__ import annotations
-
 import math
 from array import array
 from datetime import datetime, timedelta, timezone

@@ -1,18 +1,10 @@
-from __future__ import annotations
-
 import logging
 import threading
-from typing import TYPE_CHECKING
 
 from jausml.runtime.base.counters import Counters
 
-if TYPE_CHECKING:
-    import pytest
 
-
-def test_a_flood_of_one_name_is_one_line_each_interval(
-    caplog: pytest.LogCaptureFixture, clock
-) -> None:
+def test_a_flood_of_one_name_is_one_line_each_interval(caplog, clock):
     counters = Counters(clock, log_interval=5.0)
     for _ in range(100):
         counters.count("judp.bad_version", "from a stranger")
@@ -27,7 +19,7 @@ def test_a_flood_of_one_name_is_one_line_each_interval(
     assert counters.snapshot() == {"judp.bad_version": 101, "judp.truncated": 1}
 
 
-def test_ordinary_traffic_is_not_logged(caplog: pytest.LogCaptureFixture) -> None:
+def test_ordinary_traffic_is_not_logged(caplog):
     counters = Counters()
     counters.add("judp.sent")
     counters.add("judp.sent", 4)
@@ -35,13 +27,13 @@ def test_ordinary_traffic_is_not_logged(caplog: pytest.LogCaptureFixture) -> Non
     assert not caplog.records
 
 
-def test_an_error_is_logged_with_its_traceback(caplog: pytest.LogCaptureFixture) -> None:
+def test_an_error_is_logged_with_its_traceback(caplog):
     Counters().count("loop.callback_failed", error=RuntimeError("boom"))
     assert caplog.records[0].exc_info is not None
     assert "boom" in str(caplog.records[0].exc_info[1])
 
 
-def test_no_count_is_lost_between_threads() -> None:
+def test_no_count_is_lost_between_threads():
     counters = Counters()
 
     def work() -> None:
@@ -56,7 +48,7 @@ def test_no_count_is_lost_between_threads() -> None:
     assert counters.snapshot() == {"n": 8000}
 
 
-def test_a_snapshot_is_a_sorted_copy() -> None:
+def test_a_snapshot_is_a_sorted_copy():
     counters = Counters()
     counters.add("b")
     counters.add("a")
@@ -65,7 +57,7 @@ def test_a_snapshot_is_a_sorted_copy() -> None:
     assert list(counters.snapshot().items()) == [("a", 1), ("b", 1)]
 
 
-def test_drops_are_told_apart_from_traffic() -> None:
+def test_drops_are_told_apart_from_traffic():
     counters = Counters()
     counters.add("judp.sent")
     counters.count("judp.truncated")
@@ -73,7 +65,7 @@ def test_drops_are_told_apart_from_traffic() -> None:
     assert list(counters.drops().items()) == [("judp.bad_version", 1), ("judp.truncated", 1)]
 
 
-def test_errors_are_logged_as_such(caplog: pytest.LogCaptureFixture) -> None:
+def test_errors_are_logged_as_such(caplog):
     counters = Counters()
     counters.count("bridge.a", "worse", level=logging.ERROR)
     counters.count("bridge.b", "bad")

@@ -1,7 +1,5 @@
 """Deadlines: each is told when it is due, whatever else waits, and not after its wait ended."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.base.loop import Loop

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -14,7 +12,7 @@ def packet(source: JausAddress, number: int, payload: bytes = b"\x02\x40") -> Pa
     return Packet(OWN, source, payload, number)
 
 
-def test_a_number_is_a_duplicate_of_its_own_source_only() -> None:
+def test_a_number_is_a_duplicate_of_its_own_source_only():
     window = DuplicateWindow()
     assert not window.is_duplicate(packet(A, 5), 0.0)
     assert not window.is_duplicate(packet(B, 5), 0.0)
@@ -22,7 +20,7 @@ def test_a_number_is_a_duplicate_of_its_own_source_only() -> None:
     assert window.is_duplicate(packet(A, 5), 1.4)
 
 
-def test_a_number_with_other_content_is_no_duplicate() -> None:
+def test_a_number_with_other_content_is_no_duplicate():
     """A component that restarts may begin at the same number."""
     window = DuplicateWindow()
     other = packet(A, 5, b"\x03\x40")
@@ -33,14 +31,14 @@ def test_a_number_with_other_content_is_no_duplicate() -> None:
     assert len(window) == 2  # one of each destination
 
 
-def test_a_number_may_come_back_after_the_window() -> None:
+def test_a_number_may_come_back_after_the_window():
     window = DuplicateWindow(seconds=3.0)
     window.is_duplicate(packet(A, 5), 0.0)
     assert not window.is_duplicate(packet(A, 5), 3.0)
     assert window.is_duplicate(packet(A, 5), 5.9)
 
 
-def test_a_number_that_came_back_is_among_the_latest() -> None:
+def test_a_number_that_came_back_is_among_the_latest():
     window = DuplicateWindow(seconds=3.0, history=2)
     for number, now in ((1, 0.0), (2, 1.0), (1, 3.0), (3, 3.0), (4, 3.0)):
         assert not window.is_duplicate(packet(A, number), now)
@@ -48,7 +46,7 @@ def test_a_number_that_came_back_is_among_the_latest() -> None:
     assert not window.is_duplicate(packet(A, 2), 3.1)
 
 
-def test_the_latest_numbers_of_a_source_are_remembered_and_few_others() -> None:
+def test_the_latest_numbers_of_a_source_are_remembered_and_few_others():
     window = DuplicateWindow(history=4)
     for number in range(100):
         window.is_duplicate(packet(A, number), 0.0)
@@ -58,7 +56,7 @@ def test_the_latest_numbers_of_a_source_are_remembered_and_few_others() -> None:
     assert not window.is_duplicate(packet(A, 90), 0.0)
 
 
-def test_the_source_silent_longest_is_forgotten_first() -> None:
+def test_the_source_silent_longest_is_forgotten_first():
     window = DuplicateWindow(sources=2)
     window.is_duplicate(packet(A, 1), 0.0)
     window.is_duplicate(packet(B, 1), 0.1)
@@ -69,7 +67,7 @@ def test_the_source_silent_longest_is_forgotten_first() -> None:
 
 
 @given(st.lists(st.tuples(st.integers(1, 20), st.integers(0, 65535)), max_size=300))
-def test_memory_is_bounded_and_repetitions_are_found(arrivals: list[tuple[int, int]]) -> None:
+def test_memory_is_bounded_and_repetitions_are_found(arrivals):
     window = DuplicateWindow(history=8, sources=4)
     for subsystem, number in arrivals:
         source = JausAddress(subsystem, 1, 1)
@@ -88,9 +86,7 @@ def test_memory_is_bounded_and_repetitions_are_found(arrivals: list[tuple[int, i
         max_size=30,
     )
 )
-def test_a_large_payload_is_remembered_as_well_as_a_small_one(
-    arrivals: list[tuple[int, bytes, float]],
-) -> None:
+def test_a_large_payload_is_remembered_as_well_as_a_small_one(arrivals):
     window, model, now = DuplicateWindow(history=3), {}, 0.0
     for number, payload, pause in arrivals:
         now += pause

@@ -1,7 +1,5 @@
 """Messages of Junior whose flags are all set: which are whole, and which may be fragments."""
 
-from __future__ import annotations
-
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.transports.packets.inbox import FlaglessMessages
 from jausml.runtime.transports.packets.packet import AckNak, Broadcast, DataFlags, Packet, Priority

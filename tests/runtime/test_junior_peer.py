@@ -1,7 +1,5 @@
 """Against a peer that behaves as Junior does, with what it can and cannot take."""
 
-from __future__ import annotations
-
 import os
 import struct
 

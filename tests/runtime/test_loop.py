@@ -1,17 +1,12 @@
-from __future__ import annotations
-
 import socket
 import threading
 import weakref
+from collections.abc import Iterator
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
 
 import pytest
 
 from jausml.runtime.base.loop import Loop
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 
 @pytest.fixture
@@ -39,7 +34,7 @@ def pair() -> Iterator[tuple[socket.socket, socket.socket]]:
         end.close()
 
 
-def test_timers_run_in_order_when_they_are_due(loop: Loop, clock) -> None:
+def test_timers_run_in_order_when_they_are_due(loop, clock):
     ran: list[str] = []
     loop.call_later(2.0, lambda: ran.append("late"))
     loop.call_later(1.0, lambda: ran.append("first"))
@@ -52,7 +47,7 @@ def test_timers_run_in_order_when_they_are_due(loop: Loop, clock) -> None:
     assert ran == ["first", "second", "late"]
 
 
-def test_a_delay_below_the_resolution_of_the_clock_ends_later(loop: Loop, clock) -> None:
+def test_a_delay_below_the_resolution_of_the_clock_ends_later(loop, clock):
     clock.time = 2.0**33
     delay = 2.0**-24
     assert clock.time + delay == clock.time
@@ -64,7 +59,7 @@ def test_a_delay_below_the_resolution_of_the_clock_ends_later(loop: Loop, clock)
     assert ran == [clock.time]
 
 
-def test_a_cancelled_timer_does_not_run(loop: Loop, clock) -> None:
+def test_a_cancelled_timer_does_not_run(loop, clock):
     ran: list[str] = []
     first = loop.call_later(1.0, lambda: (second.cancel(), ran.append("first")))
     second = loop.call_later(1.0, lambda: ran.append("second"))
@@ -77,7 +72,7 @@ def test_a_cancelled_timer_does_not_run(loop: Loop, clock) -> None:
     assert ran == ["first"]
 
 
-def test_a_turn_without_a_limit_does_not_wait_for_what_is_due(loop: Loop, clock) -> None:
+def test_a_turn_without_a_limit_does_not_wait_for_what_is_due(loop, clock):
     ran: list[str] = []
     loop.call_later(1.0, lambda: ran.append("overdue"))
     loop.call_later(9.0, lambda: ran.append("due"))
@@ -89,7 +84,7 @@ def test_a_turn_without_a_limit_does_not_wait_for_what_is_due(loop: Loop, clock)
     assert ran == ["overdue", "due"]
 
 
-def test_what_is_asked_for_soon_does_not_wait_for_a_timer(loop: Loop) -> None:
+def test_what_is_asked_for_soon_does_not_wait_for_a_timer(loop):
     ran: list[str] = []
     loop.call_later(3600.0, lambda: ran.append("timer"))
     loop.call_soon(lambda: ran.append("soon"))
@@ -97,7 +92,7 @@ def test_what_is_asked_for_soon_does_not_wait_for_a_timer(loop: Loop) -> None:
     assert ran == ["soon"]
 
 
-def test_cancelled_timers_do_not_pile_up(loop: Loop) -> None:
+def test_cancelled_timers_do_not_pile_up(loop):
     class Watched:
         def run(self) -> None:
             """Never runs."""
@@ -112,7 +107,7 @@ def test_cancelled_timers_do_not_pile_up(loop: Loop) -> None:
     assert len(loop._timers) < 200
 
 
-def test_call_soon_runs_in_order_and_not_in_the_same_round(loop: Loop) -> None:
+def test_call_soon_runs_in_order_and_not_in_the_same_round(loop):
     ran: list[int] = []
     loop.call_soon(lambda: (ran.append(1), loop.call_soon(lambda: ran.append(3))))
     loop.call_soon(lambda: ran.append(2))
@@ -122,7 +117,7 @@ def test_call_soon_runs_in_order_and_not_in_the_same_round(loop: Loop) -> None:
     assert ran == [1, 2, 3]
 
 
-def test_what_a_callback_asks_for_costs_no_wake_up(loop: Loop, clock) -> None:
+def test_what_a_callback_asks_for_costs_no_wake_up(loop, clock):
     idle: list[bool] = []
 
     def ask() -> None:
@@ -139,7 +134,7 @@ def test_what_a_callback_asks_for_costs_no_wake_up(loop: Loop, clock) -> None:
     assert idle == [True, True]
 
 
-def test_a_readable_socket_is_reported_until_read(loop: Loop, pair) -> None:
+def test_a_readable_socket_is_reported_until_read(loop, pair):
     near, far = pair
     seen: list[bytes] = []
     loop.register(near, lambda: seen.append(near.recv(1)))
@@ -153,7 +148,7 @@ def test_a_readable_socket_is_reported_until_read(loop: Loop, pair) -> None:
     assert loop.run_once(0) == 0
 
 
-def test_a_descriptor_number_is_as_good_as_a_socket(loop: Loop, pair) -> None:
+def test_a_descriptor_number_is_as_good_as_a_socket(loop, pair):
     near, far = pair
     seen: list[bytes] = []
     loop.register(near.fileno(), lambda: seen.append(near.recv(1)))
@@ -164,9 +159,7 @@ def test_a_descriptor_number_is_as_good_as_a_socket(loop: Loop, pair) -> None:
     assert seen == [b"a"]
 
 
-def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(
-    loop: Loop,
-) -> None:
+def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(loop):
     """A descriptor that is closed lends its number to the next that is opened."""
     first, second = socket.socketpair(), socket.socketpair()
     numbers = [socket_pair[0].fileno() for socket_pair in (first, second)]
@@ -195,7 +188,7 @@ def test_a_number_that_is_registered_anew_in_a_turn_is_not_taken_for_the_former(
         endpoint.close()
 
 
-def test_what_is_ready_comes_before_what_is_due(loop: Loop, clock, pair) -> None:
+def test_what_is_ready_comes_before_what_is_due(loop, clock, pair):
     """An acknowledgement that has arrived is taken before its packet is sent again."""
     near, far = pair
     called: list[str] = []
@@ -207,7 +200,7 @@ def test_what_is_ready_comes_before_what_is_due(loop: Loop, clock, pair) -> None
     assert called == ["x", "timer"]
 
 
-def test_a_timer_that_asks_for_the_next_at_once_does_not_hold_up_a_turn(loop: Loop, clock) -> None:
+def test_a_timer_that_asks_for_the_next_at_once_does_not_hold_up_a_turn(loop, clock):
     ran: list[float] = []
 
     def again() -> None:
@@ -220,9 +213,7 @@ def test_a_timer_that_asks_for_the_next_at_once_does_not_hold_up_a_turn(loop: Lo
     assert len(ran) == 3
 
 
-def test_many_ready_descriptors_are_served_in_several_turns_and_timers_between(
-    loop: Loop, clock
-) -> None:
+def test_many_ready_descriptors_are_served_in_several_turns_and_timers_between(loop, clock):
     pairs = [socket.socketpair() for _ in range(150)]
     served: list[int] = []
     for number, (near, far) in enumerate(pairs):
@@ -244,7 +235,7 @@ def test_many_ready_descriptors_are_served_in_several_turns_and_timers_between(
         far.close()
 
 
-def test_a_socket_is_watched_for_writing_on_demand(loop: Loop) -> None:
+def test_a_socket_is_watched_for_writing_on_demand(loop):
     ours, theirs = socket.socketpair()
     with ours, theirs:
         calls: list[str] = []
@@ -260,7 +251,7 @@ def test_a_socket_is_watched_for_writing_on_demand(loop: Loop) -> None:
         loop.unregister(ours)
 
 
-def test_a_socket_unregistered_by_an_earlier_callback_is_left_alone(loop: Loop) -> None:
+def test_a_socket_unregistered_by_an_earlier_callback_is_left_alone(loop):
     pairs = [socket.socketpair() for _ in range(2)]
     called: list[int] = []
 
@@ -279,7 +270,7 @@ def test_a_socket_unregistered_by_an_earlier_callback_is_left_alone(loop: Loop) 
         far.close()
 
 
-def test_a_failing_callback_is_counted_and_the_loop_goes_on(loop: Loop, clock, pair) -> None:
+def test_a_failing_callback_is_counted_and_the_loop_goes_on(loop, clock, pair):
     near, far = pair
 
     def fail() -> None:
@@ -298,7 +289,7 @@ def test_a_failing_callback_is_counted_and_the_loop_goes_on(loop: Loop, clock, p
     assert loop.counters.snapshot() == {"loop.callback_failed": 3}
 
 
-def test_what_would_end_the_thread_is_told_and_the_loop_goes_on(running: Loop) -> None:
+def test_what_would_end_the_thread_is_told_and_the_loop_goes_on(running):
     """User code may raise SystemExit; a process whose loop is gone would be half alive."""
     told: SimpleQueue[object] = SimpleQueue()
     running.on_failure = told.put
@@ -313,7 +304,7 @@ def test_what_would_end_the_thread_is_told_and_the_loop_goes_on(running: Loop) -
     assert told.get(timeout=5) == "goes on"
 
 
-def test_what_would_end_the_thread_is_counted_unless_somebody_is_told(running: Loop) -> None:
+def test_what_would_end_the_thread_is_counted_unless_somebody_is_told(running):
     done = threading.Event()
 
     def leave() -> None:
@@ -326,7 +317,7 @@ def test_what_would_end_the_thread_is_counted_unless_somebody_is_told(running: L
 
 
 @pytest.mark.parametrize("how", ["call_soon", "call_later", "register"])
-def test_another_thread_wakes_a_waiting_loop(running: Loop, pair, how: str) -> None:
+def test_another_thread_wakes_a_waiting_loop(running, pair, how):
     near, far = pair
     done = threading.Event()
     running.call_soon(done.set)
@@ -342,7 +333,7 @@ def test_another_thread_wakes_a_waiting_loop(running: Loop, pair, how: str) -> N
     assert done.wait(5)
 
 
-def test_callbacks_hold_the_lock(running: Loop) -> None:
+def test_callbacks_hold_the_lock(running):
     outcome: list[bool] = []
     done = threading.Event()
 
@@ -360,7 +351,7 @@ def test_callbacks_hold_the_lock(running: Loop) -> None:
     assert outcome == [False]
 
 
-def test_a_timer_waits_while_another_thread_holds_the_lock(running: Loop) -> None:
+def test_a_timer_waits_while_another_thread_holds_the_lock(running):
     done = threading.Event()
     with running.lock:
         timer = running.call_later(0.0, done.set)
@@ -372,7 +363,7 @@ def test_a_timer_waits_while_another_thread_holds_the_lock(running: Loop) -> Non
     assert not done.is_set()
 
 
-def test_stop_on_the_own_thread_ends_the_loop() -> None:
+def test_stop_on_the_own_thread_ends_the_loop():
     loop = Loop()
     loop.start()
     loop.call_soon(loop.stop)
@@ -383,7 +374,7 @@ def test_stop_on_the_own_thread_ends_the_loop() -> None:
         loop.start()
 
 
-def test_a_stopped_loop_accepts_late_requests() -> None:
+def test_a_stopped_loop_accepts_late_requests():
     loop = Loop()
     loop.start()
     loop.stop()

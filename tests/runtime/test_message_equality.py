@@ -1,7 +1,5 @@
 """Messages are compared and shown as the dataclasses that they are, by functions they all share."""
 
-from __future__ import annotations
-
 import dataclasses
 import inspect
 

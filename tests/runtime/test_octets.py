@@ -1,7 +1,5 @@
 """Lists of small numbers as bytes, against the conversions of lists."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -12,7 +10,7 @@ from jausml.runtime.conversions.rasters import occupancy_to_cost, reverse_rows
 
 
 @given(st.binary(max_size=40), st.sampled_from([0, 1, 2, 3, 7, 2.5, -1, 40]))
-def test_rows_are_reversed_as_those_of_lists(cells: bytes, columns: float) -> None:
+def test_rows_are_reversed_as_those_of_lists(cells, columns):
     try:
         expected = bytes(reverse_rows(cells, columns))
     except ConversionError:
@@ -22,7 +20,7 @@ def test_rows_are_reversed_as_those_of_lists(cells: bytes, columns: float) -> No
         assert octets.reverse_rows(bytearray(cells), columns) == expected
 
 
-def test_a_table_has_what_the_function_gives() -> None:
+def test_a_table_has_what_the_function_gives():
     table = octets.Table(occupancy_to_cost, 0, 255, is_signed=True)
     legal = [*range(101), 255]
     assert table.odd is not None
@@ -32,20 +30,20 @@ def test_a_table_has_what_the_function_gives() -> None:
         assert table.octets[octet] == occupancy_to_cost(value)
 
 
-def test_values_outside_do_not_fit() -> None:
+def test_values_outside_do_not_fit():
     table = octets.Table(lambda value: value * 0.5, -10, 10, is_signed=True)
     odd = {octet for octet in range(256) if table.octets[octet] == table.odd}
     assert odd == set(range(256)) - {number & 0xFF for number in range(-20, 21)}
     assert bytes([251, 5]).translate(table.octets) == bytes([254, 2])
 
 
-def test_a_table_of_all_octets_has_nothing_to_look_for() -> None:
+def test_a_table_of_all_octets_has_nothing_to_look_for():
     table = octets.Table(lambda value: 255 - value, 0, 255, is_signed=False)
     assert table.odd is None
     assert bytes([0, 7, 255]).translate(table.octets) == bytes([255, 248, 0])
 
 
-def test_one_octet_without_a_value_is_found() -> None:
+def test_one_octet_without_a_value_is_found():
     table = octets.Table(lambda value: value, 1, 255, is_signed=False)
     assert table.odd == 0
     assert table.odd in bytes([3, 0, 5]).translate(table.octets)

@@ -1,7 +1,5 @@
 """What is under way to a destination, and in which order, with a clock that the test moves."""
 
-from __future__ import annotations
-
 import random
 
 import pytest
@@ -307,7 +305,7 @@ STEPS = st.lists(
 
 
 @given(STEPS)
-def test_each_result_comes_once_and_large_messages_never_mix(steps) -> None:
+def test_each_result_comes_once_and_large_messages_never_mix(steps):
     line = Line(Clock())
     results: list[int] = []
     sent: list[Packet] = []

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -44,7 +42,7 @@ def parse(data: bytes) -> tuple[list[Packet], dict[str, int]]:
 
 
 @pytest.mark.beside("golden/judp_datagrams.jsonl")
-def test_captured_datagrams_read_as_stated_and_encode_to_the_same_bytes() -> None:
+def test_captured_datagrams_read_as_stated_and_encode_to_the_same_bytes():
     lines = golden_vectors("judp_datagrams.jsonl")
     assert len(lines) > 50
     for line in lines:
@@ -69,13 +67,13 @@ def test_captured_datagrams_read_as_stated_and_encode_to_the_same_bytes() -> Non
         assert packet.encode() == data
 
 
-def test_the_layout_of_an_acknowledgement() -> None:
+def test_the_layout_of_an_acknowledgement():
     packet = Packet(JausAddress(101, 1, 1), OCU, b"", 1, acknowledge=AckNak.ACK)
     assert packet.encode().hex() == "02000e0031010165000201c8000100"
 
 
 @given(st.lists(PACKETS, min_size=1, max_size=5))
-def test_every_message_of_a_datagram_is_read(packets: list[Packet]) -> None:
+def test_every_message_of_a_datagram_is_read(packets):
     data = b"\x02" + b"".join(packet.encode()[1:] for packet in packets)
     assert parse(data) == (packets, {})
 
@@ -100,16 +98,16 @@ def test_every_message_of_a_datagram_is_read(packets: list[Packet]) -> None:
         (b"\x02\x40\x0e\x00" + bytes(11), "transport.bad_size"),
     ],
 )
-def test_an_unreadable_datagram_is_dropped_and_counted(data: bytes, counter: str) -> None:
+def test_an_unreadable_datagram_is_dropped_and_counted(data, counter):
     assert parse(data) == ([], {counter: 1})
 
 
 @pytest.mark.parametrize("tail", [b"\x00", b"garbage", bytes(40), message(8).encode()])
-def test_bytes_after_a_good_message_are_ignored(tail: bytes) -> None:
+def test_bytes_after_a_good_message_are_ignored(tail):
     assert parse(message().encode() + tail) == ([message()], {"judp.trailing_bytes": 1})
 
 
-def test_a_reserved_message_type_does_not_hide_the_next_message() -> None:
+def test_a_reserved_message_type_does_not_hide_the_next_message():
     reserved = message()._replace(message_type=5)
     data = reserved.encode() + message(8).encode()[1:]
     assert parse(data) == ([message(8)], {"transport.bad_message_type": 1})
@@ -137,14 +135,12 @@ def with_compression(kind: int, *, fields: bytes) -> bytes:
         pytest.param(0xC0, b"\x01\x0c", {"transport.compressed": 1}, id="compressed"),
     ],
 )
-def test_header_compression_is_read_where_there_is_no_doubt(
-    kind: int, fields: bytes, count: dict[str, int]
-) -> None:
+def test_header_compression_is_read_where_there_is_no_doubt(kind, fields, count):
     expected = [] if count else [message()]
     assert parse(with_compression(kind, fields=fields)) == (expected, count)
 
 
-def test_an_older_protocol_is_named_in_the_log(caplog: pytest.LogCaptureFixture) -> None:
+def test_an_older_protocol_is_named_in_the_log(caplog):
     counters = Counters()
     for _ in range(100):
         parse_datagram(b"\x01" + bytes(30), counters)
@@ -156,7 +152,7 @@ def test_an_older_protocol_is_named_in_the_log(caplog: pytest.LogCaptureFixture)
 
 
 @given(st.binary(max_size=200))
-def test_arbitrary_bytes_never_raise(data: bytes) -> None:
+def test_arbitrary_bytes_never_raise(data):
     for candidate in (data, b"\x02" + data):
         packets, counts = parse(candidate)
         assert sum(len(packet.payload) + 14 for packet in packets) <= len(candidate)
@@ -164,7 +160,7 @@ def test_arbitrary_bytes_never_raise(data: bytes) -> None:
 
 
 @given(st.lists(PACKETS, min_size=1, max_size=3), st.data())
-def test_damaged_datagrams_never_raise(packets: list[Packet], data: st.DataObject) -> None:
+def test_damaged_datagrams_never_raise(packets, data):
     wire = bytearray(b"\x02" + b"".join(packet.encode()[1:] for packet in packets))
     for _ in range(data.draw(st.integers(1, 4))):
         wire[data.draw(st.integers(0, len(wire) - 1))] = data.draw(st.integers(0, 255))
@@ -173,7 +169,7 @@ def test_damaged_datagrams_never_raise(packets: list[Packet], data: st.DataObjec
     parse(bytes(wire[:cut]))
 
 
-def test_what_the_wire_cannot_carry_is_refused() -> None:
+def test_what_the_wire_cannot_carry_is_refused():
     with pytest.raises(ValueError, match="one datagram"):
         message(payload=bytes(MAX_PAYLOAD + 1)).encode()
     with pytest.raises(ValueError, match="out of range"):

@@ -1,7 +1,5 @@
 """Each destination gets consecutive numbers."""
 
-from __future__ import annotations
-
 import itertools
 
 import pytest
@@ -18,7 +16,7 @@ def packetizer() -> Packetizer:
     return Packetizer(1000, draw=lambda _limit: next(starts))
 
 
-def test_what_goes_to_others_leaves_no_gap(packetizer: Packetizer) -> None:
+def test_what_goes_to_others_leaves_no_gap(packetizer):
     taken = [
         packetizer.reserve(SENDER, address, amount)
         for address, amount in ((HERE, 1), (OTHER, 3), (HERE, 2), (BROADCAST, 1), (HERE, 1))
@@ -28,12 +26,12 @@ def test_what_goes_to_others_leaves_no_gap(packetizer: Packetizer) -> None:
     assert packetizer.sent(OTHER) == {}
 
 
-def test_all_wildcards_are_numbered_together(packetizer: Packetizer) -> None:
+def test_all_wildcards_are_numbered_together(packetizer):
     everybody = (BROADCAST, JausAddress(1, 255, 255), JausAddress(1, 1, 255))
     assert [packetizer.reserve(SENDER, address, 1) for address in everybody] == [100, 101, 102]
 
 
-def test_strangers_do_not_fill_the_memory(packetizer: Packetizer) -> None:
+def test_strangers_do_not_fill_the_memory(packetizer):
     first = packetizer.numbers(SENDER, HERE)
     for number in range(10_000):
         packetizer.numbers(SENDER, JausAddress(1 + number // 250, 1, 1 + number % 250))
@@ -41,7 +39,7 @@ def test_strangers_do_not_fill_the_memory(packetizer: Packetizer) -> None:
     assert packetizer.numbers(SENDER, HERE) is first
 
 
-def test_the_next_number_of_a_pair_is_told_and_not_taken() -> None:
+def test_the_next_number_of_a_pair_is_told_and_not_taken():
     packetizer = Packetizer(100, lambda _most: 65535)
     assert packetizer.next_number(SENDER, HERE) == 65535
     assert packetizer.reserve(SENDER, HERE, 1) == 65535

@@ -1,7 +1,5 @@
 """Raw images as files of PGM and PPM: bytes, what is refused, and what comes back."""
 
-from __future__ import annotations
-
 from array import array
 
 import pytest

@@ -1,7 +1,5 @@
 """What is remembered of the quirks of peers."""
 
-from __future__ import annotations
-
 import logging
 
 from jausml.runtime.base.address import JausAddress

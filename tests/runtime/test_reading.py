@@ -1,7 +1,5 @@
 """Datagrams are read from a socket, and what the kernel drops or is too old is counted."""
 
-from __future__ import annotations
-
 import socket
 import time
 from contextlib import ExitStack
@@ -63,9 +61,7 @@ def _drain(sock: socket.socket) -> list[tuple[bytes, Any]]:
 
 @pytest.mark.parametrize("acknowledge", [AckNak.NONE, AckNak.REQUESTED])
 @pytest.mark.parametrize("payload", [b"\x02\x40", bytes(1024)])
-def test_each_message_is_taken_once_and_each_packet_answered(
-    acknowledge: AckNak, payload: bytes
-) -> None:
+def test_each_message_is_taken_once_and_each_packet_answered(acknowledge, payload):
     with ExitStack() as stack:
         host = Host(stack)
         for number in range(5):
@@ -80,7 +76,7 @@ def test_each_message_is_taken_once_and_each_packet_answered(
         assert len(_drain(host.peer)) == (10 if acknowledge else 0)
 
 
-def test_others_have_their_turn_between_many_datagrams() -> None:
+def test_others_have_their_turn_between_many_datagrams():
     with ExitStack() as stack:
         host = Host(stack)
         turns: list[int] = []
@@ -99,7 +95,7 @@ def test_others_have_their_turn_between_many_datagrams() -> None:
         assert len(host.delivered) == 201
 
 
-def test_what_the_kernel_drops_is_counted(caplog: pytest.LogCaptureFixture) -> None:
+def test_what_the_kernel_drops_is_counted(caplog):
     with ExitStack() as stack:
         host = Host(stack)
         host.unicast.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
@@ -114,7 +110,7 @@ def test_what_the_kernel_drops_is_counted(caplog: pytest.LogCaptureFixture) -> N
         assert "the receive buffer was full" in caplog.text
 
 
-def test_drops_are_counted_once_where_a_socket_is_named_again() -> None:
+def test_drops_are_counted_once_where_a_socket_is_named_again():
     counters = Counters()
     drops = KernelDrops(counters)
     with _socket() as flooded, _socket() as sender:
@@ -130,7 +126,7 @@ def test_drops_are_counted_once_where_a_socket_is_named_again() -> None:
     assert counters.snapshot() == {"judp.kernel_dropped": 50 - arrived}
 
 
-def test_what_is_no_answer_of_the_kernel_counts_nothing() -> None:
+def test_what_is_no_answer_of_the_kernel_counts_nothing():
     counters = Counters()
     drops = KernelDrops(counters)
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as closed:
@@ -140,7 +136,7 @@ def test_what_is_no_answer_of_the_kernel_counts_nothing() -> None:
     assert counters.snapshot() == {}
 
 
-def test_drops_until_the_end_are_counted() -> None:
+def test_drops_until_the_end_are_counted():
     with ExitStack() as stack:
         host = Host(stack)
         host.unicast.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1)
@@ -151,9 +147,7 @@ def test_drops_until_the_end_are_counted() -> None:
 
 
 @pytest.mark.parametrize(("limit", "arrived"), [(0.2, [b"\x02\x40new"]), (0, None)])
-def test_what_waited_while_the_process_stood_still_is_thrown_away(
-    limit: float, arrived: list[bytes] | None, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_what_waited_while_the_process_stood_still_is_thrown_away(limit, arrived, caplog):
     taken: list[bytes] = []
     old = [b"\x02\x40old" + bytes([number]) for number in range(40)]
     port = free_port()

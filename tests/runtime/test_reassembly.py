@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -50,9 +48,7 @@ def reassembly(counters: Counters) -> Reassembly:
     st.integers(0, 65535),
     st.data(),
 )
-def test_messages_are_whole_in_whatever_order_their_fragments_come(
-    shapes: list[tuple[int, JausAddress]], start: int, data: st.DataObject
-) -> None:
+def test_messages_are_whole_in_whatever_order_their_fragments_come(shapes, start, data):
     reassembly = Reassembly(3.0, 1 << 16, Counters())
     streams = []
     for fill, (count, source) in enumerate(shapes):
@@ -65,13 +61,13 @@ def test_messages_are_whole_in_whatever_order_their_fragments_come(
     assert reassembly.size == 0
 
 
-def test_numbers_wrap_from_65535_to_0(reassembly: Reassembly) -> None:
+def test_numbers_wrap_from_65535_to_0(reassembly):
     stream = fragments(3, 65535)
     assert [packet.sequence for packet in stream] == [65535, 0, 1]
     assert [reassembly.add(packet, 0.0) for packet in stream] == [None, None, whole(stream)]
 
 
-def test_neighbouring_messages_are_not_joined(reassembly: Reassembly) -> None:
+def test_neighbouring_messages_are_not_joined(reassembly):
     one, two = fragments(3, 10, fill=1), fragments(3, 13, fill=2)
     for packet in (one[0], one[2], two[0], two[2], two[1]):
         result = reassembly.add(packet, 0.0)
@@ -79,9 +75,7 @@ def test_neighbouring_messages_are_not_joined(reassembly: Reassembly) -> None:
     assert reassembly.add(one[1], 0.0) == whole(one)
 
 
-def test_a_stray_fragment_after_the_last_one_is_no_part_of_the_message(
-    reassembly: Reassembly,
-) -> None:
+def test_a_stray_fragment_after_the_last_one_is_no_part_of_the_message(reassembly):
     first, last = fragments(2, 9)
     stray = last._replace(sequence=11, data_flags=DataFlags.MIDDLE)
     assert [reassembly.add(packet, 0.0) for packet in (last, stray, first)] == [
@@ -91,7 +85,7 @@ def test_a_stray_fragment_after_the_last_one_is_no_part_of_the_message(
     ]
 
 
-def test_an_active_source_outlasts_the_others(counters: Counters) -> None:
+def test_an_active_source_outlasts_the_others(counters):
     reassembly = Reassembly(3.0, 1 << 16, counters)
     stream = fragments(50, 0)
     for subsystem, packet in enumerate(stream[:-1], start=1):
@@ -103,7 +97,7 @@ def test_an_active_source_outlasts_the_others(counters: Counters) -> None:
     assert reassembly.add(stream[-1], 0.0) == whole(stream)
 
 
-def test_a_repeated_fragment_changes_nothing(reassembly: Reassembly) -> None:
+def test_a_repeated_fragment_changes_nothing(reassembly):
     stream = fragments(3, 10)
     for packet in (stream[0], stream[0], stream[1], stream[1]):
         assert reassembly.add(packet, 0.0) is None
@@ -112,8 +106,8 @@ def test_a_repeated_fragment_changes_nothing(reassembly: Reassembly) -> None:
 
 @pytest.mark.parametrize("left", [range(9), range(1, 9), range(4, 9)])
 def test_fragments_of_a_source_that_restarted_are_no_part_of_its_next_message(
-    reassembly: Reassembly, counters: Counters, left: range
-) -> None:
+    reassembly, counters, left
+):
     """Its numbers begin anew; what its former self left behind may lack its first packets."""
     before, after, later = (fragments(10, 1 + n // 2 * 10, fill=n) for n in range(3))
     for index in left:
@@ -129,9 +123,7 @@ def test_fragments_of_a_source_that_restarted_are_no_part_of_its_next_message(
     assert (reassembly.size, len(reassembly)) == (0, 0)
 
 
-def test_fragments_without_progress_are_discarded(
-    reassembly: Reassembly, counters: Counters
-) -> None:
+def test_fragments_without_progress_are_discarded(reassembly, counters):
     lost, slow = fragments(3, 10), fragments(3, 50)
     reassembly.add(lost[0], 0.0)
     reassembly.add(slow[0], 0.0)
@@ -145,7 +137,7 @@ def test_fragments_without_progress_are_discarded(
     assert reassembly.size == 0
 
 
-def test_one_source_cannot_take_all_memory(reassembly: Reassembly, counters: Counters) -> None:
+def test_one_source_cannot_take_all_memory(reassembly, counters):
     other = fragments(2, 0, source=ROBOT)
     reassembly.add(other[0], 0.0)
     for packet in fragments(40, 0, size=4000)[:-1]:
@@ -155,7 +147,7 @@ def test_one_source_cannot_take_all_memory(reassembly: Reassembly, counters: Cou
     assert reassembly.add(other[1], 0.0) == whole(other)
 
 
-def test_many_sources_cannot_take_all_memory(counters: Counters) -> None:
+def test_many_sources_cannot_take_all_memory(counters):
     reassembly = Reassembly(3.0, 1 << 16, counters)
     for subsystem in range(1, 2000):
         source = JausAddress(subsystem, 1, 1)
@@ -178,9 +170,7 @@ def test_many_sources_cannot_take_all_memory(counters: Counters) -> None:
         max_size=60,
     )
 )
-def test_contradicting_fragments_never_raise_and_leave_nothing_behind(
-    packets: list[Packet],
-) -> None:
+def test_contradicting_fragments_never_raise_and_leave_nothing_behind(packets):
     reassembly = Reassembly(3.0, 4096, Counters())
     for index, packet in enumerate(packets):
         reassembly.add(packet, index * 0.2)
@@ -192,7 +182,7 @@ def test_contradicting_fragments_never_raise_and_leave_nothing_behind(
 
 
 @pytest.mark.parametrize("begin", [DataFlags.FIRST, DataFlags.MIDDLE])
-def test_a_full_circle_of_numbers_does_not_close(counters: Counters, begin: DataFlags) -> None:
+def test_a_full_circle_of_numbers_does_not_close(counters, begin):
     reassembly = Reassembly(3.0, 1 << 30, counters)
     for number in range(65536):
         flags = DataFlags.MIDDLE if number else begin

@@ -1,7 +1,5 @@
 """Lists of records of one octet that are bytes until somebody asks for a record."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar
 

@@ -1,7 +1,5 @@
 """Prepared senders: what they send is what `send` sends, in all cases."""
 
-from __future__ import annotations
-
 import random
 import threading
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import argparse
 
 import pytest
@@ -22,7 +20,7 @@ def parse(*words: str, defaults: TransportSettings | None = None) -> TransportSe
     return from_arguments(parser.parse_args(words), defaults)
 
 
-def test_without_options_the_standard_applies() -> None:
+def test_without_options_the_standard_applies():
     assert parse() == TransportSettings()
     settings = TransportSettings()
     assert (settings.port, settings.multicast_group, settings.multicast_ttl) == (
@@ -32,7 +30,7 @@ def test_without_options_the_standard_applies() -> None:
     )
 
 
-def test_options_override_modelled_settings_and_extend_the_address_book() -> None:
+def test_options_override_modelled_settings_and_extend_the_address_book():
     modelled = TransportSettings(
         port=4000, fragment_size=1000, address_book={JausAddress(1, 1, 1): ("robot", 4000)}
     )
@@ -54,19 +52,19 @@ def test_options_override_modelled_settings_and_extend_the_address_book() -> Non
 
 
 @pytest.mark.parametrize("kind", list(TransportKind))
-def test_the_transport_is_chosen_by_option_and_by_model(kind: TransportKind) -> None:
+def test_the_transport_is_chosen_by_option_and_by_model(kind):
     folder = "--jaus-node-manager-directory=/run/jaus"
     chosen = TransportSettings(transport=kind, node_manager_directory="/run/jaus")
     assert parse(f"--jaus-transport={kind.value}", folder) == chosen
     assert parse(defaults=chosen) == chosen
 
 
-def test_an_unknown_transport_is_a_usage_error() -> None:
+def test_an_unknown_transport_is_a_usage_error():
     with pytest.raises(argparse.ArgumentError, match="jaus-transport"):
         parse("--jaus-transport=carrier-pigeon")
 
 
-def test_peers_are_written_as_on_the_command_line() -> None:
+def test_peers_are_written_as_on_the_command_line():
     known = peers("1.1.1=192.0.2.7:3794", "2.1.1=robot.local:4000")
     assert known == {
         JausAddress(1, 1, 1): ("192.0.2.7", 3794),
@@ -77,7 +75,7 @@ def test_peers_are_written_as_on_the_command_line() -> None:
 @pytest.mark.parametrize(
     "text", ["", "1.1.1", "1.1.1=host", "1.1.1=:5", "1.1.1=host:x", "1.1=host:5", "=host:5"]
 )
-def test_a_bad_peer_is_a_usage_error(text: str) -> None:
+def test_a_bad_peer_is_a_usage_error(text):
     with pytest.raises(argparse.ArgumentError, match="jaus-peer"):
         parse(f"--jaus-peer={text}")
 
@@ -103,12 +101,12 @@ def test_a_bad_peer_is_a_usage_error(text: str) -> None:
         {"address_book": {JausAddress(1, 1, 1): ("127.0.0.1", 0)}},
     ],
 )
-def test_values_out_of_range_are_refused(values: dict) -> None:
+def test_values_out_of_range_are_refused(values):
     with pytest.raises(ValueError, match=r"\S"):
         TransportSettings(**values)
 
 
-def test_control_survives_an_emergency_by_option() -> None:
+def test_control_survives_an_emergency_by_option():
     parser = argparse.ArgumentParser(exit_on_error=False)
     add_component_arguments(parser, JausAddress(1, 1, 1))
     modelled = ComponentSettings(control_timeout=2)

@@ -1,7 +1,5 @@
 """The clock of a simulation: steady, at rest with it, and timers that keep their time."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

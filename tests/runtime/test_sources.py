@@ -79,15 +79,13 @@ class TestAllowedHosts:
             (("0.0.0.0/0",), "192.0.2.1", True),
         ],
     )
-    def test_networks_addresses_and_the_own_host_are_taken(
-        self, named: tuple[str, ...], host: str, is_taken: bool
-    ) -> None:
+    def test_networks_addresses_and_the_own_host_are_taken(self, named, host, is_taken):
         counters = Counters()
         hosts = AllowedHosts(TransportSettings(allowed_hosts=named), counters)
         assert hosts.admits((host, 4000)) is is_taken
         assert counters.snapshot() == ({} if is_taken else {NOT_ALLOWED: 1})
 
-    def test_a_flood_from_elsewhere_is_one_line(self, caplog: pytest.LogCaptureFixture) -> None:
+    def test_a_flood_from_elsewhere_is_one_line(self, caplog):
         hosts = AllowedHosts(TransportSettings(allowed_hosts=("10.0.0.1",)), Counters())
         for _ in range(1000):
             hosts.admits(("192.0.2.1", 4000))
@@ -96,11 +94,11 @@ class TestAllowedHosts:
         ]
 
     @pytest.mark.parametrize("text", ["10.0.0.1/24", "10.0.0", "robot", "::1", "10.0.0.0/33"])
-    def test_what_is_no_network_is_told(self, text: str) -> None:
+    def test_what_is_no_network_is_told(self, text):
         with pytest.raises(ValueError, match=f"allowed host '{text}'"):
             TransportSettings(allowed_hosts=(text,))
 
-    def test_a_datagram_from_elsewhere_has_no_effect(self, station, udp, wait_until) -> None:
+    def test_a_datagram_from_elsewhere_has_no_effect(self, station, udp, wait_until):
         driver = station(allowed_hosts=("127.0.0.2",)).attach(DRIVER)
         stranger, friend = udp(STRANGER), udp("127.0.0.2")
         stranger.sendto(message(1), driver.transport.endpoint)
@@ -113,7 +111,7 @@ class TestAllowedHosts:
         friend.sendto(message(1, b"2"), driver.transport.endpoint)
         wait_until(lambda: driver.payloads == [b"\x02\x402"])
 
-    def test_nor_has_one_to_the_multicast_group(self, station, udp, wait_until) -> None:
+    def test_nor_has_one_to_the_multicast_group(self, station, udp, wait_until):
         driver = station(allowed_hosts=("10.0.0.0/8",)).attach(DRIVER)
         stranger, here = udp(STRANGER), udp()
         for udp_socket in (stranger, here):
@@ -125,7 +123,7 @@ class TestAllowedHosts:
         wait_until(lambda: driver.payloads == [b"\x02\x402"])
         assert driver.counter(NOT_ALLOWED) == 1
 
-    def test_a_neighbour_passes_nothing_on_from_elsewhere(self, station, udp, wait_until) -> None:
+    def test_a_neighbour_passes_nothing_on_from_elsewhere(self, station, udp, wait_until):
         owner = station().attach(PEER)
         driver = station(allowed_hosts=("10.0.0.1",)).attach(DRIVER)
         known = driver.transport.endpoint
@@ -137,7 +135,7 @@ class TestAllowedHosts:
         wait_until(lambda: driver.payloads == [b"\x02\x401"])
         assert driver.counter(NOT_ALLOWED) == 1
 
-    def test_a_connection_from_elsewhere_is_closed(self, station, tcp, wait_until) -> None:
+    def test_a_connection_from_elsewhere_is_closed(self, station, tcp, wait_until):
         settings = {"transport": TransportKind.JTCP, "allowed_hosts": ("127.0.0.2",)}
         driver = station(**settings).attach(DRIVER)
         stranger = tcp(driver, STRANGER)
@@ -158,9 +156,7 @@ class TestFixedSources:
     def book(self, counters: Counters) -> AddressBook:
         return AddressBook(10.0, counters, fixed=True)
 
-    def test_another_endpoint_is_refused_until_the_first_was_silent(
-        self, book: AddressBook, counters: Counters
-    ) -> None:
+    def test_another_endpoint_is_refused_until_the_first_was_silent(self, book, counters):
         assert book.learn(PEER, HERE, 0.0)
         assert not book.learn(PEER, THERE, 9.9)
         assert book.learn(PEER, HERE, 10.0)
@@ -170,28 +166,26 @@ class TestFixedSources:
         assert book.learn(PEER, THERE, 20.0)
         assert book.find(PEER) == THERE
 
-    def test_what_is_refused_does_not_let_the_first_live_on(self, book: AddressBook) -> None:
+    def test_what_is_refused_does_not_let_the_first_live_on(self, book):
         book.learn(PEER, HERE, 0.0)
         for tenths in range(100):
             assert not book.learn(PEER, THERE, tenths / 10)
         assert book.learn(PEER, THERE, 10.0)
 
-    def test_lost_acknowledgements_give_nobody_the_place(self, book: AddressBook) -> None:
+    def test_lost_acknowledgements_give_nobody_the_place(self, book):
         book.learn(PEER, HERE, 0.0)
         book.suspect(PEER, 0.5)
         book.suspect(PEER, 0.6)
         assert not book.learn(PEER, THERE, 1.0)
         assert book.learn(PEER, THERE, 10.0)
 
-    def test_a_configured_place_is_no_place_where_it_was_heard(self, book: AddressBook) -> None:
+    def test_a_configured_place_is_no_place_where_it_was_heard(self, book):
         book.configure({PEER: HERE})
         assert book.learn(PEER, THERE, 0.0)
         assert not book.learn(PEER, HERE, 1.0)
 
     @pytest.mark.parametrize("fixed", [False, True])
-    def test_one_datagram_does_not_take_the_traffic_over(
-        self, station, udp, wait_until, fixed: bool
-    ) -> None:
+    def test_one_datagram_does_not_take_the_traffic_over(self, station, udp, wait_until, fixed):
         driver = station(fixed_sources=fixed).attach(DRIVER)
         peer, thief = udp(), udp()
         for number in (1, 2):  # the second one is usual
@@ -207,7 +201,7 @@ class TestFixedSources:
         peer.sendto(message(4, b"4"), driver.transport.endpoint)
         wait_until(lambda: driver.payloads[-1] == b"\x02\x404")
 
-    def test_nor_does_one_that_acknowledges(self, station, udp, wait_until) -> None:
+    def test_nor_does_one_that_acknowledges(self, station, udp, wait_until):
         driver = station(fixed_sources=True).attach(DRIVER)
         peer, thief = udp(), udp()
         peer.sendto(message(1), driver.transport.endpoint)
@@ -223,9 +217,7 @@ class TestFixedSources:
         peer.sendto(acknowledgement, driver.transport.endpoint)
         wait_until(lambda: results == [True])
 
-    def test_a_connection_keeps_its_components_until_it_ends(
-        self, station, tcp, wait_until
-    ) -> None:
+    def test_a_connection_keeps_its_components_until_it_ends(self, station, tcp, wait_until):
         settings = {"transport": TransportKind.JTCP, "fixed_sources": True}
         driver = station(**settings).attach(DRIVER)
         peer, thief = tcp(driver), tcp(driver)
@@ -241,7 +233,7 @@ class TestFixedSources:
         wait_until(lambda: driver.payloads == [b"\x02\x401", b"\x02\x40new"])
 
 
-def test_the_command_line_goes_before_the_model() -> None:
+def test_the_command_line_goes_before_the_model():
     model = TransportSettings(allowed_hosts=("10.0.0.0/24",), fixed_sources=True)
 
     def parse(*words: str) -> TransportSettings:

@@ -1,7 +1,5 @@
 """What a loop says of the time in which it did not turn."""
 
-from __future__ import annotations
-
 import os
 import time
 from types import SimpleNamespace
@@ -29,7 +27,7 @@ def turn(loop: Loop, seconds: float) -> None:
         loop.run_once(0.01)
 
 
-def test_who_asked_is_told_before_what_waited_is_served(loop: Loop) -> None:
+def test_who_asked_is_told_before_what_waited_is_served(loop):
     told: list[object] = []
     own, other = os.pipe()
 
@@ -52,7 +50,7 @@ def test_who_asked_is_told_before_what_waited_is_served(loop: Loop) -> None:
     assert rest == [b"x", "caught up"]
 
 
-def test_a_callback_that_takes_long_is_a_standstill_too(loop: Loop) -> None:
+def test_a_callback_that_takes_long_is_a_standstill_too(loop):
     told: list[float] = []
     loop.standstill.watch(STILL / 3, told.append)
     turn(loop, 0.1)
@@ -62,7 +60,7 @@ def test_a_callback_that_takes_long_is_a_standstill_too(loop: Loop) -> None:
     assert told[0] >= STILL
 
 
-def test_only_those_are_told_whose_time_has_passed(loop: Loop) -> None:
+def test_only_those_are_told_whose_time_has_passed(loop):
     told: list[str] = []
     short = loop.standstill.watch(STILL / 3, lambda _: told.append("short"))
     loop.standstill.watch(100.0, lambda _: told.append("long"))
@@ -116,7 +114,7 @@ def late(monkeypatch):
     return Late(monkeypatch, 1.0)
 
 
-def test_commands_that_may_have_waited_too_long_are_refused_until_all_was_served(late) -> None:
+def test_commands_that_may_have_waited_too_long_are_refused_until_all_was_served(late):
     limit, began, caught_up = late.watched
     assert limit == 1.0
     late.world.run_for(3)
@@ -133,7 +131,7 @@ def test_commands_that_may_have_waited_too_long_are_refused_until_all_was_served
     assert not late.watched
 
 
-def test_a_command_whose_age_is_known_is_judged_by_it_alone(late) -> None:
+def test_a_command_whose_age_is_known_is_judged_by_it_alone(late):
     _, began, caught_up = late.watched
     began(5.0)
     for age in (0.4, 1.0, 1.1):
@@ -144,7 +142,7 @@ def test_a_command_whose_age_is_known_is_judged_by_it_alone(late) -> None:
     assert late.refused == [TOO_OLD] * 2
 
 
-def test_what_comes_late_is_looked_for_as_long_as_writers_repeat(late) -> None:
+def test_what_comes_late_is_looked_for_as_long_as_writers_repeat(late):
     _, began, _ = late.watched
     began(1.5)
     late.world.run_for(3)
@@ -155,7 +153,7 @@ def test_what_comes_late_is_looked_for_as_long_as_writers_repeat(late) -> None:
     assert late.changes == [True, True, False]
 
 
-def test_the_time_that_a_command_may_wait_changes_at_once(late) -> None:
+def test_the_time_that_a_command_may_wait_changes_at_once(late):
     _, began, _ = late.watched
     began(1.5)
     late.take(b"before", None)

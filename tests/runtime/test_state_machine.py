@@ -1,7 +1,5 @@
 """State machines alone: which transition is taken, and what it does in which order (AS5684)."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.base.address import JausAddress

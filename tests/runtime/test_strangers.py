@@ -1,7 +1,5 @@
 """What a stranger gets: nothing much before it has proved where it is, and nobody else's place."""
 
-from __future__ import annotations
-
 import socket
 
 import pytest
@@ -65,7 +63,7 @@ def count(robot: JausComponent, name: str) -> int:
 
 
 class TestProof:
-    def test_a_mute_one_gets_three_times_what_it_sent(self, robot, stranger, wait_until) -> None:
+    def test_a_mute_one_gets_three_times_what_it_sent(self, robot, stranger, wait_until):
         mute = stranger()
         for number, address in enumerate(identities(20)):
             mute.send(address, event(100.0), number)
@@ -73,7 +71,7 @@ class TestProof:
         mute.take()
         assert 0 < mute.received <= 3 * mute.sent
 
-    def test_one_that_acknowledges_gets_all_that_waited(self, robot, stranger, wait_until) -> None:
+    def test_one_that_acknowledges_gets_all_that_waited(self, robot, stranger, wait_until):
         honest = stranger(acknowledges=True)
         honest.send(STRANGER, event(100.0))
         wait_until(lambda: honest.take() or len(honest.payloads) > 20)
@@ -89,7 +87,7 @@ class TestProof:
         peer.sock.sendto(answer[1:], robot.transport.endpoint)
         wait_until(lambda: robot.transport.is_proved(STRANGER))
 
-    def test_a_guess_proves_nothing(self, robot, stranger, wait_until) -> None:
+    def test_a_guess_proves_nothing(self, robot, stranger, wait_until):
         mute = stranger()
         mute.send(STRANGER, QueryStatus().encode())
         wait_until(lambda: mute.take() or mute.numbers)
@@ -103,7 +101,7 @@ class TestProof:
         wait_until(lambda: count(robot, "transport.unmatched_acknowledgement") == 21)
         assert not robot.transport.is_proved(STRANGER)
 
-    def test_another_endpoint_proves_itself_anew(self, robot, stranger, wait_until) -> None:
+    def test_another_endpoint_proves_itself_anew(self, robot, stranger, wait_until):
         honest = stranger(acknowledges=True)
         honest.send(STRANGER, QueryStatus().encode())
         wait_until(lambda: honest.take() or robot.transport.is_proved(STRANGER))
@@ -113,7 +111,7 @@ class TestProof:
         honest.send(STRANGER, QueryStatus().encode(), 3)
         wait_until(lambda: honest.take() or robot.transport.is_proved(STRANGER))
 
-    def test_a_stated_peer_needs_none(self, station, wait_until) -> None:
+    def test_a_stated_peer_needs_none(self, station, wait_until):
         settings = {STRANGER: (HOST, 4000)}
         here = station(address_book=settings).attach(ROBOT)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sock:
@@ -143,7 +141,7 @@ class TestProof:
             yield prover, entry, went
 
     @pytest.mark.parametrize(("size", "goes"), [(8, True), (9, False)])
-    def test_room_for_one_more_question_is_left(self, asked, size: int, goes: bool) -> None:
+    def test_room_for_one_more_question_is_left(self, asked, size, goes):
         prover, entry, went = asked
         # Of 3 * 14 bytes the question took 17, and the next one is to have as many.
         assert (entry.claim.received, list(map(len, went))) == (14, [17])
@@ -151,19 +149,19 @@ class TestProof:
         assert (len(went) == 2, len(entry.claim.held)) == (goes, 0 if goes else 1)
 
     @pytest.mark.parametrize(("wrong", "counts"), [(7, True), (8, False)])
-    def test_only_so_many_guesses_are_taken(self, asked, wrong: int, counts: bool) -> None:
+    def test_only_so_many_guesses_are_taken(self, asked, wrong, counts):
         prover, entry, _ = asked
         number, by = entry.claim.number, int(STRANGER)
         for index in range(1, 1 + wrong):
             assert not prover.acknowledged(by, (number + index) & 0xFFFF)
         assert prover.acknowledged(by, number) is counts
 
-    def test_what_waits_is_bounded(self, asked) -> None:
+    def test_what_waits_is_bounded(self, asked):
         prover, entry, _ = asked
         assert [prover.send(STRANGER, entry, bytes(100)) for _ in range(5)] == [True] * 4 + [False]
 
     @pytest.mark.parametrize("limit", [-1, 1, 2, 1001])
-    def test_a_limit_that_leaves_no_room_is_refused(self, limit: int) -> None:
+    def test_a_limit_that_leaves_no_room_is_refused(self, limit):
         with pytest.raises(ValueError, match="amplification_limit"):
             TransportSettings(amplification_limit=limit)
 
@@ -174,7 +172,7 @@ class TestPlaces:
         trusts = lambda endpoint: endpoint[0].startswith("10.")  # noqa: E731
         return AddressBook(10.0, Counters(), fixed=request.param, places=16, trusts=trusts)
 
-    def test_invented_names_push_out_each_other(self, book: AddressBook) -> None:
+    def test_invented_names_push_out_each_other(self, book):
         assert book.learn(FRIEND, ("10.0.0.1", 1), 0.0)
         for number, address in enumerate(identities(100)):
             assert book.learn(address, ("192.0.2.1", 1), float(number))
@@ -184,14 +182,14 @@ class TestPlaces:
         assert {FRIEND, late} <= set(book.learnt)
         assert len(book.learnt) == 16
 
-    def test_so_do_those_of_forged_hosts(self, book: AddressBook) -> None:
+    def test_so_do_those_of_forged_hosts(self, book):
         assert book.learn(FRIEND, ("10.0.0.1", 1), 0.0)
         for number, address in enumerate(identities(100)):
             assert book.learn(address, (f"192.0.2.{number}", 1), float(number))
         assert FRIEND in book.learnt
         assert len(book.learnt) == 16
 
-    def test_proved_ones_of_one_host_leave_room_for_another(self, book: AddressBook) -> None:
+    def test_proved_ones_of_one_host_leave_room_for_another(self, book):
         for number, address in enumerate(identities(100)):
             assert book.learn(address, ("10.0.0.66", 1), float(number))
         assert book.learn(FRIEND, ("10.0.0.1", 1), 100.0)
@@ -199,7 +197,7 @@ class TestPlaces:
             assert book.learn(address, ("10.0.0.66", 1), 100.0 + number)
         assert FRIEND in book.learnt
 
-    def test_stated_and_controlling_ones_have_places_of_their_own(self, book: AddressBook) -> None:
+    def test_stated_and_controlling_ones_have_places_of_their_own(self, book):
         book.configure({FRIEND: ("10.0.0.1", 1)})
         book.keep_place(ROBOT, STRANGER)
         for address in (FRIEND, STRANGER):
@@ -212,7 +210,7 @@ class TestPlaces:
         assert book.learn(JausAddress(7, 1, 1), ("10.0.0.66", 1), 200.0)
         assert STRANGER not in book.learnt
 
-    def test_who_has_proved_nothing_keeps_nobody_out(self) -> None:
+    def test_who_has_proved_nothing_keeps_nobody_out(self):
         book = AddressBook(10.0, Counters(), fixed=True, trusts=lambda _endpoint: False)
         assert book.learn(FRIEND, ("192.0.2.1", 1), 0.0)
         assert book.learn(FRIEND, ("10.0.0.1", 1), 0.1)

@@ -1,7 +1,5 @@
 """Processes of real components on each transport, and what they say when a port is taken."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
@@ -10,8 +8,8 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import ports
 import pytest
@@ -26,9 +24,6 @@ from jausml.runtime.transports import ports as port_holder
 from jausml.runtime.transports.jtcp import JtcpTransport
 from jausml.runtime.transports.node_manager import NodeManagerTransport
 from jausml.runtime.transports.udp.judp import JudpTransport
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.ports
 

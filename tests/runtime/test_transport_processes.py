@@ -1,21 +1,16 @@
 """Several processes of one host on one JUDP port."""
 
-from __future__ import annotations
-
 import queue
 import subprocess
 import sys
 import threading
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.transports.packets.packet import AckNak, Packet
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
 
 pytestmark = pytest.mark.ports
 
@@ -95,7 +90,7 @@ def ask(peer, address: JausAddress, sequence: int) -> Packet:
     return next(answer for answer in answers if answer.acknowledge is not AckNak.ACK)
 
 
-def test_processes_share_the_port_and_reach_each_other(process, free_port: int) -> None:
+def test_processes_share_the_port_and_reach_each_other(process, free_port):
     a, b, c = process(A), process(B), process(C)
     assert a.port == free_port
     assert len({a.port, b.port, c.port}) == 3
@@ -107,7 +102,7 @@ def test_processes_share_the_port_and_reach_each_other(process, free_port: int) 
     assert c.expect("got") == f"got {B} {C} 00d06869"
 
 
-def test_the_owner_forwards_to_the_process_that_is_meant(process, peer) -> None:
+def test_the_owner_forwards_to_the_process_that_is_meant(process, peer):
     process(A)
     b = process(B)
     assert ask(peer, A, 1).payload == b"\x00\xd0hi"
@@ -116,7 +111,7 @@ def test_the_owner_forwards_to_the_process_that_is_meant(process, peer) -> None:
     assert b.expect("got") == f"got {PEER} {B} 02406869"
 
 
-def test_another_process_takes_over_the_port_of_a_dead_owner(process, peer, free_port: int) -> None:
+def test_another_process_takes_over_the_port_of_a_dead_owner(process, peer, free_port):
     a, b, c = process(A), process(B), process(C)
     a.kill()
     assert any(takes_over(one, free_port) for one in (b, c))

@@ -1,7 +1,5 @@
 """What systemd hears of a process that it watches."""
 
-from __future__ import annotations
-
 import os
 import signal
 import socket

@@ -1,7 +1,5 @@
 """The argument of a safety case: what answers a hazard, what does not, and what evidence says."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

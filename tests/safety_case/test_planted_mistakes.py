@@ -1,7 +1,5 @@
 """A bar against evidence that is green by silence: each planted mistake is noticed by who must."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

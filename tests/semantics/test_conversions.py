@@ -1,7 +1,5 @@
 """Each conversion is one object, and what it computes is what the runtime computes."""
 
-from __future__ import annotations
-
 import ast
 import inspect
 import math

@@ -1,7 +1,5 @@
 """The definition of each conversion, in Python, gives what the runtime gives, to the last bit."""
 
-from __future__ import annotations
-
 import math
 import random
 import struct

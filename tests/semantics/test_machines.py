@@ -1,7 +1,5 @@
 """Machines along inheritance, paths of states, and what targets mean."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from types import SimpleNamespace
 

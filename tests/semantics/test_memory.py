@@ -1,7 +1,5 @@
 """Answers are remembered while somebody says that nothing changes, and not a moment longer."""
 
-from __future__ import annotations
-
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest

@@ -1,7 +1,5 @@
 """Names: the same verdicts as ROS 2 and as the generators."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 from hypothesis import given

@@ -1,7 +1,5 @@
 """Ranges are never narrower than the truth: what the runtime computes lies within them."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

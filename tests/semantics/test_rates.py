@@ -1,18 +1,11 @@
 """Zeros stop a command of which all numbers are rates, and no other."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 
 from jausml.language.metamodel.classes import bridge
 from jausml.language.model import read_models
 from jausml.language.semantics.assignments.units import fills_rates_alone
 from jausml.language.text.notation import NOTATIONS
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SPEED = "X -> twist.twist.linear.x"
 TIME = "TimeStamp -> header.stamp : timestamp_to_time"
@@ -22,7 +15,7 @@ TIME = "TimeStamp -> header.stamp : timestamp_to_time"
     ("name", "expected"),
     [("velocity_command", True), ("local_waypoint", False), ("wrench_effort", True)],
 )
-def test_of_ready_maps(tmp_path: Path, name: str, expected: bool) -> None:
+def test_of_ready_maps(tmp_path, name, expected):
     path = tmp_path / "m.ros2jaus"
     path.write_text(
         "import mappings.velocity_state_driver\nimport mappings.local_waypoint_driver\n"
@@ -45,9 +38,7 @@ def test_of_ready_maps(tmp_path: Path, name: str, expected: bool) -> None:
         ("", TIME, False),
     ],
 )
-def test_a_speed_beside_other_numbers_is_not_alone(
-    tmp_path: Path, speed: str, more: str, expected: bool
-) -> None:
+def test_a_speed_beside_other_numbers_is_not_alone(tmp_path, speed, more, expected):
     """A quaternion of zeros is no orientation, and an attitude of zeros no standstill."""
     path = tmp_path / "m.ros2jaus"
     path.write_text(
@@ -61,7 +52,7 @@ def test_a_speed_beside_other_numbers_is_not_alone(
     assert fills_rates_alone(used, to_ros=True) is expected
 
 
-def test_a_number_of_no_unit_is_what_its_source_is(tmp_path: Path) -> None:
+def test_a_number_of_no_unit_is_what_its_source_is(tmp_path):
     path = tmp_path / "m.ros2jaus"
     path.write_text(
         "import jaus.mobility\n"

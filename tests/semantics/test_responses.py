@@ -1,7 +1,5 @@
 """Which messages answer a command."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import jaus

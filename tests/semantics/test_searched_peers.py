@@ -1,7 +1,5 @@
 """In which state those obey that are searched for: what they provide, and what components do."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import bridge

@@ -1,7 +1,5 @@
 """Core services that components provide though their models do not name them."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import jaus, system

@@ -1,7 +1,5 @@
 """What a stop sends: what it states and what says what a message means, and no speed of a map."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import bridge

@@ -1,7 +1,5 @@
 """Endpoints of bridges in ROS: which reliability they have where the model leaves it open."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import system

@@ -1,7 +1,5 @@
 """Constants, paths and flows, one by one."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """What the page is told of a running system, by ids of its system view."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

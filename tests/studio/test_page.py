@@ -1,7 +1,5 @@
 """The pages of the studio and of the operator unit, without a server and without a browser."""
 
-from __future__ import annotations
-
 import gzip
 import subprocess
 

@@ -1,7 +1,5 @@
 """What can be seen of a page and taken hold of: rules of axe, and whether controls are whole."""
 
-from __future__ import annotations
-
 import needs
 
 

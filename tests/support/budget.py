@@ -1,7 +1,5 @@
 """A time for a run of tests, `-p budget --budget 15`: what is left after it is skipped."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

@@ -9,8 +9,6 @@ waits for it.
 Usage: compile_once.py FOLDER COMPILER ARGUMENT...
 """
 
-from __future__ import annotations
-
 import fcntl
 import hashlib
 import os

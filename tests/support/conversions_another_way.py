@@ -4,8 +4,6 @@ Orientations are products of turns about single axes, and their angles where the
 a body; times are those of the calendar of the standard library.
 """
 
-from __future__ import annotations
-
 import math
 from datetime import datetime, timedelta, timezone
 

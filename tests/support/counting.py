@@ -1,15 +1,10 @@
 """What some work costs, counted in calls: the same on any machine."""
 
-from __future__ import annotations
-
 import re
 import sys
 from collections import Counter
+from collections.abc import Callable
 from cProfile import Profile
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 
 def calls(work: Callable[[], object]) -> Counter[str]:

@@ -1,15 +1,10 @@
 """Generated deployments in tests: installed into a folder, and what systemd would run of them."""
 
-from __future__ import annotations
-
 import os
 import shlex
 import subprocess
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
 
 
 def install(host_folder: Path, image: Path) -> None:

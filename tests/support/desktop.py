@@ -1,7 +1,5 @@
 """The page as its users meet it: what they see has a role and a name."""
 
-from __future__ import annotations
-
 import re
 
 from playwright.sync_api import expect

@@ -1,7 +1,5 @@
 """Random edits of model files, text and XMI: most leave a model that can be read, some do not."""
 
-from __future__ import annotations
-
 import re
 
 WORD = re.compile(r"[A-Za-z_][\w./]*|\d+(?:\.\d+)*")

@@ -1,7 +1,5 @@
 """The members of a ROS message that corresponds to a wrench effort as a whole (AS6009)."""
 
-from __future__ import annotations
-
 EFFORTS = [
     f"{kind}_{motion}_effort_{axis}"
     for kind in ("propulsive", "resistive")

@@ -5,8 +5,6 @@ not have, or more of them than it allows. A line of it is `MOST | REASON | WHY`:
 files that are skipped as a whole, may be for reasons that begin so. Others begin with `#`.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from pathlib import Path
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Systems of as many groups as one likes: vehicles, a bridge and eight connections each."""
 
-from __future__ import annotations
-
 GROUP = """
     component vehicle_{n} {{
         external: true

@@ -5,17 +5,13 @@ Here they are one test, or some `shards` of about the same size, in which each v
 all that fail are named. Fixtures are made once for all values of a test.
 """
 
-from __future__ import annotations
-
 import functools
 import inspect
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import pytest
 from sweeps import REST, sweep
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
 
 
 def for_each(

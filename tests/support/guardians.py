@@ -1,7 +1,5 @@
 """Finds the guardian that stands beside a bridge."""
 
-from __future__ import annotations
-
 import time
 from contextlib import suppress
 from pathlib import Path

@@ -9,8 +9,6 @@ Nobody returns from a namespace, so another process tries all of it first: where
 after the network has been given, which happens in a chroot, the tests keep the network they have.
 """
 
-from __future__ import annotations
-
 import ctypes
 import errno
 import fcntl
@@ -20,12 +18,9 @@ import socket
 import struct
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 # <sched.h>, <sys/mount.h>, <linux/sockios.h>, <net/if.h>, <net/route.h>, <linux/capability.h>
 CLONE_NEWNS, CLONE_NEWUSER, CLONE_NEWNET = 0x20000, 0x10000000, 0x40000000

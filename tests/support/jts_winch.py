@@ -4,16 +4,11 @@ The C++ of its generator ran on Junior, on loopback. AccessControl, Management, 
 were filled in by hand, as its users have to; the layouts of messages are its own.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.live.peers.makes.junior import JuniorPeer
+from jausml.live.peers.makes.vehicle import Place
 from jausml.runtime.base.address import JausAddress
-
-if TYPE_CHECKING:
-    from jausml.live.peers.makes.vehicle import Place
 
 ADDRESS = JausAddress(126, 1, 1)
 SERVICE = Path(__file__).parents[2] / "models" / "examples" / "winch" / "service.xmi"

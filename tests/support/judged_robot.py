@@ -4,8 +4,6 @@ Most faults are of what it sends or hears: it is mute of a report, or deaf of a 
 are named where the robot does it wrong.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from math import atan2, cos, hypot, sin
 

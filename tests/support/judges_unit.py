@@ -5,20 +5,15 @@ broadcast, and begins its numbers at 1 in each test. For processes that have the
 generated workspace on their module path.
 """
 
-from __future__ import annotations
-
 import select
 import socket
 import struct
 import time
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
 
 from jausml_runtime.base.address import JausAddress
 from jausml_runtime.base.counters import Counters
 from jausml_runtime.transports.packets.packet import AckNak, Packet, parse_datagram
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 UNIT, ROBOT = JausAddress(42, 1, 1), JausAddress(105, 1, 255)
 ALL = 2

@@ -1,7 +1,5 @@
 """Systems of any size: groups of four components and a bridge with eight connections."""
 
-from __future__ import annotations
-
 _CONNECTION = """\
     connection velocity{number} {{
         map: velocity_state_twist

@@ -1,7 +1,5 @@
 """The messages of Nav2, of which there is no wheel: made once for all tests that carry them."""
 
-from __future__ import annotations
-
 import needs
 import processor_time
 from type_support import built

@@ -6,8 +6,6 @@ does so in a fixture, or at the top of a module. What stands beside the checkout
 so that `-m beside` chooses these tests. The reason of a skip is the cure.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import os
@@ -15,9 +13,9 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Callable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import build_studio
 import emf_check
@@ -28,9 +26,6 @@ import type_support
 from jausml.generation.native import compiler, first_program
 from jausml.language.interfaces import Installation
 from jausml.live.programs import PROGRAMS
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 ROOT = Path(__file__).resolve().parents[2]
 SHARED = Path(os.environ.get("JAUSML_SHARED") or ROOT.parent / "shared")

@@ -1,14 +1,9 @@
 """Two hosts on one wire: network namespaces, joined by a pair of virtual interfaces."""
 
-from __future__ import annotations
-
 import subprocess
 import time
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
 
 _HOLDER = "ip link set lo up && ip link set lo multicast on && echo ready && exec cat"
 

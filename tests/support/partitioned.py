@@ -1,7 +1,5 @@
 """Robots of any size in one bridge, whose components and nodes are on several hosts."""
 
-from __future__ import annotations
-
 import random
 
 HEAD = """\

@@ -1,7 +1,5 @@
 """Mistakes that are planted in a model, and what must notice each."""
 
-from __future__ import annotations
-
 TURN, SPEED = ("Turn -> turn", "turn -> Turn"), ("Speed -> speed", "speed -> Speed")
 TEMPERATURES = "BowTemp -> bow_temp\n        SternTemp -> stern_temp"
 BACK = "bow_temp -> BowTemp\n        stern_temp -> SternTemp"

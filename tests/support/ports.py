@@ -5,8 +5,6 @@ ports come from above those that it gives away, each worker has its own share of
 comes but once in a process until they have all been given.
 """
 
-from __future__ import annotations
-
 import os
 import socket
 from itertools import count

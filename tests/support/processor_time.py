@@ -11,21 +11,17 @@ Of a run that has the slow tests too, the others alone may not take more than th
 may take less where a slow one of the file came first to what both need.
 """
 
-from __future__ import annotations
-
 import re
 import resource
 import time
 from collections import Counter
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 import warm
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
 
 ROOT = Path(__file__).resolve().parents[2]
 TABLE = ROOT / "CONTRIBUTING.md"

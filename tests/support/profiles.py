@@ -1,7 +1,5 @@
 """What a person decides in the models of `jausml init --from iop-...`, so that they validate."""
 
-from __future__ import annotations
-
 ADDRESSES = {
     "iop-ugv": "100.1.1",
     "iop-payload": "100.2.1",

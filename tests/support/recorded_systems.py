@@ -1,7 +1,5 @@
 """Recordings of the test bridge as `jausml record` writes them, made by hand and in no time."""
 
-from __future__ import annotations
-
 import io
 from dataclasses import dataclass
 from functools import cache, partial

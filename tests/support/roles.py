@@ -3,12 +3,10 @@
 For the processes alone, which have the runtime of a generated workspace on their module path.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import threading
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
 
 from jausml_runtime import (
     ComponentProgram,
@@ -17,9 +15,6 @@ from jausml_runtime import (
     ServiceIdentity,
     run_component,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
 
 CONTROLLED = ("Transport", "Events", "AccessControl", "Management")
 FOUND = (*CONTROLLED, "Discovery")

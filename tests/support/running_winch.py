@@ -1,23 +1,18 @@
 """The winch of the examples, which tells where its machine is, generated and in a process."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from shutil import copy
-from typing import TYPE_CHECKING
 
 from workspaces import python_path, write
 
 from jausml.generation.target import load_targets
 from jausml.language.model import read_models
 from jausml.language.model.library import LIBRARY_URI
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 EXAMPLE = Path(__file__).parents[2] / "models" / "examples" / "winch"
 ADDRESS = "120.1.1"

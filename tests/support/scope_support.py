@@ -1,7 +1,5 @@
 """Models of which views and proposals are computed."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

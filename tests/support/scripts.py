@@ -1,16 +1,13 @@
 """Scripts that start others beside them, of which nothing is left."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
 import time
+from collections.abc import Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
 PATIENCE = 20.0
 """Seconds in which what was started shall end when it is told to."""
@@ -48,3 +45,10 @@ def _end(group: int) -> None:
             time.sleep(0.05)
             os.killpg(group, 0)
         os.killpg(group, signal.SIGKILL)
+
+
+def succeeded(line: Sequence[str | Path], **options: Any) -> subprocess.CompletedProcess[str]:
+    """Runs a program as `subprocess.run` does, with its output as text; it must not fail."""
+    done = subprocess.run(line, capture_output=True, text=True, check=False, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done

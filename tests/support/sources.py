@@ -1,7 +1,5 @@
 """The modules of the project, for tests that look at all of them."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -5,20 +5,15 @@ of its output, in order, for which `&` waits; `!` an exit status that is not 0. 
 begin a file, up to a line of `>>`. Other lines tell what happens.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal
 import subprocess
 import time
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from pathlib import Path
+from pathlib import Path
 
 PATIENCE = 120
 """Seconds for one command, on a computer that is busy with others."""

@@ -1,19 +1,15 @@
 """Somebody whom nobody knows: a bare socket that says what it likes."""
 
-from __future__ import annotations
-
 import contextlib
 import socket
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.messages import CreateEvent, QueryStatus
 from jausml.runtime.transports.packets.packet import AckNak, Packet, parse_datagram
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 _MOST_AT_ONCE = 1000
 

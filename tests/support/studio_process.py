@@ -3,8 +3,6 @@
 Usage: studio_process.py PAGE VERB ARGUMENT...
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 from pathlib import Path

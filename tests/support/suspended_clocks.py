@@ -4,15 +4,10 @@ While a computer is suspended `CLOCK_MONOTONIC` rests, and `CLOCK_BOOTTIME` goes
 processes load first adds to the latter what a file says.
 """
 
-from __future__ import annotations
-
 import os
 import struct
 import subprocess
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from pathlib import Path
 
 _SOURCE = r"""
 #include <dlfcn.h>

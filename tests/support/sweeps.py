@@ -3,16 +3,11 @@
 `make test-random` takes all of it.
 """
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
-
 
 WHOLE = "JAUSML_EXAMPLES" in os.environ
 REST = 5

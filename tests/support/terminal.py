@@ -1,7 +1,5 @@
 """A process at a terminal of its own, as somebody sits before it."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import pty
@@ -10,11 +8,8 @@ import select
 import signal
 import subprocess
 import time
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-    from pathlib import Path
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 _ESCAPE = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")
 BOUND = 60.0

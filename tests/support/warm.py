@@ -29,6 +29,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -58,11 +59,13 @@ _WINGS = (
 _OF_EDITORS = "jausml.authoring.editor.server"
 """What needs a protocol that takes long to load, and that no test speaks with a warm process."""
 _OF_SERVERS = (
+    "anyio._backends._asyncio",
+    "anyio._core._synchronization",
     "uvicorn.lifespan.on",
     "uvicorn.protocols.http.h11_impl",
     "uvicorn.protocols.websockets.auto",
 )
-"""What uvicorn loads when it begins to serve."""
+"""What a server loads when it begins to serve."""
 
 _servers: list[int] = []
 """The process, once it was started."""
@@ -188,14 +191,12 @@ def library_cache() -> LibraryCache:
     return LibraryCache()
 
 
-def _share_library() -> None:
-    """Lets this process read no part of the library again."""
-    from jausml.language import project
+def _share_library(cache: LibraryCache | None) -> None:
+    """Lets this process read no part of the library again that is in a cache."""
     from jausml.language.model.reading.reader import read_models
 
     assert read_models.__kwdefaults__ is not None
-    read_models.__kwdefaults__["cache"] = library_cache()
-    project.LibraryCache = library_cache  # type: ignore[assignment, misc]
+    read_models.__kwdefaults__["cache"] = cache
 
 
 @functools.cache
@@ -205,11 +206,16 @@ def load() -> None:
     from jausml.generation.rendering import render
     from jausml.generation.target import load_targets
     from jausml.generation.workspace import select
+    from jausml.language import project
     from jausml.language.model.reading.reader import read_models
     from jausml.language.text.notation import NOTATIONS
     from jausml.language.validation.engine import check
     from jausml.live.messages import load_catalogue
 
+    _share_library(library_cache())
+    for with_maps in (False, True):
+        project.library(with_maps=with_maps)
+    _share_library(None)
     model = ROOT / "models" / "catvehicle" / "catvehicle.xmi"
     read = read_models([model], notations=NOTATIONS, cache=library_cache())
     render(check(read).model, select(load_targets()).targets)
@@ -266,8 +272,10 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
         exec(request["arguments"][-1], {"__name__": "__main__"})  # noqa: S102 - as `-c` does
         sys.exit()
     from jausml.cli import program
+    from jausml.language import project
 
-    _share_library()
+    _share_library(library_cache())
+    project.LibraryCache = library_cache  # type: ignore[assignment, misc]
     sys.argv = ["jausml", *request["arguments"]]
     if page := os.environ.pop(PAGE, ""):
         from jausml.authoring.studio import serving
@@ -276,7 +284,21 @@ def _run(request: dict[str, Any], streams: list[int]) -> None:
         serving.PAGE = operating.PAGE = Path(page)
         warnings.simplefilter("error")
         warnings.filterwarnings("ignore", OF_PYGLS)
-    program()
+    try:
+        program()
+    except SystemExit as end:
+        _leave(end.code)
+        raise
+
+
+def _leave(status: object) -> None:
+    """Ends this process without taking apart what it has loaded, if all is said."""
+    threading._shutdown()
+    atexit._run_exitfuncs()
+    with contextlib.suppress(OSError, TypeError):
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(status or 0)
 
 
 if __name__ == "__main__":

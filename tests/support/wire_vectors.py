@@ -1,7 +1,5 @@
 """Vectors of messages: those of tests/vectors, and those that other implementations made."""
 
-from __future__ import annotations
-
 import functools
 import json
 import math

@@ -1,30 +1,24 @@
 """Generated workspaces in tests: those that many want, and where Python finds their packages."""
 
-from __future__ import annotations
-
 import json
 import os
 import shutil
 import sys
 import tempfile
 import time
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import version
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from type_support import require_own
 
 from jausml.generation.rendering import render
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
-    from typing import Any
-
-    from jausml.generation.target import Target
-    from jausml.language.model import Model
+from jausml.generation.target import Target
+from jausml.language.model import Model
 
 _FORGOTTEN = 24 * 3600
 """Seconds after which what another state of the project has generated is removed."""

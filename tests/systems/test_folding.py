@@ -1,7 +1,5 @@
 """The state of a running system, folded from what is told of it."""
 
-from __future__ import annotations
-
 import json
 
 import pytest
@@ -82,7 +80,7 @@ def only(state: SystemState) -> ConnectionState:
     return found
 
 
-def test_nothing_is_said_that_was_not_observed() -> None:
+def test_nothing_is_said_that_was_not_observed():
     state = fold_source(fold_source(expected((), {"10.1.1": "base"}, 0.0), "JAUS", ""), "ROS", "")
     silent = state.components["10.1.1"]
     assert (silent.level, silent.reason) == (Level.UNKNOWN, "was not asked")
@@ -94,7 +92,7 @@ def test_nothing_is_said_that_was_not_observed() -> None:
     assert state_as_json(told)["sources"] == {"JAUS": "heard", "ROS": "nothing heard"}
 
 
-def test_who_spoke_before_the_model_was_known_gets_its_name() -> None:
+def test_who_spoke_before_the_model_was_known_gets_its_name():
     heard = fold_answer(SystemState(), ComponentAnswer("10.1.1", source=AnswerSource.ITSELF), 1.0)
     assert fold_model(heard, (), {"10.1.1": "base"}, 2.0).components["10.1.1"].name == "base"
 

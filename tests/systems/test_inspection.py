@@ -1,7 +1,5 @@
 """Where the last messages of a connection are, and how they are shown."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import needs
@@ -99,7 +97,6 @@ def test_without_sources_it_says_so():
     inspection.close()
 
 
-@pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning")
 def test_ros_messages_as_lines():
     needs.ask("rclpy")
     from diagnostic_msgs.msg import DiagnosticStatus, KeyValue

@@ -1,7 +1,5 @@
 """The terminal view, driven by keys; its states are real."""
 
-from __future__ import annotations
-
 import asyncio
 
 import pytest

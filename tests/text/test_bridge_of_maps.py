@@ -1,7 +1,5 @@
 """A bridge of all maps of a text, by options of the command line."""
 
-from __future__ import annotations
-
 import pytest
 from click.testing import CliRunner
 from test_figure_5 import FIGURE_5

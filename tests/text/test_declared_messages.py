@@ -2,8 +2,6 @@
 
 # ruff: noqa: E501 -- a text stands on one line
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import jaus, ros

@@ -1,7 +1,5 @@
 """Direction and exchange follow from services, peers and maps where they leave one way."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel.classes import bridge

@@ -1,7 +1,5 @@
 """Figure 5 of the paper as it stands: declarations, and members checked against what is known."""
 
-from __future__ import annotations
-
 import pytest
 
 FIGURE_5 = """\

@@ -1,7 +1,5 @@
 """Files that are no text as it should be: line ends, emptiness, numbers without end."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.model import read_models

@@ -1,7 +1,5 @@
 """The layout of ros2jaus text: what is written is what is read, and nothing gets lost."""
 
-from __future__ import annotations
-
 import dataclasses
 import re
 

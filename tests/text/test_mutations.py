@@ -1,7 +1,5 @@
 """Whatever a text holds: reading ends, raises nothing, and places each finding within the text."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

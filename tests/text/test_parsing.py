@@ -1,7 +1,5 @@
 """The parser of ros2jaus text: all faults in one run, located, and never an exception."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """Models in XMI become ros2jaus text and models again: nothing is lost, nothing is added."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 from tempfile import TemporaryDirectory

@@ -1,7 +1,5 @@
 """The rules of the text language are data, and each of them has a failing text."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

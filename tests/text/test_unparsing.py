@@ -1,7 +1,5 @@
 """How models read in ros2jaus text."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.metamodel import load_metamodels

@@ -1,8 +1,6 @@
 """Texts: written, read, and compared with markers that stand at the findings."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from reader_support import strip
 
@@ -10,9 +8,6 @@ from jausml.language.model import read_models
 from jausml.language.model.comparison import compare
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 
 class Texts:

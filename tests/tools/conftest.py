@@ -1,17 +1,12 @@
 """Tools that several tests share."""
 
-from __future__ import annotations
-
 import importlib.util
 import sys
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
 
 import pytest
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from types import ModuleType
 
 TOOLS = Path(__file__).resolve().parents[2] / "tools"
 

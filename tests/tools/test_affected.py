@@ -1,7 +1,5 @@
 """What changed decides which tests run, and those nearest to it come first."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +7,7 @@ from pathlib import Path
 import pytest
 from affected import Checkout, changed_files, guards
 from quick import NEAREST
+from scripts import succeeded
 
 ROOT = Path(__file__).resolve().parents[2]
 FILES = {
@@ -66,10 +65,7 @@ def listed(checkout):
             *changed,
         ]
         environment = {"PYTHONPATH": str(ROOT / "tools")}
-        result = subprocess.run(
-            command, cwd=checkout, env=environment, capture_output=True, text=True, timeout=60
-        )
-        assert result.returncode == 0, result.stderr
+        result = succeeded(command, cwd=checkout, env=environment, timeout=60)
         return [Path(word).relative_to(checkout).as_posix() for word in result.stdout.split()]
 
     return run

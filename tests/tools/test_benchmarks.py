@@ -1,19 +1,17 @@
 """Benchmarks: what they import is there, each of them works, and the page is that of its data."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import importlib.util
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import needs
 import pytest
 from for_each import for_each
+from scripts import succeeded
 from sweeps import sweep
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -174,8 +172,7 @@ def test_each_target_is_measured(section, page, tmp_path):
     data, written = tmp_path / "results.json", tmp_path / "performance.md"
     command = [sys.executable, RUN, "--tiny", "--only", section, "--before", sys.executable]
     command += ["--data", data, "--page", written]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
+    succeeded(command)
     text = data.read_text(encoding="utf-8")
     assert str(ROOT) not in text
     assert os.uname().nodename not in text

@@ -1,7 +1,5 @@
 """What stands beside the checkout is asked for in one place: nothing else looks outside of it."""
 
-from __future__ import annotations
-
 import ast
 import re
 from pathlib import Path

@@ -1,22 +1,18 @@
 """The tool that writes the library: from facts to models that our reader takes as they are."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 import sys
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import Any
 
 import pytest
 from needs import SHARED
 
 from jausml.language.metamodel.classes import jaus
 from jausml.language.model import read_models
-
-if TYPE_CHECKING:
-    from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "models" / "library" / "jaus"
@@ -98,9 +94,7 @@ def tool() -> ModuleType:
     return module
 
 
-def test_the_facts_arrive_in_the_model(
-    tool: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_facts_arrive_in_the_model(tool, tmp_path, capsys):
     facts = tmp_path / "facts.json"
     facts.write_text(json.dumps(SMALL), "utf-8")
     assert tool.main([str(facts), str(tmp_path / "out")]) == 0
@@ -121,26 +115,24 @@ def test_the_facts_arrive_in_the_model(
     assert (interval.lower, interval.upper, interval.upperInclusive) == (1.0, 9.0, False)
 
 
-def test_the_same_facts_give_the_same_bytes(tool: ModuleType) -> None:
+def test_the_same_facts_give_the_same_bytes(tool):
     assert tool.build(SMALL) == tool.build(json.loads(json.dumps(SMALL)))
 
 
-def test_wrong_arguments_show_the_usage(
-    tool: ModuleType, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_wrong_arguments_show_the_usage(tool, capsys):
     assert tool.main([]) == 2
     assert "Usage" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("path", sorted(LIBRARY.glob("*.xmi")), ids=lambda path: path.name)
-def test_the_shipped_library_has_no_problem(path: Path) -> None:
+def test_the_shipped_library_has_no_problem(path):
     result = read_models([path])
     assert not result.diagnostics
     assert list(result.model.instances(jaus.Service))
 
 
 @pytest.mark.beside(FACTS)
-def test_the_shipped_library_is_what_the_facts_say(tool: ModuleType) -> None:
+def test_the_shipped_library_is_what_the_facts_say(tool):
     texts = tool.build(json.loads((SHARED / FACTS).read_text("utf-8")))
     shipped = {path.name: path.read_text("utf-8") for path in LIBRARY.glob("*.xmi")}
     assert {name: shipped[name] for name in texts} == texts
@@ -168,7 +160,7 @@ def library() -> Any:
     return read_models(sorted(LIBRARY.glob("*.xmi"))).model
 
 
-def test_axes_and_units_come_from_the_rules(library: Any) -> None:
+def test_axes_and_units_come_from_the_rules(library):
     velocity = fields_of(library, "ReportVelocityState")
     assert velocity["Velocity_Y"].frame.name == velocity["YawRate"].frame.name == "forwardRightDown"
     assert velocity["Velocity_RMS"].frame.name == velocity["TimeStamp"].frame.name == "unstated"
@@ -183,7 +175,7 @@ def test_axes_and_units_come_from_the_rules(library: Any) -> None:
     assert {member.units for member in wrench.values()} == {"percent"}
 
 
-def test_each_rule_is_for_fields_that_there_are(tool: ModuleType, library: Any) -> None:
+def test_each_rule_is_for_fields_that_there_are(tool, library):
     rules = tool.frame_rules()
     assert rules
     for rule in rules:

@@ -1,7 +1,5 @@
 """The references can be made, and have a section for each class, rule, verb and conversion."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

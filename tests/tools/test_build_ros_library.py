@@ -1,7 +1,5 @@
 """The library of ROS interfaces: definitions are read exactly, the output is what is shipped."""
 
-from __future__ import annotations
-
 import importlib
 from pathlib import Path
 

@@ -1,19 +1,15 @@
 """The compiler of the suite makes what the real one makes, and of the same text only once."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import compile_once
 import pytest
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from scripts import succeeded
 
 GUARDS = ("tests/support/compile_once.py",)
 REAL = next(filter(None, map(shutil.which, ("g++", "clang++"))), None)
@@ -44,7 +40,7 @@ class Compiler:
         if done.returncode:
             assert not made.exists()
             return done.stderr
-        return subprocess.run([made], capture_output=True, text=True, check=True).stdout
+        return succeeded([made]).stdout
 
     @property
     def times(self) -> int:
@@ -64,15 +60,13 @@ def written(folder: Path, said: str, program: str = "puts(SAID);") -> Path:
     return source
 
 
-def test_the_same_text_is_compiled_once_wherever_it_lies(
-    compiler: Compiler, tmp_path: Path
-) -> None:
+def test_the_same_text_is_compiled_once_wherever_it_lies(compiler, tmp_path):
     assert compiler(written(tmp_path / "one", "same")) == "same\n"
     assert compiler(written(tmp_path / "two", "same")) == "same\n"
     assert compiler.times == 1
 
 
-def test_another_header_or_option_is_another_program(compiler: Compiler, tmp_path: Path) -> None:
+def test_another_header_or_option_is_another_program(compiler, tmp_path):
     assert compiler(written(tmp_path / "one", "first")) == "first\n"
     assert compiler(written(tmp_path / "one", "other")) == "other\n"
     program = 'printf("%.3f", 0.1 * LEVEL);'
@@ -83,7 +77,7 @@ def test_another_header_or_option_is_another_program(compiler: Compiler, tmp_pat
     assert compiler.times == 5
 
 
-def test_what_a_compiler_says_is_said_each_time(compiler: Compiler, tmp_path: Path) -> None:
+def test_what_a_compiler_says_is_said_each_time(compiler, tmp_path):
     wrong = written(tmp_path / "wrong", "", "return nothing;")
     for _ in range(2):
         assert "nothing" in compiler(wrong)
@@ -93,9 +87,7 @@ def test_what_a_compiler_says_is_said_each_time(compiler: Compiler, tmp_path: Pa
     assert compiler.times == 4
 
 
-def test_workers_and_what_they_start_use_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_workers_and_what_they_start_use_it(tmp_path, monkeypatch):
     monkeypatch.setenv("CXX", "")
     compile_once.use(tmp_path, REAL)
     named = os.environ["CXX"]
@@ -106,7 +98,7 @@ def test_workers_and_what_they_start_use_it(
     assert subprocess.run([tmp_path / "made"], capture_output=True, check=True).stdout == b"hello\n"
 
 
-def test_who_asks_meanwhile_waits_for_it(compiler: Compiler, tmp_path: Path) -> None:
+def test_who_asks_meanwhile_waits_for_it(compiler, tmp_path):
     slow = compiler.real.read_text().replace("echo >>", "sleep 1; echo >>")
     compiler.real.write_text(slow)
     sources = [written(tmp_path / name, "same") for name in ("one", "two")]

@@ -1,7 +1,5 @@
 """The checker asks real EMF where that is installed, and says what to install where it is not."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

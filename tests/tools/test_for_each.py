@@ -1,7 +1,5 @@
 """Values of one test: each is tried, and each that fails is named."""
 
-from __future__ import annotations
-
 import pytest
 from for_each import for_each
 

@@ -1,7 +1,5 @@
 """The run on bare systems: what is told of it, what goes along, and what is refused."""
 
-from __future__ import annotations
-
 import os
 
 import fresh

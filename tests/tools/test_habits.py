@@ -1,7 +1,5 @@
 """Workflow, hooks and forms are well formed, and run what is there."""
 
-from __future__ import annotations
-
 import ast
 import re
 import subprocess

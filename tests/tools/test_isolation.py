@@ -1,7 +1,5 @@
 """Each worker of the test suite has a network of its own, or one worker has all ports."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -4,23 +4,18 @@ What a definition says in words is looked for by words. Each field with one of t
 stands below with the reason why it has none. A definition that changes is to be read again.
 """
 
-from __future__ import annotations
-
 import configparser
 import re
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import ModuleType
 
 import pytest
 
 from jausml.language.interfaces import Installation
 from jausml.language.metamodel.classes import ros
 from jausml.language.model import read_models
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from types import ModuleType
 
 ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "models" / "library" / "ros"
@@ -124,7 +119,7 @@ def is_covered(owner: str, name: str) -> bool:
 
 
 @pytest.mark.needs("interfaces")
-def test_each_field_that_is_announced_has_a_marker_or_a_reason(ros_library: ModuleType) -> None:
+def test_each_field_that_is_announced_has_a_marker_or_a_reason(ros_library):
     share = Installation().folder("geometry_msgs").parent
     found = list(announced(ros_library, share))
     assert len(found) > 80
@@ -133,7 +128,7 @@ def test_each_field_that_is_announced_has_a_marker_or_a_reason(ros_library: Modu
 
 
 @pytest.mark.needs("interfaces")
-def test_the_definitions_are_those_that_were_read(ros_library: ModuleType) -> None:
+def test_the_definitions_are_those_that_were_read(ros_library):
     parser = configparser.ConfigParser(delimiters=("=",))
     parser.read(ROOT / "tools" / "ros_semantics.ini", encoding="utf-8")
     share = Installation().folder("geometry_msgs").parent
@@ -145,7 +140,7 @@ def test_the_definitions_are_those_that_were_read(ros_library: ModuleType) -> No
             )
 
 
-def test_a_digest_tells_a_comment_that_changes(ros_library: ModuleType, tmp_path: Path) -> None:
+def test_a_digest_tells_a_comment_that_changes(ros_library, tmp_path):
     (tmp_path / "msg").mkdir()
     definition = tmp_path / "msg" / "Level.msg"
     definition.write_text("float32 level  # NaN if unmeasured\n")
@@ -156,7 +151,7 @@ def test_a_digest_tells_a_comment_that_changes(ros_library: ModuleType, tmp_path
     assert ros_library.digest_of(tmp_path) != first
 
 
-def test_a_marker_is_spelt_out(ros_library: ModuleType) -> None:
+def test_a_marker_is_spelt_out(ros_library):
     facts = ros_library.read_semantics(ROOT / "tools" / "ros_semantics.ini")
     (roi,) = facts["sensor_msgs/CameraInfo"]["roi"]["markers"]
     assert roi["condition"] == "roi.height == 0 and roi.width == 0"
@@ -173,9 +168,7 @@ def test_a_marker_is_spelt_out(ros_library: ModuleType) -> None:
 
 
 @pytest.mark.parametrize("line", ["perhaps: value == 0", "unknown: value ==", "unknown: sin(value"])
-def test_a_marker_that_is_none_is_refused(
-    ros_library: ModuleType, tmp_path: Path, line: str
-) -> None:
+def test_a_marker_that_is_none_is_refused(ros_library, tmp_path, line):
     (tmp_path / "facts.ini").write_text(f"[packages]\n\n[a_msgs/A]\na =\n    {line}\n")
     with pytest.raises(ros_library.LibraryError):
         ros_library.read_semantics(tmp_path / "facts.ini")

@@ -1,7 +1,5 @@
 """The page of mutations has the operators that there are, and what was found of each model."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import build_mutations

@@ -1,7 +1,5 @@
 """One place says what tests need; a test that lacks it is skipped with the cure."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

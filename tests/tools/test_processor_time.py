@@ -1,7 +1,5 @@
 """What tests cost is told by files, and a table that is wrong fails the run that judges it."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

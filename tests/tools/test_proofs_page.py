@@ -1,9 +1,6 @@
 """The page of proofs has each map, and says of each what was found."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
 
 import build_proofs
 import pytest
@@ -13,15 +10,12 @@ from jausml.language.model.library import library_paths
 from jausml.language.validation.engine import check_project
 from jausml.proving.results import FieldResult, MapResult, outcome_text
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 GUARDS = ("tools/build_proofs.py", "models/library/mappings")
 
 
 @pytest.mark.slow
 @pytest.mark.needs("compiler")
-def test_a_ready_map_makes_a_page(tmp_path: Path) -> None:
+def test_a_ready_map_makes_a_page(tmp_path):
     page = tmp_path / "made" / "proofs.md"
     (maps,) = (path for path in library_paths("mappings") if path.stem == "ackermann_driver")
     build_proofs.main(["--budget", "0.1", "--page", str(page), str(maps)])
@@ -33,7 +27,7 @@ def test_a_ready_map_makes_a_page(tmp_path: Path) -> None:
     assert "SetAckermannConfiguration and AckermannDriveStamped: 7 numbers" in text
 
 
-def test_what_was_found_of_a_map_is_told() -> None:
+def test_what_was_found_of_a_map_is_told():
     def number(path: str, unchanged: int, *, has_back: bool) -> FieldResult:
         made = FieldResult("JAUS", path, "", 8, 1.0, (0.0, 255.0), 256, 256, has_back)
         made.unchanged, made.changed = unchanged, 256 - unchanged

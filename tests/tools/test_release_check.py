@@ -1,7 +1,5 @@
 """What a release must have, without building one."""
 
-from __future__ import annotations
-
 from importlib import metadata
 
 import pytest
@@ -45,7 +43,7 @@ def test_each_dependency_of_the_project_has_a_lowest_version():
     assert {"pyecore==0.15.2", "textual==6.2", "mcap==1.6", "uvicorn==0.53"} <= set(found)
 
 
-def test_a_wheel_has_its_pages() -> None:
+def test_a_wheel_has_its_pages():
     page = [f"{folder}{file}" for folder in PAGES for file in ("index.html", "assets/index-abc.js")]
     check_page([*page, "jausml/__init__.py"])
     for missing in page:

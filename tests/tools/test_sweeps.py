@@ -1,7 +1,5 @@
 """Of a sweep a part guards, the others are slow, and CI runs both."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

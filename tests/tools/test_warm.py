@@ -1,7 +1,5 @@
 """Commands and workers of the suite begin as forks of a process that has all loaded."""
 
-from __future__ import annotations
-
 import os
 import subprocess
 

@@ -1,24 +1,17 @@
 """Workspaces that tests share are those of their documents, targets and state of the project."""
 
-from __future__ import annotations
-
 import os
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 import type_support
 import workspaces
 
-from jausml.language.model import read_models
+from jausml.language.model import Model, read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml_generators.jaus_component.target import TARGET as COMPONENT
 from jausml_generators.runtime.target import TARGET as RUNTIME
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from jausml.language.model import Model
 
 GUARDS = ("tests/support/workspaces.py",)
 
@@ -39,7 +32,7 @@ def model(folder: Path, address: str = "1.1.1") -> Model:
 
 
 @pytest.mark.parametrize("mode", [0o777, 0o720])
-def test_a_folder_in_which_others_may_write_is_not_used(tmp_path: Path, mode: int) -> None:
+def test_a_folder_in_which_others_may_write_is_not_used(tmp_path, mode):
     root = tmp_path / f"jausml-workspaces-{os.getuid()}"
     root.mkdir()
     root.chmod(mode)
@@ -47,7 +40,7 @@ def test_a_folder_in_which_others_may_write_is_not_used(tmp_path: Path, mode: in
         workspaces.kept(model(tmp_path), [RUNTIME])
 
 
-def test_a_link_to_a_folder_is_not_used(tmp_path: Path) -> None:
+def test_a_link_to_a_folder_is_not_used(tmp_path):
     (tmp_path / "elsewhere").mkdir(mode=0o700)
     (tmp_path / f"jausml-workspaces-{os.getuid()}").symlink_to(tmp_path / "elsewhere")
     with pytest.raises(PermissionError, match="not this user's alone"):
@@ -55,7 +48,7 @@ def test_a_link_to_a_folder_is_not_used(tmp_path: Path) -> None:
 
 
 @pytest.mark.needs("rclpy", "type support")
-def test_compiled_type_support_of_others_is_not_loaded() -> None:
+def test_compiled_type_support_of_others_is_not_loaded():
     types = ("msg/MissedWaypoint.msg",)
     planted = type_support._folder("nav2_msgs", types)
     planted.mkdir(parents=True)
@@ -64,14 +57,14 @@ def test_compiled_type_support_of_others_is_not_loaded() -> None:
         type_support.built("nav2_msgs", types)
 
 
-def test_the_same_is_generated_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_same_is_generated_once(tmp_path, monkeypatch):
     found = workspaces.kept(model(tmp_path), [RUNTIME])
     assert workspaces.packages_of(found) == [str(found / "jausml_runtime")]
     monkeypatch.setattr(workspaces, "render", None)
     assert workspaces.kept(model(tmp_path), [RUNTIME]) == found
 
 
-def test_what_is_another_one_is_generated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_another_one_is_generated(tmp_path, monkeypatch):
     small = model(tmp_path)
     found = [
         workspaces.kept(small, [RUNTIME]),
@@ -85,7 +78,7 @@ def test_what_is_another_one_is_generated(tmp_path: Path, monkeypatch: pytest.Mo
     assert len(set(found)) == len(found)
 
 
-def test_what_is_not_whole_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_not_whole_is_not_kept(tmp_path, monkeypatch):
     def failing(*_: object) -> None:
         raise RuntimeError("planted")
 

@@ -1,7 +1,5 @@
 """Capture files and frames, made by hand."""
 
-from __future__ import annotations
-
 import socket
 import struct
 

@@ -1,7 +1,5 @@
 """pcap and pcapng files as frames."""
 
-from __future__ import annotations
-
 import contextlib
 import gzip
 import io

@@ -1,7 +1,5 @@
 """Frames as UDP datagrams."""
 
-from __future__ import annotations
-
 import struct
 
 import pytest

@@ -1,7 +1,5 @@
 """Hexadecimal text as people copy it."""
 
-from __future__ import annotations
-
 import contextlib
 
 import pytest

@@ -1,7 +1,5 @@
 """Listening to multicast on loopback, without taking part."""
 
-from __future__ import annotations
-
 import socket
 
 import pytest

@@ -1,7 +1,5 @@
 """JUDP datagrams as a bystander sees them."""
 
-from __future__ import annotations
-
 import json
 import re
 from functools import cache

@@ -1,7 +1,5 @@
 """JUDP between processes that share the port and so have others."""
 
-from __future__ import annotations
-
 import pytest
 from capture_files import ETHERNET, QUERY_STATUS, ethernet, ipv4, udp
 

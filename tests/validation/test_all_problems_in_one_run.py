@@ -1,7 +1,5 @@
 """One run reports all problems: a broken feature hides neither the others nor other elements."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.validation.engine import check_project

@@ -1,7 +1,5 @@
 """What documentation allows does not count, until its day."""
 
-from __future__ import annotations
-
 import json
 import re
 from datetime import date

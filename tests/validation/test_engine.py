@@ -1,7 +1,5 @@
 """The engine: one cause is one error, the library is trusted, failures name the rule."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

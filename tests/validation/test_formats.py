@@ -1,7 +1,5 @@
 """Formats of reports."""
 
-from __future__ import annotations
-
 import json
 
 from jausml.language.model import Diagnostic, Location, Related, Severity

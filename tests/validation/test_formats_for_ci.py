@@ -1,7 +1,5 @@
 """Formats of reports that build servers read."""
 
-from __future__ import annotations
-
 import json
 import re
 import xml.etree.ElementTree as ET

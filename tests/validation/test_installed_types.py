@@ -1,7 +1,5 @@
 """ROS types are compared with what is installed, where something is."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

@@ -3,8 +3,6 @@
 The rows are those of the comparison of JAUS and ROS semantics; the maps say what that bridge does.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.model import read_models

@@ -1,7 +1,5 @@
 """Models of a project are found, read and judged in one call."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

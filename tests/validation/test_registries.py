@@ -1,7 +1,5 @@
 """What is written is registered: rules of any module of their folder, output formats in theirs."""
 
-from __future__ import annotations
-
 import pkgutil
 from importlib import import_module
 

@@ -1,7 +1,5 @@
 """Each rule has a model that breaks it, with the places asserted, and one that keeps it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

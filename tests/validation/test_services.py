@@ -1,7 +1,5 @@
 """What rules ask about services: inheritance of any depth and shape."""
 
-from __future__ import annotations
-
 from counting import calls
 
 from jausml.language.validation.engine import check_project

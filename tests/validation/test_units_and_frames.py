@@ -1,7 +1,5 @@
 """Units and axes along assignments: what is right passes, what is wrong is found."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.validation.engine import check_project

@@ -1,7 +1,5 @@
 """Verdicts after edits are those of a first reading, and end when nobody wants them any more."""
 
-from __future__ import annotations
-
 import random
 from pathlib import Path
 

@@ -1,10 +1,9 @@
 """Tests of the wire model: every kind of field of the metamodel has a layout, free of the model."""
 
-from __future__ import annotations
-
+from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, get_args
+from typing import get_args
 
 import pytest
 
@@ -13,9 +12,6 @@ from jausml.language.metamodel import load_metamodels
 from jausml.language.metamodel.classes import jaus
 from jausml.language.metamodel.classes.ecore import EObject
 from jausml.language.model import library_root, read_models
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 EVERY_KIND = Path(__file__).parents[1] / "generators" / "every_kind.xmi"
 HEAD = (
@@ -50,7 +46,7 @@ def parts(layout: object) -> Iterator[object]:
             yield from parts(getattr(layout, field.name))
 
 
-def test_every_kind_is_reached_from_every_class_of_fields() -> None:
+def test_every_kind_is_reached_from_every_class_of_fields():
     found = messages_of(EVERY_KIND)
     layouts = tuple(wire.resolve(message) for message in found.values())
     kinds = {type(part.kind) for part in parts(layouts) if isinstance(part, wire.Field)}
@@ -61,7 +57,7 @@ def test_every_kind_is_reached_from_every_class_of_fields() -> None:
     assert used == {subtype.name for subtype in subtypes if not subtype.abstract}
 
 
-def test_nothing_of_the_model_is_left_in_a_layout() -> None:
+def test_nothing_of_the_model_is_left_in_a_layout():
     for path in (EVERY_KIND, *sorted((library_root() / "jaus").glob("*.xmi"))):
         for message in messages_of(path).values():
             layout = wire.resolve(message)
@@ -69,7 +65,7 @@ def test_nothing_of_the_model_is_left_in_a_layout() -> None:
             assert hash(layout) == hash(wire.resolve(message))
 
 
-def test_the_layout_of_a_message() -> None:
+def test_the_layout_of_a_message():
     report = messages_of(library_root() / "jaus" / "core-1.1.xmi")["ReportStatus"]
     layout = wire.resolve(report)
     assert (layout.code, layout.header.name, layout.is_command) == (0x4002, "uint16", False)
@@ -81,7 +77,7 @@ def test_the_layout_of_a_message() -> None:
     assert status.legal.is_closed
 
 
-def test_a_reference_lends_its_name_and_its_optionality(tmp_path: Path) -> None:
+def test_a_reference_lends_its_name_and_its_optionality(tmp_path):
     layout = resolved(
         tmp_path,
         '<body xsi:type="jaus:Record" name="B" presenceVector="uint8">'
@@ -97,7 +93,7 @@ def test_a_reference_lends_its_name_and_its_optionality(tmp_path: Path) -> None:
     assert isinstance(layout.body.kind, wire.Record)  # type: ignore[union-attr]
 
 
-def test_without_a_presence_vector_all_members_are_there(tmp_path: Path) -> None:
+def test_without_a_presence_vector_all_members_are_there(tmp_path):
     layout = resolved(
         tmp_path,
         '<body xsi:type="jaus:Record" name="B">'
@@ -134,7 +130,7 @@ def test_without_a_presence_vector_all_members_are_there(tmp_path: Path) -> None
         ),
     ],
 )
-def test_what_has_no_layout_says_where(tmp_path: Path, body: str, reason: str) -> None:
+def test_what_has_no_layout_says_where(tmp_path, body, reason):
     with pytest.raises(wire.LayoutError) as caught:
         resolved(tmp_path, body)
     assert str(caught.value) == reason
@@ -160,7 +156,7 @@ def test_what_has_no_layout_says_where(tmp_path: Path, body: str, reason: str) -
         ),
     ],
 )
-def test_legal_integers(tmp_path: Path, values: str, ranges: wire.Ranges) -> None:
+def test_legal_integers(tmp_path, values, ranges):
     wanted = f"<values>{values}</values>" if values else ""
     layout = resolved(tmp_path, f'<body xsi:type="jaus:FixedField" name="F">{wanted}</body>')
     kind = layout.members[0].kind
@@ -179,9 +175,7 @@ def test_legal_integers(tmp_path: Path, values: str, ranges: wire.Ranges) -> Non
         ),
     ],
 )
-def test_limits_of_single_reals_are_singles(
-    tmp_path: Path, limits: str, legal: tuple[float, float]
-) -> None:
+def test_limits_of_single_reals_are_singles(tmp_path, limits, legal):
     layout = resolved(
         tmp_path,
         '<body xsi:type="jaus:FixedField" name="F" type="float32"><values>'
@@ -193,7 +187,7 @@ def test_limits_of_single_reals_are_singles(
     assert (kind.legal.lower, kind.legal.upper) == legal
 
 
-def test_layouts_compare_by_what_matters(tmp_path: Path) -> None:
+def test_layouts_compare_by_what_matters(tmp_path):
     field = '<body xsi:type="jaus:FixedField" name="{}" units="{}"/>'
     one = resolved(tmp_path, field.format("F", "meter"))
     other = resolved(tmp_path, field.format("F", "second"))

@@ -1,7 +1,5 @@
 """Scaled integers (AS5684, scale_range): 0 means the lower limit, the largest integer the upper."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -33,9 +31,7 @@ LIMITS = pytest.mark.parametrize(
         ("uint64", 0.0, 1.0, 18446744073709551615, 1.0),
     ],
 )
-def test_integers_mean_these_values(
-    type_name: str, lower: float, upper: float, integer: int, value: float
-) -> None:
+def test_integers_mean_these_values(type_name, lower, upper, integer, value):
     kind = wire.Scaled(wire.INTEGERS[type_name], lower, upper, "round")
     assert kind.value_of(integer) == pytest.approx(value, rel=1e-14)
     assert kind.integer_of(value) == integer
@@ -43,7 +39,7 @@ def test_integers_mean_these_values(
 
 @pytest.mark.parametrize("rounding", ["round", "floor", "ceiling"])
 @LIMITS
-def test_a_value_comes_back_from_every_integer(rounding: str, lower: float, upper: float) -> None:
+def test_a_value_comes_back_from_every_integer(rounding, lower, upper):
     kind = wire.Scaled(wire.INTEGERS["uint8"], lower, upper, rounding)
     assert [kind.integer_of(kind.value_of(raw)) for raw in range(256)] == list(range(256))
     between = kind.value_of(7) + 0.6 * kind.step
@@ -52,7 +48,7 @@ def test_a_value_comes_back_from_every_integer(rounding: str, lower: float, uppe
 
 
 @LIMITS
-def test_values_outside_of_the_limits_have_no_integer(lower: float, upper: float) -> None:
+def test_values_outside_of_the_limits_have_no_integer(lower, upper):
     kind = wire.Scaled(wire.INTEGERS["uint8"], lower, upper, "round")
     outside = (lower - kind.step, upper + kind.step, math.nan, math.inf, -math.inf, 10**400)
     for value in outside:
@@ -72,9 +68,7 @@ ROUNDED = {"round": scaled, "floor": scaled_down, "ceiling": scaled_up}
 )
 @example("uint64", "floor", 0.0, 1.0, -1e-17)  # once a negative integer
 @settings(deadline=None)
-def test_generated_codecs_round_alike(
-    type_name: str, rounding: str, lower: float, span: float, share: float
-) -> None:
+def test_generated_codecs_round_alike(type_name, rounding, lower, span, share):
     kind = wire.Scaled(wire.INTEGERS[type_name], lower, lower + span, rounding)
     assume(kind.upper > kind.lower)
     value = lower + share * span
@@ -88,7 +82,7 @@ def test_generated_codecs_round_alike(
     assert ROUNDED[rounding](value, lower, kind.step, kind.type.upper, "x") == integer
 
 
-def test_paths_and_pages_tell_the_step() -> None:
+def test_paths_and_pages_tell_the_step():
     model = read_models([library_root() / "jaus" / "mobility.xmi"]).model
     wrench = next(e for e in model.instances(jaus.MessageDef) if e.name == "SetWrenchEffort")
     place = JausPlace("SetWrenchEffort", message=wrench).follow("ResistiveLinearEffortX")

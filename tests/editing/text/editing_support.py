@@ -1,11 +1,9 @@
 """Texts that are edited by plans: random commands, and what they shall do."""
 
-from __future__ import annotations
-
 import difflib
 import random
 import re
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from jausml.authoring.editing.commands import Add, Child, Move, Movement, Remove, Rename, Set
 from jausml.authoring.editing.project import Project
@@ -15,9 +13,6 @@ from jausml.language.metamodel.filling import contents
 from jausml.language.model import read_models, refs
 from jausml.language.model.comparison import Policy, compare
 from jausml.language.model.values import convert
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 HOSTILE = (
     "plain",

@@ -1,7 +1,5 @@
 """Edits of texts: in a formatted text the planned lines change, and all comments stay."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

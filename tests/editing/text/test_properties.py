@@ -3,8 +3,6 @@
 What an edit has written is formatted, and no comment is lost.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

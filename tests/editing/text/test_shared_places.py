@@ -1,7 +1,5 @@
 """Moves among what shares a feature or a line, and those that a text has no words for."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -3,13 +3,12 @@
 The first two bytes of an input choose a message, the rest is its body.
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from jausml.generation.rendering import render
 from jausml.generation.target import FileTask, Target
@@ -20,9 +19,6 @@ from jausml_generators.python.codec.examples import example_bytes
 from jausml_generators.python.codec.message_builder import build_messages
 from jausml_generators.python.codec.messages import MessagesModule, MessageView
 from jausml_generators.python.package import PACKAGE_TEMPLATES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 ROOT = Path(__file__).resolve().parents[3]
 LIBRARY = sorted((ROOT / "models" / "library" / "jaus").glob("*.xmi"))

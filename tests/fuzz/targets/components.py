@@ -5,26 +5,26 @@ that says who sends, to whom, and how much time passes; a byte with the size of 
 message. A peer of the highest number is the component's own user, whose message is a choice.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from functools import cache, partial
-from typing import TYPE_CHECKING
 
 from jausml.runtime import ComponentSettings, Guard, JausComponent, ServiceIdentity, Status
 from jausml.runtime import messages as core
 from jausml.runtime.base.address import BROADCAST, JausAddress
+from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
 from jausml.runtime.services.definitions import Completion
-from jausml.runtime.transports.delivery import Arrival, ReceivedMessage
+from jausml.runtime.transports.delivery import (
+    Arrival,
+    OnResult,
+    PeerTraffic,
+    Receive,
+    ReceivedMessage,
+    Take,
+)
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import Message
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from jausml.runtime.base.counters import Counters
-    from jausml.runtime.transports.delivery import OnResult, PeerTraffic, Receive, Take
 
 OWN = JausAddress(100, 1, 1)
 PEERS = (JausAddress(100, 1, 2), JausAddress(200, 1, 1), JausAddress(200, 1, 2))

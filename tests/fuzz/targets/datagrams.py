@@ -3,15 +3,13 @@
 The first byte of an input chooses where the rest, a datagram, comes from.
 """
 
-from __future__ import annotations
-
 from functools import cache
-from typing import TYPE_CHECKING
 
 from jausml.runtime.base.address import BROADCAST, JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, TransportSettings
+from jausml.runtime.base.settings import MAX_FRAGMENT_SIZE, Endpoint, TransportSettings
+from jausml.runtime.transports.delivery import ReceivedMessage
 from jausml.runtime.transports.packets.packet import AckNak, DataFlags, Packet, parse_datagram
 from jausml.runtime.transports.ports import (
     FRAME,
@@ -20,10 +18,6 @@ from jausml.runtime.transports.ports import (
     read_present,
 )
 from jausml.runtime.transports.udp.judp import JudpTransport
-
-if TYPE_CHECKING:
-    from jausml.runtime.base.settings import Endpoint
-    from jausml.runtime.transports.delivery import ReceivedMessage
 
 SETTINGS = TransportSettings(reassembly_limit=1 << 16, duplicate_history=64)
 OWN = (JausAddress(100, 1, 1), JausAddress(100, 1, 2))

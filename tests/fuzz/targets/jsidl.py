@@ -4,16 +4,11 @@ An input is split at zero bytes into files. It shows a bug
 when the importer raises, or when it takes a file for good whose model cannot be written.
 """
 
-from __future__ import annotations
-
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.language.importers.jsidl import Source, import_sources
 from jausml.language.model.xmi.writer import to_xmi
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 ROOT = Path(__file__).resolve().parents[3]
 WINCH = ROOT / "tests" / "importers" / "winch"

@@ -3,18 +3,13 @@
 An input shows a bug when reading or checking raises, or when a finding stands outside of the text.
 """
 
-from __future__ import annotations
-
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 MAPPINGS = Path(__file__).resolve().parents[3] / "models" / "library" / "mappings"
 

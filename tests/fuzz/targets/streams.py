@@ -3,8 +3,6 @@
 The first byte of an input is how many bytes arrive at once, the rest is the stream.
 """
 
-from __future__ import annotations
-
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.counters import Counters
 from jausml.runtime.transports.packets.packet import EMPTY_MESSAGE_SIZE, DataFlags, Packet

@@ -4,19 +4,14 @@ An input shows a bug when reading, checking or writing raises, or when a model w
 reads back as another one.
 """
 
-from __future__ import annotations
-
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from jausml.language.model import read_models
 from jausml.language.model.comparison import compare
 from jausml.language.model.xmi.writer import write_model
 from jausml.language.validation.engine import check
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
 
 ROOT = Path(__file__).resolve().parents[3]
 SEEDS = (

@@ -1,7 +1,5 @@
 """What is wrong with a definition is said with its place; what is right is read exactly."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.interfaces import parse_definition

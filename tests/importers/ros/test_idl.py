@@ -1,7 +1,5 @@
 """Definitions in IDL say what those in the notation of ROS say; the rest is told with its place."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

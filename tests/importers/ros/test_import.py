@@ -1,7 +1,5 @@
 """Packages: nested types, the library, packages imported along, names and what goes wrong."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.importers.ros import (

@@ -1,7 +1,5 @@
 """Every installed interface, as we read it, is what the classes that rosidl generated say."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import re

@@ -1,7 +1,5 @@
 """Definitions written from facts are read as these facts; rosidl reads them no other way."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

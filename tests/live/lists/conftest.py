@@ -1,7 +1,5 @@
 """Two bridges of lists, the node of nav2 beside them, and an operator."""
 
-from __future__ import annotations
-
 import sys
 
 import pytest

@@ -3,8 +3,6 @@
 The robot is told by the test when it has reached a waypoint, so everything happens in an order.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Goals of ROS actions become lists of JAUS: real processes, a real client of rclpy."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 
@@ -15,11 +13,7 @@ from jausml.runtime.services.definitions import Completion, Guard, ServiceIdenti
 from ..bridge_support import wait_for
 from .list_system import PATIENCE, ROBOT, facts, order, wait_goal
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 SERVICES = tuple(
     ServiceIdentity(f"urn:jaus:jss:{name}", major, minor)

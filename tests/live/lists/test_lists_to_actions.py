@@ -1,7 +1,5 @@
 """Lists of JAUS become goals of ROS actions: real processes, a real action server of rclpy."""
 
-from __future__ import annotations
-
 import os
 import signal
 
@@ -18,11 +16,7 @@ from jausml.runtime.services.list_manager import chain
 from ..bridge_support import wait_for
 from .list_system import PATIENCE, ROBOT, facts, order, pass_by, wait_goal
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 
 def test_a_list_is_followed_to_its_end(system, operator):

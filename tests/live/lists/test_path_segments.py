@@ -1,7 +1,5 @@
 """Path segments of JAUS become the path of a ROS action: real processes, a real action server."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 
@@ -12,12 +10,7 @@ from jausml.runtime.services.list_manager import chain
 from ..bridge_support import wait_for
 from .list_system import OPERATOR, PATIENCE, ROBOT, facts, pass_by, wait_goal
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 
 def segments(operator, *xs, factor=0.0):

@@ -1,7 +1,5 @@
 """Feedback of actions in recordings: the class by which rclpy gives it."""
 
-from __future__ import annotations
-
 import pytest
 from nav2 import nav2
 

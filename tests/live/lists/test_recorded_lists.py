@@ -1,7 +1,5 @@
 """Lists and goals are recorded, and what became of them is explained."""
 
-from __future__ import annotations
-
 import os
 
 import needs
@@ -18,13 +16,7 @@ from ..recorder import Recorder
 from .conftest import operator_of
 from .list_system import LIVE, PATIENCE, facts, order, wait_goal
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    pytest.mark.ports,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live, pytest.mark.ports]
 MODEL = LIVE / "waypoint_lists.ros2jaus"
 INTROSPECTION = ("--ros-args", "-p", "service_introspection:=contents", "--")
 

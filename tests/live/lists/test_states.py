@@ -1,7 +1,5 @@
 """States of both connections of an action, as `/diagnostics` tells them: the table of the docs."""
 
-from __future__ import annotations
-
 from itertools import takewhile
 from pathlib import Path
 
@@ -14,12 +12,7 @@ from ..bridge_support import wait_for
 from .list_system import PATIENCE, facts, order, wait_goal
 from .test_goals_to_lists import Client
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = [pytest.mark.slow, pytest.mark.live]
 
 PAGE = Path(__file__).parents[3] / "docs" / "how-to" / "top.md"
 CONNECTIONS = {"through": "goal to list", "follow": "list to goal"}

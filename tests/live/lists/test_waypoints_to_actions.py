@@ -1,7 +1,5 @@
 """Waypoints of JAUS become goals of a ROS action: real processes, a real action server of rclpy."""
 
-from __future__ import annotations
-
 from importlib import import_module
 
 import needs
@@ -20,11 +18,7 @@ from jausml.runtime.component.process import running_transport
 from ..bridge_support import generate, wait_for
 from .list_system import LIVE, OPERATOR, PATIENCE, ROBOT, facts, order, wait_goal
 
-pytestmark = [
-    pytest.mark.live,
-    # The parser that the message packages import at their first use.
-    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),
-]
+pytestmark = pytest.mark.live
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,5 @@
 """What the user writes into the skeleton of the boom: a motor that says what it does."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

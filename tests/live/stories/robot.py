@@ -1,7 +1,5 @@
 """The robot of the story: seven topics and a service, as its maker left them."""
 
-from __future__ import annotations
-
 import sys
 
 import rclpy

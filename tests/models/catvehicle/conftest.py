@@ -1,7 +1,5 @@
 """Makes the example's package and this folder's helper importable."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Expected numbers are those of an independent simulation of the same equations; t
 how the pose is integrated between two reports, which moves the path error by centimetres.
 """
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 
@@ -35,18 +33,18 @@ def late() -> list[Sample]:
     return delayed(0.1)
 
 
-def test_jaus_alone_follows_the_path(jaus: list[Sample]) -> None:
+def test_jaus_alone_follows_the_path(jaus):
     assert path_error(jaus, PATH).maximum == pytest.approx(0.270, abs=0.03)
 
 
-def test_jaus_alone_stays_in_the_safe_region(jaus: list[Sample]) -> None:
+def test_jaus_alone_stays_in_the_safe_region(jaus):
     judged = comfort(jaus, PARAMETERS)
 
     assert judged.violation_fraction == 0.0
     assert judged.peak_lateral_acceleration == pytest.approx(1.95, abs=0.05)
 
 
-def test_the_turn_is_to_the_right(jaus: list[Sample]) -> None:
+def test_the_turn_is_to_the_right(jaus):
     turning = [sample for sample in jaus if 0.2 < -sample.psi < 1.3]
 
     assert len(turning) > 100
@@ -55,7 +53,7 @@ def test_the_turn_is_to_the_right(jaus: list[Sample]) -> None:
     assert all(after.y < before.y for before, after in itertools.pairwise(turning))
 
 
-def test_the_vehicle_rests_at_the_end_of_the_path(jaus: list[Sample]) -> None:
+def test_the_vehicle_rests_at_the_end_of_the_path(jaus):
     end = jaus[-1]
 
     assert (end.x, end.y) == pytest.approx((37.0, -37.0), abs=0.3)
@@ -63,7 +61,7 @@ def test_the_vehicle_rests_at_the_end_of_the_path(jaus: list[Sample]) -> None:
     assert end.v_cmd == 0.0
 
 
-def test_the_limiter_acts_in_the_turn_and_lets_go_after_it(jaus: list[Sample]) -> None:
+def test_the_limiter_acts_in_the_turn_and_lets_go_after_it(jaus):
     in_turn = min(sample.v for sample in jaus if 0.5 < -sample.psi < 1.2)
     after = max(sample.v for sample in jaus if sample.y < -20.0)
 
@@ -71,7 +69,7 @@ def test_the_limiter_acts_in_the_turn_and_lets_go_after_it(jaus: list[Sample]) -
     assert after > 5.3
 
 
-def test_in_a_wide_turn_the_limiter_does_not_act() -> None:
+def test_in_a_wide_turn_the_limiter_does_not_act():
     wide = replace(PARAMETERS, turn_radius=36.6)
 
     samples = Loop(wide, wide).run()
@@ -81,9 +79,7 @@ def test_in_a_wide_turn_the_limiter_does_not_act() -> None:
 
 
 @pytest.mark.parametrize(("seconds", "position", "peak"), [(0.002, 0.06, 2.0), (0.005, 0.15, 2.0)])
-def test_the_delay_of_a_good_bridge_is_hardly_seen(
-    jaus: list[Sample], seconds: float, position: float, peak: float
-) -> None:
+def test_the_delay_of_a_good_bridge_is_hardly_seen(jaus, seconds, position, peak):
     run = delayed(seconds)
     difference = gap(jaus, run)
 
@@ -96,7 +92,7 @@ def test_the_delay_of_a_good_bridge_is_hardly_seen(
     assert closeness(jaus, run, tau=0.1) < 0.1
 
 
-def test_a_large_delay_leaves_the_safe_region(late: list[Sample]) -> None:
+def test_a_large_delay_leaves_the_safe_region(late):
     judged = comfort(late, PARAMETERS)
 
     assert judged.violation_fraction == pytest.approx(0.039, abs=0.01)
@@ -104,9 +100,7 @@ def test_a_large_delay_leaves_the_safe_region(late: list[Sample]) -> None:
     assert judged.least_speed_margin < 0.0
 
 
-def test_a_large_delay_steers_wildly_and_falls_apart_in_time(
-    jaus: list[Sample], late: list[Sample]
-) -> None:
+def test_a_large_delay_steers_wildly_and_falls_apart_in_time(jaus, late):
     difference = gap(jaus, late)
 
     assert difference.activity_ratio > 1.8
@@ -115,13 +109,13 @@ def test_a_large_delay_steers_wildly_and_falls_apart_in_time(
     assert closeness(jaus, late, tau=0.1) > 1.0
 
 
-def test_a_plant_that_understeers_leaves_the_path() -> None:
+def test_a_plant_that_understeers_leaves_the_path():
     samples = Loop(replace(PARAMETERS, understeer_coefficient=0.0015), PARAMETERS).run()
 
     assert path_error(samples, PATH).maximum > 1.2
 
 
-def test_without_its_margin_the_limiter_does_not_suffice() -> None:
+def test_without_its_margin_the_limiter_does_not_suffice():
     eager = replace(PARAMETERS, comfort_margin=1.0)
 
     judged = comfort(Loop(eager, eager).run(), PARAMETERS)
@@ -131,7 +125,7 @@ def test_without_its_margin_the_limiter_does_not_suffice() -> None:
 
 
 @pytest.mark.parametrize("longer", [0.06, 0.12, 0.18])
-def test_where_the_reports_fall_in_the_turn_does_not_matter(longer: float) -> None:
+def test_where_the_reports_fall_in_the_turn_does_not_matter(longer):
     # A period is 0.24 m at 6 m/s, so a longer straight shifts the reports within the turn.
     shifted = replace(PARAMETERS, straight_length=PARAMETERS.straight_length + longer)
 
@@ -141,5 +135,5 @@ def test_where_the_reports_fall_in_the_turn_does_not_matter(longer: float) -> No
     assert judged.peak_lateral_acceleration == pytest.approx(1.95, abs=0.05)
 
 
-def test_a_run_repeats_exactly(jaus: list[Sample]) -> None:
+def test_a_run_repeats_exactly(jaus):
     assert delayed(0.0002) == jaus

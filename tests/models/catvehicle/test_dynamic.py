@@ -1,7 +1,5 @@
 """The dynamic bicycle against closed forms, and the choice of plants by name."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -27,7 +25,7 @@ def settled(speed: float, angle: float, **changed: float) -> DynamicPlant:
 
 
 @pytest.mark.parametrize("speed", [2.0, 4.0, 6.0])
-def test_a_steady_turn_understeers_as_the_stiffnesses_say(speed: float) -> None:
+def test_a_steady_turn_understeers_as_the_stiffnesses_say(speed):
     behind = PARAMETERS.rear_axle_distance
     ahead = PARAMETERS.wheelbase - behind
     coefficient = (
@@ -44,7 +42,7 @@ def test_a_steady_turn_understeers_as_the_stiffnesses_say(speed: float) -> None:
     assert settled(speed, -0.02).yaw_rate == pytest.approx(expected, rel=2e-3)
 
 
-def test_stiff_tyres_are_the_kinematic_bicycle() -> None:
+def test_stiff_tyres_are_the_kinematic_bicycle():
     plant = settled(
         4.0,
         -0.2,
@@ -57,7 +55,7 @@ def test_stiff_tyres_are_the_kinematic_bicycle() -> None:
     assert plant.yaw_rate == pytest.approx(reference.yaw_rate, rel=0.01)
 
 
-def test_at_a_crawl_the_tyres_roll() -> None:
+def test_at_a_crawl_the_tyres_roll():
     plant, reference = DynamicPlant(PARAMETERS), BicyclePlant(PARAMETERS)
     for model in (plant, reference):
         model.command(0.8, -0.3)
@@ -67,7 +65,7 @@ def test_at_a_crawl_the_tyres_roll() -> None:
     assert plant.state.y == pytest.approx(reference.state.y, abs=0.05)
 
 
-def test_it_turns_right_and_comes_to_rest() -> None:
+def test_it_turns_right_and_comes_to_rest():
     plant = DynamicPlant(PARAMETERS)
     plant.command(6.0, -0.2)
     assert plant.advance(4.0).psi < -0.5
@@ -81,7 +79,7 @@ def test_it_turns_right_and_comes_to_rest() -> None:
     assert all(map(math.isfinite, (rested.x, rested.y, rested.psi)))
 
 
-def test_plants_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_plants_by_name(monkeypatch):
     monkeypatch.delenv(PLANT_VARIABLE, raising=False)
     assert type(plant_from_environment(PARAMETERS)) is BicyclePlant
     monkeypatch.setenv(PLANT_VARIABLE, "dynamic")
@@ -90,7 +88,7 @@ def test_plants_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
         plant_of("tank", PARAMETERS)
 
 
-def test_the_plant_that_understeers_turns_less() -> None:
+def test_the_plant_that_understeers_turns_less():
     yaw = {}
     for name in ("kinematic", "understeer"):
         plant = plant_of(name, PARAMETERS)
@@ -101,14 +99,14 @@ def test_the_plant_that_understeers_turns_less() -> None:
 
 
 @pytest.mark.parametrize("text", ["soon", "-1", "nan", "60"])
-def test_a_delay_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch, text: str) -> None:
+def test_a_delay_that_is_none_is_refused(monkeypatch, text):
     monkeypatch.setenv(DELAY_VARIABLE, text)
 
     with pytest.raises(ValueError, match="CATVEHICLE_DELAY"):
         delay_from_environment()
 
 
-def test_the_delay_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_delay_is_read(monkeypatch):
     monkeypatch.delenv(DELAY_VARIABLE, raising=False)
     assert delay_from_environment() == 0.0
     monkeypatch.setenv(DELAY_VARIABLE, "0.1")

@@ -1,9 +1,5 @@
 """Judging a run by its logs, on logs with known answers."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 from catvehicle.evaluation import counted, delays, driven, report
 from catvehicle.events import EventLog, read_events
@@ -11,26 +7,23 @@ from catvehicle.metrics import Sample, write_log
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import StraightArcStraight
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 
 def sample(t: float, v: float) -> Sample:
     return Sample(t=t, x=0.0, y=0.0, psi=0.0, v=v, delta=0.0, delta_cmd=0.0, v_cmd=v)
 
 
-def test_driven_is_from_first_to_last_motion() -> None:
+def test_driven_is_from_first_to_last_motion():
     speeds = [0.0, 0.0, 1.0, 0.0, 2.0, 0.0]
     samples = [sample(float(index), v) for index, v in enumerate(speeds)]
     assert [driven_sample.t for driven_sample in driven(samples)] == [2.0, 3.0, 4.0]
 
 
-def test_a_vehicle_that_never_moved_is_an_error() -> None:
+def test_a_vehicle_that_never_moved_is_an_error():
     with pytest.raises(ValueError, match="never moved"):
         driven([sample(0.0, 0.0)])
 
 
-def test_counts_are_summed_over_processes() -> None:
+def test_counts_are_summed_over_processes():
     lines = [
         "a | INFO drops: transport.duplicate=2 x.y=1",
         "b | drops: transport.duplicate=3",
@@ -39,7 +32,7 @@ def test_counts_are_summed_over_processes() -> None:
     assert counted(lines, "drops:") == {"transport.duplicate": 5, "x.y": 1}
 
 
-def test_delays_match_stamps_and_commands(tmp_path: Path) -> None:
+def test_delays_match_stamps_and_commands(tmp_path):
     vehicle = EventLog(tmp_path / "vehicle_events.csv")
     controller = EventLog(tmp_path / "steering_controller.csv")
     for step in range(10):
@@ -57,7 +50,7 @@ def test_delays_match_stamps_and_commands(tmp_path: Path) -> None:
     assert found.loop == pytest.approx([0.006] * 10)
 
 
-def test_report_of_a_drive_along_the_path(tmp_path: Path) -> None:
+def test_report_of_a_drive_along_the_path(tmp_path):
     parameters = VehicleParameters()
     path = StraightArcStraight.right_turn(parameters)
     rows = []
@@ -70,6 +63,6 @@ def test_report_of_a_drive_along_the_path(tmp_path: Path) -> None:
     assert "odometry" in text
 
 
-def test_no_file_is_no_events(tmp_path: Path) -> None:
+def test_no_file_is_no_events(tmp_path):
     assert read_events(tmp_path / "none.csv") == []
     EventLog(None).write("nothing", 1)

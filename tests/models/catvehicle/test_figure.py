@@ -1,7 +1,5 @@
 """The figure is a PNG of the declared size, made without touching the caller's matplotlib."""
 
-from __future__ import annotations
-
 import struct
 import subprocess
 import sys
@@ -19,7 +17,7 @@ PARAMETERS = VehicleParameters()
 PATH = StraightArcStraight.right_turn(PARAMETERS)
 
 
-def test_figure_is_a_png_and_equal_runs_give_equal_bytes(tmp_path: Path) -> None:
+def test_figure_is_a_png_and_equal_runs_give_equal_bytes(tmp_path):
     samples = Loop(PARAMETERS, PARAMETERS, duration=9.0).run()
     first, second = tmp_path / "first.png", tmp_path / "second.png"
 
@@ -33,7 +31,7 @@ def test_figure_is_a_png_and_equal_runs_give_equal_bytes(tmp_path: Path) -> None
 
 
 @pytest.mark.slow
-def test_another_run_gives_another_picture(tmp_path: Path) -> None:
+def test_another_run_gives_another_picture(tmp_path):
     samples = Loop(PARAMETERS, PARAMETERS, duration=9.0).run()
 
     draw_run(samples, PATH, PARAMETERS, tmp_path / "whole.png", "A run")
@@ -42,7 +40,7 @@ def test_another_run_gives_another_picture(tmp_path: Path) -> None:
     assert (tmp_path / "whole.png").read_bytes() != (tmp_path / "half.png").read_bytes()
 
 
-def test_a_run_without_samples_is_refused(tmp_path: Path) -> None:
+def test_a_run_without_samples_is_refused(tmp_path):
     with pytest.raises(ValueError, match="without samples"):
         draw_run([], PATH, PARAMETERS, tmp_path / "none.png", "Nothing")
 
@@ -55,7 +53,7 @@ def test_a_run_without_samples_is_refused(tmp_path: Path) -> None:
         ("catvehicle.figure", "matplotlib.pyplot"),
     ],
 )
-def test_importing_stays_light(module: str, absent: str) -> None:
+def test_importing_stays_light(module, absent):
     folder = Path(catvehicle.__file__).parents[1]
     code = f"import sys; sys.path.insert(0, {str(folder)!r}); import {module}; " + (
         f"sys.exit({absent!r} in sys.modules)"

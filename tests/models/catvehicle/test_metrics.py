@@ -1,10 +1,7 @@
 """Metrics on runs whose answer is known, logs, and the text table."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import pytest
 from catvehicle import (
@@ -27,9 +24,6 @@ from catvehicle.metrics import (
 from hypothesis import given
 from hypothesis import strategies as st
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
 PARAMETERS = VehicleParameters()
 PATH = StraightArcStraight.right_turn(PARAMETERS)
 HEADER = "t,x,y,psi,v,delta,delta_cmd,v_cmd\n"
@@ -42,7 +36,7 @@ def straight_run(speed: float = 2.0, y: float = 0.0, late: float = 0.0) -> list[
     return [Sample(t, speed * (t - late), y, 0.0, speed, 0.0, 0.0, speed) for t in times]
 
 
-def test_path_error_takes_either_side() -> None:
+def test_path_error_takes_either_side():
     samples = [*straight_run(y=0.3)[:50], *straight_run(y=-0.4)[:50]]
 
     error = path_error(samples, PATH)
@@ -51,7 +45,7 @@ def test_path_error_takes_either_side() -> None:
     assert error.rms == pytest.approx(math.sqrt((0.09 + 0.16) / 2))
 
 
-def test_comfort_counts_the_samples_outside_the_safe_region() -> None:
+def test_comfort_counts_the_samples_outside_the_safe_region():
     angle = -math.atan(2.0 * 2.62 / 5.0**2)  # at 5 m/s exactly on the boundary
     inside = Sample(0.0, 0.0, 0.0, 0.0, 4.99, angle, angle, 5.0)
 
@@ -63,12 +57,12 @@ def test_comfort_counts_the_samples_outside_the_safe_region() -> None:
     assert comfort([inside], PARAMETERS).violation_fraction == 0.0
 
 
-def test_total_variation_sums_every_change() -> None:
+def test_total_variation_sums_every_change():
     assert total_variation([0.0, 1.0, -1.0, -1.0, 0.5]) == pytest.approx(4.5)
     assert total_variation([3.0]) == 0.0
 
 
-def test_latency_percentiles_are_measured_values() -> None:
+def test_latency_percentiles_are_measured_values():
     summary = latency_summary(range(100, 0, -1))
 
     assert (summary.count, summary.p50, summary.p95, summary.p99, summary.maximum) == (
@@ -80,7 +74,7 @@ def test_latency_percentiles_are_measured_values() -> None:
     )
 
 
-def test_latency_of_one_and_of_none() -> None:
+def test_latency_of_one_and_of_none():
     assert latency_summary([0.002]).p50 == latency_summary([0.002]).maximum == 0.002
     empty = latency_summary([])
     assert empty.count == 0
@@ -88,13 +82,13 @@ def test_latency_of_one_and_of_none() -> None:
 
 
 @given(values=st.lists(st.floats(0, 10), min_size=1))
-def test_latency_percentiles_are_ordered(values: list[float]) -> None:
+def test_latency_percentiles_are_ordered(values):
     summary = latency_summary(values)
 
     assert summary.p50 <= summary.p95 <= summary.p99 <= summary.maximum == max(values)
 
 
-def test_gap_of_a_run_that_is_late() -> None:
+def test_gap_of_a_run_that_is_late():
     difference = gap(straight_run(), straight_run(late=0.25))
 
     assert difference.position == pytest.approx(0.5)
@@ -102,13 +96,13 @@ def test_gap_of_a_run_that_is_late() -> None:
     assert difference.activity_ratio == 1.0
 
 
-def test_gap_interpolates_between_samples() -> None:
+def test_gap_interpolates_between_samples():
     shifted = [replace(sample, t=sample.t + 0.033, x=sample.x + 0.066) for sample in straight_run()]
 
     assert gap(straight_run(), shifted).position == pytest.approx(0.0, abs=1e-9)
 
 
-def test_gap_tells_the_wilder_steering() -> None:
+def test_gap_tells_the_wilder_steering():
     calm = [replace(sample, delta=0.1 * math.sin(sample.t)) for sample in straight_run()]
     wild = [replace(sample, delta=2 * sample.delta) for sample in calm]
 
@@ -117,14 +111,14 @@ def test_gap_tells_the_wilder_steering() -> None:
     assert gap(straight_run(), wild).activity_ratio == math.inf
 
 
-def test_runs_at_different_times_have_no_gap() -> None:
+def test_runs_at_different_times_have_no_gap():
     later = [replace(sample, t=sample.t + 100.0) for sample in straight_run()]
 
     with pytest.raises(ValueError, match="overlap"):
         gap(straight_run(), later)
 
 
-def test_closeness_forgives_a_shift_in_time() -> None:
+def test_closeness_forgives_a_shift_in_time():
     one, two = straight_run(), straight_run(late=0.3)
 
     assert closeness(one, two, tau=0.0) == pytest.approx(0.6)
@@ -132,7 +126,7 @@ def test_closeness_forgives_a_shift_in_time() -> None:
     assert closeness(one[20:80], two[23:83], tau=0.3001) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_closeness_is_symmetric_and_takes_another_distance() -> None:
+def test_closeness_is_symmetric_and_takes_another_distance():
     one, two = straight_run(speed=2.0), straight_run(speed=2.5)
 
     def by_speed(first: Sample, second: Sample) -> float:
@@ -144,16 +138,14 @@ def test_closeness_is_symmetric_and_takes_another_distance() -> None:
 
 
 @pytest.mark.parametrize("judge", [lambda: path_error([], PATH), lambda: comfort([], PARAMETERS)])
-def test_an_empty_run_cannot_be_judged(judge: object) -> None:
+def test_an_empty_run_cannot_be_judged(judge):
     assert callable(judge)
     with pytest.raises(ValueError, match="without samples"):
         judge()
 
 
 @given(rows=st.lists(st.builds(Sample, *[NUMBERS] * 8), max_size=5))
-def test_a_log_reads_back_exactly(
-    rows: list[Sample], tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_a_log_reads_back_exactly(rows, tmp_path_factory):
     path = tmp_path_factory.mktemp("log") / "run.csv"
 
     write_log(path, rows)
@@ -161,7 +153,7 @@ def test_a_log_reads_back_exactly(
     assert read_log(path) == rows
 
 
-def test_a_log_written_as_it_comes_has_a_header_and_plain_rows(tmp_path: Path) -> None:
+def test_a_log_written_as_it_comes_has_a_header_and_plain_rows(tmp_path):
     path = tmp_path / "run.csv"
     with LogWriter(path) as log:
         log.write(Sample(0.0, 1.0, 2.0, 3.0, 4.0, -0.1, -0.2, 5))
@@ -179,7 +171,7 @@ def test_a_log_written_as_it_comes_has_a_header_and_plain_rows(tmp_path: Path) -
         (HEADER + "1,2,3,4,5,6,7,nan\n", "run.csv:2: expected 8 finite"),
     ],
 )
-def test_a_broken_log_is_told_by_file_and_line(tmp_path: Path, text: str, message: str) -> None:
+def test_a_broken_log_is_told_by_file_and_line(tmp_path, text, message):
     path = tmp_path / "run.csv"
     path.write_text(text)
 
@@ -187,7 +179,7 @@ def test_a_broken_log_is_told_by_file_and_line(tmp_path: Path, text: str, messag
         read_log(path)
 
 
-def test_table_aligns_numbers_right_and_words_left() -> None:
+def test_table_aligns_numbers_right_and_words_left():
     table = Table("run", "error (m)", "count")
     table.add("J", 0.25501, 7)
     table.add("delayed", 12.5, 12345)
@@ -200,6 +192,6 @@ def test_table_aligns_numbers_right_and_words_left() -> None:
     ]
 
 
-def test_table_refuses_a_row_of_another_width() -> None:
+def test_table_refuses_a_row_of_another_width():
     with pytest.raises(ValueError, match="2 cells"):
         Table("a", "b").add(1.0)

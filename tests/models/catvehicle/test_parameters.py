@@ -1,7 +1,5 @@
 """Every parameter says what it is, in which unit, and where it comes from."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 
@@ -9,7 +7,7 @@ import pytest
 from catvehicle import VehicleParameters
 
 
-def test_every_parameter_has_meaning_unit_and_source() -> None:
+def test_every_parameter_has_meaning_unit_and_source():
     rows = VehicleParameters().describe()
 
     assert [row.name for row in rows] == [
@@ -24,7 +22,7 @@ def test_every_parameter_has_meaning_unit_and_source() -> None:
         assert row.source.startswith(("catvehicle: ", "computed from catvehicle", "assumption"))
 
 
-def test_published_numbers_are_not_assumptions() -> None:
+def test_published_numbers_are_not_assumptions():
     sources = {row.name: row.source for row in VehicleParameters().describe()}
 
     published = {name for name, source in sources.items() if "assumption" not in source}
@@ -42,7 +40,7 @@ def test_published_numbers_are_not_assumptions() -> None:
     }
 
 
-def test_steering_limit_follows_from_the_inside_tyre() -> None:
+def test_steering_limit_follows_from_the_inside_tyre():
     parameters = VehicleParameters()
     inside_radius = parameters.wheelbase / math.tan(0.6)
     simulator_track = 1.29
@@ -52,7 +50,7 @@ def test_steering_limit_follows_from_the_inside_tyre() -> None:
     assert parameters.steering_limit == pytest.approx(bicycle, abs=1e-4)
 
 
-def test_a_changed_value_loses_its_source() -> None:
+def test_a_changed_value_loses_its_source():
     rows = {row.name: row for row in VehicleParameters(turn_radius=36.6).describe()}
 
     assert rows["turn_radius"].value == 36.6
@@ -73,6 +71,6 @@ def test_a_changed_value_loses_its_source() -> None:
         ("understeer_coefficient", -0.001),
     ],
 )
-def test_meaningless_values_are_refused(name: str, value: float) -> None:
+def test_meaningless_values_are_refused(name, value):
     with pytest.raises(ValueError, match=name):
         VehicleParameters(**{name: value})

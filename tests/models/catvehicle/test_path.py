@@ -1,7 +1,5 @@
 """Geometry of the prescribed path, with absolute positions and signs."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -13,14 +11,14 @@ RIGHT = StraightArcStraight.right_turn(VehicleParameters())
 LEFT = StraightArcStraight(25.0, 12.0, math.pi / 2, 25.0)
 
 
-def test_right_turn_ends_to_the_right_heading_south() -> None:
+def test_right_turn_ends_to_the_right_heading_south():
     end = RIGHT.at(RIGHT.length)
 
     assert RIGHT.length == pytest.approx(25 + 12 * math.pi / 2 + 25)
     assert (end.x, end.y, end.psi) == pytest.approx((37.0, -37.0, -math.pi / 2))
 
 
-def test_left_turn_is_its_mirror_image() -> None:
+def test_left_turn_is_its_mirror_image():
     for station in range(0, 68, 3):
         right, left = RIGHT.at(station), LEFT.at(station)
         assert (left.x, left.y, left.psi) == pytest.approx((right.x, -right.y, -right.psi))
@@ -44,9 +42,7 @@ def test_left_turn_is_its_mirror_image() -> None:
         (RIGHT, 37.2, -40.0, 0.2, 25 + 6 * math.pi + 28),
     ],
 )
-def test_cross_track_error_is_positive_left_of_the_path(
-    path: StraightArcStraight, x: float, y: float, error: float, station: float
-) -> None:
+def test_cross_track_error_is_positive_left_of_the_path(path, x, y, error, station):
     nearest = path.nearest(x, y)
 
     assert nearest.cross_track_error == pytest.approx(error)
@@ -54,7 +50,7 @@ def test_cross_track_error_is_positive_left_of_the_path(
     assert path.cross_track_error(x, y) == nearest.cross_track_error
 
 
-def test_remaining_length_falls_to_zero_at_the_end_and_below_behind_it() -> None:
+def test_remaining_length_falls_to_zero_at_the_end_and_below_behind_it():
     assert RIGHT.remaining(0.0, 0.0) == pytest.approx(RIGHT.length)
     assert RIGHT.remaining(37.0, -37.0) == pytest.approx(0.0)
     assert RIGHT.remaining(37.0, -38.5) == pytest.approx(-1.5)
@@ -66,9 +62,7 @@ def test_remaining_length_falls_to_zero_at_the_end_and_below_behind_it() -> None
     share=st.floats(0.0, 1.0),
     offset=st.floats(-1.0, 1.0),
 )
-def test_a_point_beside_the_path_is_found_again(
-    turn: float, radius: float, share: float, offset: float
-) -> None:
+def test_a_point_beside_the_path_is_found_again(turn, radius, share, offset):
     path = StraightArcStraight(20.0, radius, turn, 20.0)
     station = share * path.length
     foot = path.at(station)
@@ -82,7 +76,7 @@ def test_a_point_beside_the_path_is_found_again(
 
 
 @given(x=st.floats(-20, 60), y=st.floats(-60, 20))
-def test_no_point_of_the_path_is_nearer_than_the_nearest(x: float, y: float) -> None:
+def test_no_point_of_the_path_is_nearer_than_the_nearest(x, y):
     distance = abs(RIGHT.cross_track_error(x, y))
 
     assert all(
@@ -90,7 +84,7 @@ def test_no_point_of_the_path_is_nearer_than_the_nearest(x: float, y: float) -> 
     )
 
 
-def test_points_reach_from_start_to_end() -> None:
+def test_points_reach_from_start_to_end():
     points = RIGHT.points(spacing=1.0)
 
     assert points[0] == Pose(0.0, 0.0, 0.0)
@@ -99,7 +93,7 @@ def test_points_reach_from_start_to_end() -> None:
 
 
 @given(angle=st.floats(-100, 100))
-def test_wrapped_angle_points_the_same_way(angle: float) -> None:
+def test_wrapped_angle_points_the_same_way(angle):
     wrapped = wrap_angle(angle)
 
     assert -math.pi <= wrapped <= math.pi
@@ -111,6 +105,6 @@ def test_wrapped_angle_points_the_same_way(angle: float) -> None:
     "shape",
     [(0.0, 12.0, -1.0, 25.0), (25.0, -12.0, -1.0, 25.0), (25.0, 12.0, 0.0, 25.0), (25, 12, 4, 25)],
 )
-def test_impossible_shapes_are_refused(shape: tuple[float, float, float, float]) -> None:
+def test_impossible_shapes_are_refused(shape):
     with pytest.raises(ValueError, match="must be"):
         StraightArcStraight(*shape)

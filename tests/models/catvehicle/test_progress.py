@@ -1,8 +1,6 @@
 """What an operator says of a drive follows from where and when the vehicle was, never from how its
 reports bunch on their way."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest
@@ -37,14 +35,14 @@ def standing(place: tuple[float, float], since: float, seconds: float):
     return [(*place, since + number / 10) for number in range(int(seconds * 10) + 2)]
 
 
-def test_who_stands_at_the_goal_has_arrived_once() -> None:
+def test_who_stands_at_the_goal_has_arrived_once():
     way = drive()
 
     assert said(way) == []
     assert said(way + standing(GOAL, way[-1][2] + 0.1, REST + 20)) == ["arrived"]
 
 
-def test_reports_that_come_together_are_no_standstill() -> None:
+def test_reports_that_come_together_are_no_standstill():
     # Twice the same report, and one that an older one follows: so a busy computer delivers them.
     way = drive(until=20.0)
     bunched = [delivery for report in way for delivery in (report, report)]
@@ -53,12 +51,12 @@ def test_reports_that_come_together_are_no_standstill() -> None:
     assert said(bunched) == said(swapped) == []
 
 
-def test_reports_of_one_moment_are_no_standstill_at_the_goal_either() -> None:
+def test_reports_of_one_moment_are_no_standstill_at_the_goal_either():
     way = drive()
     assert said(way + [(*GOAL, way[-1][2] + 0.01 * number) for number in range(1, 20)]) == []
 
 
-def test_standing_short_of_the_goal_is_no_arrival_and_is_said_once() -> None:
+def test_standing_short_of_the_goal_is_no_arrival_and_is_said_once():
     way = drive(until=10.0)
     place = way[-1][:2]
 
@@ -71,11 +69,11 @@ def test_standing_short_of_the_goal_is_no_arrival_and_is_said_once() -> None:
     assert said(stuck + resumed + arrived) == ["stands", "arrived"]
 
 
-def test_who_has_not_begun_neither_arrives_nor_is_stuck() -> None:
+def test_who_has_not_begun_neither_arrives_nor_is_stuck():
     assert said(standing((0.0, 0.0), 100, 60)) == []
 
 
-def test_speed_is_that_of_the_reports_times() -> None:
+def test_speed_is_that_of_the_reports_times():
     progress = Progress(PATH)
     lines = [line for report in drive(until=30.0) for line in progress.take_position(*report)]
 
@@ -88,13 +86,13 @@ def test_speed_is_that_of_the_reports_times() -> None:
     [(0.0, 0.0, True), (-1.9, 0.0, True), (-2.1, 0.0, False), (1.9, 0.0, True), (2.1, 0.0, False),
      (0.0, 4.9, True), (0.0, 5.1, False)],
 )  # fmt: skip
-def test_the_goal_is_the_end_of_the_path(along: float, aside: float, is_there: bool) -> None:
+def test_the_goal_is_the_end_of_the_path(along, aside, is_there):
     # The path ends heading to -y: along it is down, aside is +x or -x.
     assert is_at_goal(PATH, END.x + aside, END.y - along) is is_there
     assert is_at_goal(PATH, END.x - aside, END.y - along) is is_there
 
 
-def test_only_what_is_known_is_said_of_a_drive() -> None:
+def test_only_what_is_known_is_said_of_a_drive():
     progress = Progress(PATH)
     lines = [line for report in drive() for line in progress.take_position(*report)]
     assert lines[0].endswith(" m (JAUS axes),  9.0 m/s")

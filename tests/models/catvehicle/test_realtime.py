@@ -1,17 +1,11 @@
 """The plant on a clock that the test moves."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
+from catvehicle.metrics import Sample
 from catvehicle.parameters import VehicleParameters
 from catvehicle.path import Pose
 from catvehicle.plant import BicyclePlant
 from catvehicle.realtime import RealTimePlant
-
-if TYPE_CHECKING:
-    from catvehicle.metrics import Sample
 
 
 class Clock:
@@ -29,7 +23,7 @@ def clock() -> Clock:
     return Clock()
 
 
-def test_follows_the_clock(clock: Clock) -> None:
+def test_follows_the_clock(clock):
     plant = RealTimePlant(VehicleParameters(deadman_timeout=10.0), clock)
     plant.command_speed(2.0)
     clock.time += 1.0
@@ -39,7 +33,7 @@ def test_follows_the_clock(clock: Clock) -> None:
     assert plant.sample().t == pytest.approx(1.0)
 
 
-def test_dead_man_acts_at_its_instant_even_when_asked_later(clock: Clock) -> None:
+def test_dead_man_acts_at_its_instant_even_when_asked_later(clock):
     parameters = VehicleParameters(deadman_timeout=0.2)
     plant = RealTimePlant(parameters, clock)
     plant.command_speed(5.0)
@@ -52,7 +46,7 @@ def test_dead_man_acts_at_its_instant_even_when_asked_later(clock: Clock) -> Non
     assert plant.sample().v_cmd == 0.0
 
 
-def test_dead_man_keeps_the_tyre_angle(clock: Clock) -> None:
+def test_dead_man_keeps_the_tyre_angle(clock):
     plant = RealTimePlant(VehicleParameters(), clock)
     plant.command_speed(5.0)
     plant.command_steering(-0.2)
@@ -61,7 +55,7 @@ def test_dead_man_keeps_the_tyre_angle(clock: Clock) -> None:
     assert plant.state().delta == pytest.approx(-0.2, abs=1e-3)
 
 
-def test_renewed_commands_keep_it_going(clock: Clock) -> None:
+def test_renewed_commands_keep_it_going(clock):
     plant = RealTimePlant(VehicleParameters(), clock)
     for _ in range(50):
         plant.command_speed(3.0)
@@ -69,7 +63,7 @@ def test_renewed_commands_keep_it_going(clock: Clock) -> None:
     assert plant.state().v > 2.5
 
 
-def test_place_keeps_motion_and_commands(clock: Clock) -> None:
+def test_place_keeps_motion_and_commands(clock):
     plant = RealTimePlant(VehicleParameters(deadman_timeout=10.0), clock)
     plant.command_speed(3.0)
     clock.time += 2.0
@@ -82,7 +76,7 @@ def test_place_keeps_motion_and_commands(clock: Clock) -> None:
     assert plant.state().v > before.v
 
 
-def test_stop(clock: Clock) -> None:
+def test_stop(clock):
     plant = RealTimePlant(VehicleParameters(), clock)
     plant.command_speed(3.0)
     clock.time += 0.1
@@ -91,7 +85,7 @@ def test_stop(clock: Clock) -> None:
     assert plant.state().v == pytest.approx(0.0, abs=1e-3)
 
 
-def test_a_vehicle_that_stood_for_a_year_answers_at_once(clock: Clock) -> None:
+def test_a_vehicle_that_stood_for_a_year_answers_at_once(clock):
     plant = RealTimePlant(VehicleParameters(), clock)
     plant.command_speed(3.0)
     clock.time += 60.0
@@ -104,7 +98,7 @@ def test_a_vehicle_that_stood_for_a_year_answers_at_once(clock: Clock) -> None:
     assert plant.state().v > 0.0
 
 
-def test_the_truth_is_recorded_every_hundredth_second(clock: Clock) -> None:
+def test_the_truth_is_recorded_every_hundredth_second(clock):
     rows: list[Sample] = []
     parameters = VehicleParameters()
     plant = RealTimePlant(parameters, clock, record=rows.append)
@@ -123,7 +117,7 @@ def test_the_truth_is_recorded_every_hundredth_second(clock: Clock) -> None:
     assert unrecorded.sample().v == 0.0
 
 
-def test_recording_does_not_change_the_drive(clock: Clock) -> None:
+def test_recording_does_not_change_the_drive(clock):
     rows: list[Sample] = []
     plants = [
         RealTimePlant(VehicleParameters(), clock, record=record) for record in (rows.append, None)

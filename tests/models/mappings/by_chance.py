@@ -1,18 +1,14 @@
 """Sources of translations by chance, with what no peer should send, and what becomes of them."""
 
-from __future__ import annotations
-
 import inspect
 import math
 import struct
 from dataclasses import dataclass
+from random import Random
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jausml.language.metamodel.classes import ros
-
-if TYPE_CHECKING:
-    from random import Random
 
 # Written here again: a test that took them from the generator would not see a wrong one.
 FORMATS = {

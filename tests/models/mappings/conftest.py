@@ -1,22 +1,17 @@
 """Makes mapping_support importable, and the bridges of the ready maps available."""
 
-from __future__ import annotations
-
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
+
+from jausml.language.model.reading.reader import ReadResult
 
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.append(str(Path(__file__).parents[2] / "generators"))
 
 from mapping_support import Translator, generated, read, system_text
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from jausml.language.model.reading.reader import ReadResult
 
 
 @pytest.fixture(scope="session")

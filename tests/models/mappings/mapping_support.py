@@ -1,26 +1,22 @@
 """Bridges that use the ready maps in all of their directions: as text, generated, imported."""
 
-from __future__ import annotations
-
 import importlib
 import re
 import sys
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from workspaces import kept, packages_of
 
 from jausml.language.metamodel.classes import bridge, ros
 from jausml.language.model import read_models
+from jausml.language.model.reading.reader import ReadResult
 from jausml.language.text.notation import NOTATIONS
 from jausml.language.validation.engine import check
 from jausml_generators.bridge.target import TARGET as BRIDGE
 from jausml_generators.messages.target import TARGET as MESSAGES
 from jausml_generators.runtime.target import TARGET as RUNTIME
-
-if TYPE_CHECKING:
-    from jausml.language.model.reading.reader import ReadResult
 
 ROOT = Path(__file__).resolve().parents[3]
 MAPPINGS = ROOT / "models" / "library" / "mappings"

@@ -1,11 +1,10 @@
 """Ready maps do from bytes to bytes what they do with objects, whatever comes."""
 
-from __future__ import annotations
-
 import importlib
 import struct
+from collections.abc import Callable
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from by_chance import by_bytes, cdr, outcome, ros_value
@@ -14,13 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mapping_support import (
     FILES,
-    Translator,
     is_of_call,
     ready_maps,
 )
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
 
 GUARDS = ("models/library/mappings",)
 
@@ -64,13 +59,13 @@ EFFORT = (
 
 
 @pytest.mark.slow
-def test_odometry_as_bytes(translator: Callable[[str], Translator]) -> None:
+def test_odometry_as_bytes(translator):
     whole = by_bytes(translator("local_pose_sensor").bridge, "local_pose_to_jaus")
     assert whole(bytes.fromhex(ODOMETRY)).hex(" ") == bytes.fromhex(LOCAL_POSE).hex(" ")
 
 
 @pytest.mark.slow
-def test_twist_as_bytes(translator: Callable[[str], Translator]) -> None:
+def test_twist_as_bytes(translator):
     bridge = translator("primitive_driver").bridge
     whole = by_bytes(bridge, "wrench_effort_to_jaus")
     for order in (b"\0\1", b"\0\0"):
@@ -83,12 +78,7 @@ def test_twist_as_bytes(translator: Callable[[str], Translator]) -> None:
     ("asked", "driven", "counted"),
     [(1.5, 1.5, 0), (2.0, 2.0, 0), (2.01, 2.0, 0), (2.03, 2.0, 1), (5.0, 2.0, 1), (-30.0, -2.0, 1)],
 )
-def test_what_a_map_limits_is_counted(
-    translator: Callable[[str], Translator],
-    asked: float,
-    driven: float,
-    counted: int,
-) -> None:
+def test_what_a_map_limits_is_counted(translator, asked, driven, counted):
     """A velocity of JAUS has steps of 0.01 m/s: those around the maximum are no limiting."""
     bridge = translator("velocity_state_driver").bridge
     name = "velocity_command_to_ros"
@@ -124,7 +114,7 @@ def joined(each: Any, chance: Random) -> dict[str, Any]:
 @for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
-def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, seed: int) -> None:
+def test_to_jaus(translator, stem, each, seed):
     bridge, name = translator(stem).bridge, f"{each.name}_to_jaus"
     moment = bridge.now()
     bridge.now = lambda: moment  # both ways receive it at once
@@ -143,9 +133,7 @@ def test_to_jaus(translator: Callable[[str], Translator], stem: str, each: Any, 
 @for_each(("stem", "each"), to_jaus, ids=name, shards=8, slow=True)
 @settings(max_examples=5, deadline=None)
 @given(seed=SEEDS)
-def test_bytes_that_are_no_message(
-    translator: Callable[[str], Translator], stem: str, each: Any, seed: int
-) -> None:
+def test_bytes_that_are_no_message(translator, stem, each, seed):
     bridge, name = translator(stem).bridge, f"{each.name}_to_jaus"
     whole = by_bytes(bridge, name)
     decode_error = importlib.import_module("jausml_runtime").DecodeError

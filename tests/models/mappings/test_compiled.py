@@ -1,14 +1,12 @@
 """The compiled core makes of ready maps what the methods make, bit by bit, or gives way."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import struct
 from functools import cache
 from pathlib import Path
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import needs
 import pytest
@@ -17,15 +15,11 @@ from codec_strategies import messages
 from for_each import for_each
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from mapping_support import Translator
 from test_by_chance import SEEDS, maps, name, to_jaus
 
 from jausml.generation.native import SOURCE, build, compiler
 from jausml_generators.python.codec.message_builder import build_message_map
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings", "generators/jausml_generators/cpp")
 
@@ -160,14 +154,7 @@ def view_of(message: Any) -> Any:
 @for_each(("stem", "each"), to_ros, ids=name, shards=32, slow=True, rest=8)
 @settings(max_examples=15, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data(), seed=SEEDS)
-def test_to_ros(
-    program: str,
-    translator: Callable[[str], Translator],
-    stem: str,
-    each: Any,
-    data: Any,
-    seed: int,
-) -> None:
+def test_to_ros(program, translator, stem, each, data, seed):
     maps, way = translator(stem), f"{each.name}_to_ros"
     function = Function(maps, way, program)
     assert (function.compiled is None) is (way in LEFT_TO_PYTHON)
@@ -189,13 +176,7 @@ def test_to_ros(
 @for_each(("stem", "each"), to_jaus, ids=name, shards=32, slow=True, rest=8)
 @settings(max_examples=10, deadline=None)
 @given(seed=SEEDS)
-def test_to_jaus(
-    program: str,
-    translator: Callable[[str], Translator],
-    stem: str,
-    each: Any,
-    seed: int,
-) -> None:
+def test_to_jaus(program, translator, stem, each, seed):
     maps, way = translator(stem), f"{each.name}_to_jaus"
     function = Function(maps, way, program)
     assert (function.compiled is None) is (way in LEFT_TO_PYTHON)

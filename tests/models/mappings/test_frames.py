@@ -3,11 +3,8 @@
 The expected figures come from trigonometry here, not from the conversions of the runtime.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import product
-from typing import TYPE_CHECKING
 
 import pytest
 from for_each import for_each
@@ -21,15 +18,9 @@ from geometry_msgs.msg import (
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import Imu, NavSatFix, NavSatStatus
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
-
 GUARDS = ("models/library/mappings",)
 
 HALF = math.sqrt(0.5)
-ANGLE_STEP = 2 * math.pi / 65535
 ATTITUDES = list(product((-0.5, 0.0, 1.0), (-1.2, 0.0, 0.4), (-2.5, 0.0, 0.7, 3.0)))
 
 
@@ -72,9 +63,7 @@ def height_of_the_left_side(roll: float, pitch: float) -> float:
 
 
 @for_each(("roll", "pitch", "heading"), ATTITUDES)
-def test_attitude_on_the_earth(
-    translator: Callable[[str], Translator], roll: float, pitch: float, heading: float
-) -> None:
+def test_attitude_on_the_earth(translator, roll, pitch, heading):
     maps = translator("global_pose_sensor")
     source = maps.messages.ReportGlobalPose(roll=roll, pitch=pitch, yaw=heading)
     imu = maps.to_ros("global_attitude", source)
@@ -89,9 +78,7 @@ def test_attitude_on_the_earth(
 
 @pytest.mark.parametrize("from_vertical", [0.0, 1e-9, 1e-7, 1e-5])
 @pytest.mark.parametrize("up", [1.0, -1.0])
-def test_nearly_straight_up_and_down_on_the_earth(
-    translator: Callable[[str], Translator], up: float, from_vertical: float
-) -> None:
+def test_nearly_straight_up_and_down_on_the_earth(translator, up, from_vertical):
     maps = translator("global_pose_sensor")
     half_pitch, half_yaw = -up * (math.pi / 2 - from_vertical) / 2, 0.6
     sp, cp, sy, cy = (
@@ -106,9 +93,7 @@ def test_nearly_straight_up_and_down_on_the_earth(
 
 
 @for_each(("roll", "pitch", "yaw"), ATTITUDES)
-def test_attitude_in_odom(
-    translator: Callable[[str], Translator], roll: float, pitch: float, yaw: float
-) -> None:
+def test_attitude_in_odom(translator, roll, pitch, yaw):
     maps = translator("local_pose_sensor")
     source = maps.messages.ReportLocalPose(x=0.0, y=0.0, z=0.0, roll=roll, pitch=pitch, yaw=yaw)
     for name in ("local_pose", "local_pose_stamped"):
@@ -124,8 +109,8 @@ def test_attitude_in_odom(
 
 @for_each(("roll", "pitch", "yaw"), ATTITUDES)
 def test_odometry_has_the_pose_in_odom_and_the_twist_in_the_axes_of_the_vehicle(
-    translator: Callable[[str], Translator], roll: float, pitch: float, yaw: float
-) -> None:
+    translator, roll, pitch, yaw
+):
     """The pose turns nothing of the twist, which REP 105 has in the child frame, as JAUS has."""
     maps = translator("odometry")
     pose = maps.messages.ReportLocalPose(x=5.0, y=2.0, z=-1.0, roll=roll, pitch=pitch, yaw=yaw)
@@ -150,9 +135,7 @@ def test_odometry_has_the_pose_in_odom_and_the_twist_in_the_axes_of_the_vehicle(
     assert (angular.x, angular.y, angular.z) == pytest.approx((0.1, -0.2, -0.3), abs=1e-3)
 
 
-def test_a_vehicle_that_turns_left_while_it_drives_a_left_circle(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_a_vehicle_that_turns_left_while_it_drives_a_left_circle(translator):
     """A quarter of the circle of radius 10 m to the left, as JAUS (x ahead, y right) has it."""
     maps = translator("odometry")
     quarter = math.pi / 2
@@ -167,7 +150,7 @@ def test_a_vehicle_that_turns_left_while_it_drives_a_left_circle(
     assert made.twist.twist.angular.z == near(0.2)  # to the left is positive in ROS (REP 103)
 
 
-def test_the_headings_of_the_compass(translator: Callable[[str], Translator]) -> None:
+def test_the_headings_of_the_compass(translator):
     """REP 103: yaw 0 is east and grows to the left; JAUS headings grow to the right from north."""
     maps = translator("global_pose_sensor")
     compass = {"north": (90, 0), "east": (0, 90), "south-east": (-45, 135), "west": (180, -90)}
@@ -178,7 +161,7 @@ def test_the_headings_of_the_compass(translator: Callable[[str], Translator]) ->
         assert (report.roll, report.pitch) == (near(0.0), near(0.0))
 
 
-def test_a_raised_nose_and_a_lowered_right_side(translator: Callable[[str], Translator]) -> None:
+def test_a_raised_nose_and_a_lowered_right_side(translator):
     """In ROS both are turns about y (left) and x: a raised nose is a negative one."""
     maps = translator("local_pose_sensor")
     raised = Odometry()
@@ -189,9 +172,7 @@ def test_a_raised_nose_and_a_lowered_right_side(translator: Callable[[str], Tran
     assert maps.to_jaus("local_pose", lowered).roll == near(0.2)
 
 
-def test_an_enu_pose_of_a_vehicle_east_of_the_origin(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_an_enu_pose_of_a_vehicle_east_of_the_origin(translator):
     maps = translator("local_pose_sensor")
     source = Odometry()
     source.pose.pose.position.x, source.pose.pose.position.y = 100.0, 7.0
@@ -208,9 +189,7 @@ def test_an_enu_pose_of_a_vehicle_east_of_the_origin(
 # ------------------------------------------------------------------ motion
 
 
-def test_velocities_to_the_left_are_negative_in_jaus(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_velocities_to_the_left_are_negative_in_jaus(translator):
     maps = translator("velocity_state_sensor")
     source = Odometry()
     twist = source.twist.twist
@@ -229,9 +208,7 @@ def test_velocities_to_the_left_are_negative_in_jaus(
     assert (back.twist.angular.x, back.twist.angular.y) == (near(0.1), near(0.2))
 
 
-def test_axes_without_motion_are_zero_and_nothing_else(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_axes_without_motion_are_zero_and_nothing_else(translator):
     maps = translator("velocity_state_sensor")
     report = maps.messages.ReportVelocityState(velocity_x=1.0, yaw_rate=0.0)
     target = maps.to_ros("velocity_state", report)
@@ -247,9 +224,7 @@ def test_axes_without_motion_are_zero_and_nothing_else(
         ("velocity_state_driver", "velocity_command_stamped"),
     ],
 )
-def test_a_velocity_command_to_the_right(
-    translator: Callable[[str], Translator], stem: str, name: str
-) -> None:
+def test_a_velocity_command_to_the_right(translator, stem, name):
     maps = translator(stem)
     command = maps.messages.SetVelocityCommand(velocity_x=2.0, yaw_rate=0.5)
     target = maps.to_ros(name, command)
@@ -260,7 +235,7 @@ def test_a_velocity_command_to_the_right(
     assert int(back.command_type) == 0
 
 
-def test_efforts_and_brakes(translator: Callable[[str], Translator]) -> None:
+def test_efforts_and_brakes(translator):
     """The defaults of the map: 100 percent are 2 m/s and 1 rad/s."""
     maps = translator("primitive_driver")
     wrench = maps.messages.SetWrenchEffort
@@ -283,7 +258,7 @@ def test_efforts_and_brakes(translator: Callable[[str], Translator]) -> None:
     assert back.resistive_linear_effort_x is None
 
 
-def test_accelerations(translator: Callable[[str], Translator]) -> None:
+def test_accelerations(translator):
     maps = translator("acceleration_state_sensor")
     source = AccelWithCovarianceStamped()
     source.accel.accel.linear.x, source.accel.accel.linear.y = -2.0, 1.5
@@ -296,9 +271,7 @@ def test_accelerations(translator: Callable[[str], Translator]) -> None:
 @pytest.mark.parametrize(
     ("heading", "east", "north"), [(0.0, 0.0, 3.0), (90.0, 3.0, 0.0), (-135.0, -2.1213, -2.1213)]
 )
-def test_global_vectors(
-    translator: Callable[[str], Translator], heading: float, east: float, north: float
-) -> None:
+def test_global_vectors(translator, heading, east, north):
     maps = translator("global_vector_driver")
     command = maps.messages.SetGlobalVector(speed=3.0, heading=math.radians(heading))
     target = maps.to_ros("global_vector", command)
@@ -308,7 +281,7 @@ def test_global_vectors(
     assert math.degrees(back.heading) == near(heading, 0.02)
 
 
-def test_local_vectors_to_the_right(translator: Callable[[str], Translator]) -> None:
+def test_local_vectors_to_the_right(translator):
     maps = translator("local_vector_driver")
     command = maps.messages.SetLocalVector(speed=3.0, heading=math.pi / 2)
     target = maps.to_ros("local_vector", command)
@@ -321,9 +294,7 @@ def test_local_vectors_to_the_right(translator: Callable[[str], Translator]) -> 
 # ------------------------------------------------------------------ positions
 
 
-def test_a_fix_becomes_a_position_without_an_attitude(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_a_fix_becomes_a_position_without_an_attitude(translator):
     maps = translator("global_pose_sensor")
     fix = NavSatFix(latitude=-33.25, longitude=151.5, altitude=12.5)
     fix.position_covariance = [1.0, 0, 0, 0, 1.0, 0, 0, 0, 10.0]
@@ -337,7 +308,7 @@ def test_a_fix_becomes_a_position_without_an_attitude(
     assert (report.roll, report.pitch, report.yaw) == (None, None, None)
 
 
-def test_unknown_is_absent(translator: Callable[[str], Translator]) -> None:
+def test_unknown_is_absent(translator):
     maps = translator("global_pose_sensor")
     no_fix = NavSatFix(latitude=1.0, longitude=2.0, altitude=math.nan)
     no_fix.status.status = -1
@@ -354,7 +325,7 @@ def test_unknown_is_absent(translator: Callable[[str], Translator]) -> None:
     assert back.position_covariance_type == 0
 
 
-def test_stamps_arrive(translator: Callable[[str], Translator]) -> None:
+def test_stamps_arrive(translator):
     """Day 3, 04:05:06.007 of the month that is now; the ends agree about it to the millisecond."""
     maps = translator("velocity_state_sensor")
     source = Odometry()
@@ -368,7 +339,7 @@ def test_stamps_arrive(translator: Callable[[str], Translator]) -> None:
     assert (back.header.stamp.sec, back.header.stamp.nanosec) == (now.sec, 7_000_000)
 
 
-def test_a_waypoint_at_the_origin_is_one(translator: Callable[[str], Translator]) -> None:
+def test_a_waypoint_at_the_origin_is_one(translator):
     maps = translator("local_waypoint_driver")
     goal = maps.to_ros("local_waypoint", maps.messages.SetLocalWaypoint(x=0.0, y=0.0))
     assert goal.TYPE == "geometry_msgs/msg/PoseStamped"
@@ -376,7 +347,7 @@ def test_a_waypoint_at_the_origin_is_one(translator: Callable[[str], Translator]
     assert goal.pose.orientation.w == 1.0
 
 
-def test_a_waypoint_with_a_yaw_alone_is_level(translator: Callable[[str], Translator]) -> None:
+def test_a_waypoint_with_a_yaw_alone_is_level(translator):
     maps = translator("local_waypoint_driver")
     goal = maps.to_ros("local_waypoint", maps.messages.SetLocalWaypoint(x=5.0, y=2.0, yaw=0.7))
     assert goal.pose.position.y == near(-2.0)
@@ -384,7 +355,7 @@ def test_a_waypoint_with_a_yaw_alone_is_level(translator: Callable[[str], Transl
     assert turned(goal.pose.orientation, (1, 0, 0)) == pytest.approx(expected, abs=1e-3)
 
 
-def test_a_global_waypoint(translator: Callable[[str], Translator]) -> None:
+def test_a_global_waypoint(translator):
     """No wheel brings geographic_msgs, and light classes need none."""
     maps = translator("global_waypoint_driver")
     message = maps.messages.SetGlobalWaypoint(latitude=48.5, longitude=-11.25, yaw=0.0)
@@ -397,7 +368,7 @@ def test_a_global_waypoint(translator: Callable[[str], Translator]) -> None:
     assert (back.altitude, back.yaw) == (near(100.0), near(0.0))
 
 
-def test_a_path_becomes_a_list_of_waypoints(translator: Callable[[str], Translator]) -> None:
+def test_a_path_becomes_a_list_of_waypoints(translator):
     maps = translator("waypoint_lists")
     path = Path(poses=[PoseStamped(), PoseStamped(), PoseStamped()])
     for index, pose in enumerate(path.poses):
@@ -415,12 +386,12 @@ def test_a_path_becomes_a_list_of_waypoints(translator: Callable[[str], Translat
     assert turned(back.poses[1].pose.orientation, (1, 0, 0)) == pytest.approx((0, 1, 0), abs=1e-3)
 
 
-def test_a_path_that_is_empty_empties_the_list(translator: Callable[[str], Translator]) -> None:
+def test_a_path_that_is_empty_empties_the_list(translator):
     maps = translator("waypoint_lists")
     assert maps.to_jaus("local_waypoint_list", Path()).element_list == []
 
 
-def test_the_bytes_of_a_list_of_one_waypoint(translator: Callable[[str], Translator]) -> None:
+def test_the_bytes_of_a_list_of_one_waypoint(translator):
     """AS5710 SetElement: one element, numbered 1 without neighbours, whose data is a message."""
     maps = translator("waypoint_lists")
     command = maps.to_jaus("local_waypoint_list", Path(poses=[PoseStamped()]))
@@ -428,7 +399,7 @@ def test_the_bytes_of_a_list_of_one_waypoint(translator: Callable[[str], Transla
     assert command.encode().startswith(bytes.fromhex(head))
 
 
-def test_a_list_of_other_messages_is_no_path(translator: Callable[[str], Translator]) -> None:
+def test_a_list_of_other_messages_is_no_path(translator):
     maps = translator("waypoint_lists")
     command = maps.to_jaus("local_waypoint_list", Path(poses=[PoseStamped()]))
     data = command.element_list[0].element_data

@@ -1,15 +1,10 @@
 """Translations of ready maps and shipped models stay short enough to be read."""
 
-from __future__ import annotations
-
 import ast
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from mapping_support import ROOT, generated, read
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 SHIPPED = (
     "catvehicle/catvehicle.xmi",
@@ -52,11 +47,11 @@ def too_wide(folder: Path) -> list[str]:
     ]
 
 
-def test_translations_of_ready_maps_are_short_and_narrow(workspace: Path) -> None:
+def test_translations_of_ready_maps_are_short_and_narrow(workspace):
     assert too_long(workspace) == SIX_AXES
     assert too_wide(workspace) == []
 
 
 @pytest.mark.parametrize("model", SHIPPED)
-def test_translations_of_shipped_models_are_short(model: str) -> None:
+def test_translations_of_shipped_models_are_short(model):
     assert too_long(generated(read(ROOT / "models" / model))) == {}

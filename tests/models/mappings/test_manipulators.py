@@ -1,20 +1,12 @@
 """Ready maps of arms, pan-tilt units and tools, by what the figures mean."""
 
-from __future__ import annotations
-
 import importlib
 import math
 from random import Random
-from typing import TYPE_CHECKING
 
 import pytest
 from geometry_msgs.msg import PoseStamped, TwistStamped
 from sensor_msgs.msg import JointState
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 
@@ -35,7 +27,7 @@ def absent_error() -> type[Exception]:
 # ------------------------------------------------------------------ joints by name
 
 
-def test_velocities_go_to_their_joints(translator: Callable[[str], Translator]) -> None:
+def test_velocities_go_to_their_joints(translator):
     maps = translator("joint_velocities")
     wanted = JointState(name=ARM[::-1], velocity=[0.6, 0.5, 0.4, 0.3, 0.2, 0.1])
     command = maps.to_jaus("set_joint_velocities", wanted)
@@ -46,16 +38,14 @@ def test_velocities_go_to_their_joints(translator: Callable[[str], Translator]) 
     assert not back.position
 
 
-def test_a_joint_that_is_missing_is_named(translator: Callable[[str], Translator]) -> None:
+def test_a_joint_that_is_missing_is_named(translator):
     maps = translator("joint_positions")
     arm = JointState(name=ARM[:4], position=[0.1, 0.2, 0.3, 0.4])
     with pytest.raises(absent_error(), match="position: 'joint_5', 'joint_6' is not among"):
         maps.to_jaus("joint_positions", arm)
 
 
-def test_a_joint_that_slides_is_not_taken_for_one_that_turns(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_a_joint_that_slides_is_not_taken_for_one_that_turns(translator):
     for stem, name, message, item in (
         ("joint_velocities", "set_joint_velocities", "SetJointVelocities", "joint_velocity"),
         ("joint_positions", "set_joint_positions", "SetJointPositions", "joint_position"),
@@ -71,7 +61,7 @@ def test_a_joint_that_slides_is_not_taken_for_one_that_turns(
             maps.to_ros(name, command)
 
 
-def test_efforts_are_shares_of_a_speed(translator: Callable[[str], Translator]) -> None:
+def test_efforts_are_shares_of_a_speed(translator):
     maps = translator("primitive_manipulator")
     wanted = JointState(name=ARM, velocity=[0.0, 0.5, -0.5, 1.0, -1.0, 0.25])
     command = maps.to_jaus("set_joint_efforts", wanted)
@@ -82,7 +72,7 @@ def test_efforts_are_shares_of_a_speed(translator: Callable[[str], Translator]) 
     assert back.velocity[0] == 0  # which the wire does not have
 
 
-def test_a_trajectory_has_one_point(translator: Callable[[str], Translator]) -> None:
+def test_a_trajectory_has_one_point(translator):
     maps = translator("joint_positions")
     wanted = JointState(name=ARM, position=[0.1, 0.2, 0.3, 0.4, 0.5, 0.6])
     command = maps.to_jaus("set_joint_positions", wanted)
@@ -107,9 +97,7 @@ def test_a_trajectory_has_one_point(translator: Callable[[str], Translator]) -> 
         ("pan_tilt_velocities", "pan_tilt_velocities", "velocity", "velocity"),
     ],
 )
-def test_pan_and_tilt(
-    translator: Callable[[str], Translator], stem: str, name: str, array: str, kind: str
-) -> None:
+def test_pan_and_tilt(translator, stem, name, array, kind):
     maps, scale = translator(stem), 100.0 if kind == "effort" else 1.0
     made = maps.to_jaus(name, JointState(**{array: [0.5, -0.25, 9.0]}))
     pan, tilt = (getattr(made, f"joint{number}_{kind}") for number in (1, 2))
@@ -131,9 +119,7 @@ def test_pan_and_tilt(
         ("pan_tilt_velocities", "set_pan_tilt_velocities", ["pan", "tilt"]),
     ],
 )
-def test_a_stop_names_all_joints_and_turns_none(
-    translator: Callable[[str], Translator], stem: str, name: str, names: list[str]
-) -> None:
+def test_a_stop_names_all_joints_and_turns_none(translator, stem, name, names):
     maps = translator(stem)
     stop = getattr(maps.bridge, f"safe_{name}_to_ros")()
     assert (list(stop.name), list(stop.velocity)) == (names, [0.0] * len(names))
@@ -163,9 +149,7 @@ def any_turn(chance: Random) -> tuple[float, ...]:
 
 
 @pytest.mark.parametrize("name", ["end_effector_pose", "set_end_effector_pose"])
-def test_a_point_of_the_tool_is_where_it_is(
-    translator: Callable[[str], Translator], name: str
-) -> None:
+def test_a_point_of_the_tool_is_where_it_is(translator, name):
     """Forward, right and down in JAUS is forward, left and up in ROS, for each point of a tool."""
     maps, chance = translator("end_effector"), Random(7)
     for _ in range(50):
@@ -190,7 +174,7 @@ def test_a_point_of_the_tool_is_where_it_is(
 
 
 @pytest.mark.parametrize("name", ["end_effector_velocity", "set_end_effector_velocity"])
-def test_a_tool_that_rises_to_the_left(translator: Callable[[str], Translator], name: str) -> None:
+def test_a_tool_that_rises_to_the_left(translator, name):
     maps, twist = translator("end_effector"), TwistStamped()
     twist.twist.linear.x, twist.twist.linear.y, twist.twist.linear.z = 0.1, 0.2, 0.3
     twist.twist.angular.x, twist.twist.angular.y, twist.twist.angular.z = 0.4, 0.5, 0.6

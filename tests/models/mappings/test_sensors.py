@@ -1,19 +1,12 @@
 """Ready maps of grids, scans, batteries, lamps and joints, by what the figures mean."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import BatteryState, JointState, LaserScan
 from std_msgs.msg import Bool, Float32
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 
@@ -87,9 +80,7 @@ GRIDS = [
 
 @pytest.mark.parametrize("shape", GRIDS)
 @pytest.mark.parametrize("name", ["cost_map", "cost_map_enu"])
-def test_each_cell_stays_where_it_is(
-    translator: Callable[[str], Translator], name: str, shape: tuple[Any, ...]
-) -> None:
+def test_each_cell_stays_where_it_is(translator, name, shape):
     columns, rows, x, y, yaw = shape
     maps = translator("cost_map_2d")
     made = grid(columns, rows, 20 * WIDTH_STEP, x, y, yaw)
@@ -112,9 +103,7 @@ def test_each_cell_stays_where_it_is(
 
 
 @pytest.mark.parametrize("name", ["cost_map", "cost_map_enu"])
-def test_the_length_of_the_orientation_of_a_grid_does_not_matter(
-    translator: Callable[[str], Translator], name: str
-) -> None:
+def test_the_length_of_the_orientation_of_a_grid_does_not_matter(translator, name):
     maps = translator("cost_map_2d")
     made, longer = grid(4, 2, 10.0, 3.0, 1.0, 0.4), grid(4, 2, 10.0, 3.0, 1.0, 0.4)
     longer.info.origin.orientation.z *= 2.0
@@ -130,7 +119,7 @@ def test_the_length_of_the_orientation_of_a_grid_does_not_matter(
         maps.to_jaus(name, longer)
 
 
-def test_unknown_cells_and_walls(translator: Callable[[str], Translator]) -> None:
+def test_unknown_cells_and_walls(translator):
     maps = translator("cost_map_2d")
     made = grid(3, 1, 20 * WIDTH_STEP, 0.0, 0.0, 0.0)
     made.data = [-1, 0, 100]
@@ -142,9 +131,7 @@ def test_unknown_cells_and_walls(translator: Callable[[str], Translator]) -> Non
 # ------------------------------------------------------------------ scans
 
 
-def test_the_wall_on_the_left_is_at_negative_bearings(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_the_wall_on_the_left_is_at_negative_bearings(translator):
     maps = translator("range_sensor")
     scan = LaserScan(angle_min=-1.5, angle_increment=0.5, range_min=0.1, range_max=30.0)
     scan.ranges = [5.0, math.inf, 4.0, 3.0, math.nan, 0.05, 2.0]
@@ -163,9 +150,7 @@ def test_the_wall_on_the_left_is_at_negative_bearings(
     assert back.range_min > 0.0
 
 
-def test_a_reading_is_valid_where_its_validity_says_so(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_a_reading_is_valid_where_its_validity_says_so(translator):
     """A proof has shown that 254 values that mean nothing passed for a valid reading."""
     maps = translator("range_sensor")
     scan = LaserScan(angle_min=-1.5, angle_increment=0.5, range_min=0.1, range_max=30.0)
@@ -187,7 +172,7 @@ def test_a_reading_is_valid_where_its_validity_says_so(
 # ------------------------------------------------------------------ power, cameras, lamps, joints
 
 
-def test_a_battery(translator: Callable[[str], Translator]) -> None:
+def test_a_battery(translator):
     maps = translator("power_plant")
     state = BatteryState(percentage=0.75, voltage=24.5, current=-12.0, location="aft")
     state.temperature = math.nan
@@ -206,7 +191,7 @@ def test_a_battery(translator: Callable[[str], Translator]) -> None:
     assert back.location == "aft"
 
 
-def test_a_camera(translator: Callable[[str], Translator]) -> None:
+def test_a_camera(translator):
     maps = translator("visual_sensor")
     (switched,) = maps.to_jaus(
         "visual_sensor_power", Bool(data=False)
@@ -220,7 +205,7 @@ def test_a_camera(translator: Callable[[str], Translator]) -> None:
     assert maps.to_ros("digital_video_stream", stream).data is True
 
 
-def test_lamps_do_not_switch_each_other(translator: Callable[[str], Translator]) -> None:
+def test_lamps_do_not_switch_each_other(translator):
     maps = translator("illumination")
     command = maps.to_jaus("set_lamps", Bool(data=True), brake_lights=Bool(data=True))
     lamps = command.illumination
@@ -230,7 +215,7 @@ def test_lamps_do_not_switch_each_other(translator: Callable[[str], Translator])
     assert maps.to_ros("set_hazard_lights", command).data is False
 
 
-def test_joints_by_name(translator: Callable[[str], Translator]) -> None:
+def test_joints_by_name(translator):
     maps = translator("joint_positions")
     names = [f"joint_{number}" for number in (3, 1, 2, 6, 5, 4)]
     state = JointState(name=["finger", *names], position=[9.0, 0.3, 0.1, 0.2, 0.6, 0.5, 0.4])
@@ -242,7 +227,7 @@ def test_joints_by_name(translator: Callable[[str], Translator]) -> None:
     assert list(back.position) == [near(position) for position in (0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]
 
 
-def test_joints_are_commanded_by_name(translator: Callable[[str], Translator]) -> None:
+def test_joints_are_commanded_by_name(translator):
     maps = translator("joint_positions")
     names = [f"joint_{number}" for number in (6, 5, 4, 3, 2, 1)]
     wanted = JointState(name=names, position=[0.6, 0.5, 0.4, 0.3, 0.2, 0.1])

@@ -1,12 +1,10 @@
 """The ready maps as files: free of findings, used by bridges, listed, with vectors that hold."""
 
-from __future__ import annotations
-
 import os
 import re
-import subprocess
 import sys
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 from for_each import for_each
@@ -20,16 +18,11 @@ from mapping_support import (
     read,
     ready_maps,
 )
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import packages_of
 
 from jausml.language.metamodel.classes import bridge
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from jausml.language.model.reading.reader import ReadResult
 
 GUARDS = ("models/library/mappings",)
 
@@ -38,11 +31,11 @@ def all_maps() -> list[Any]:
     return [field_map for maps in ready_maps().values() for field_map in maps]
 
 
-def test_the_files_are_free_of_findings() -> None:
+def test_the_files_are_free_of_findings():
     assert findings(files_read()) == []
 
 
-def test_bridges_that_use_each_map_are_free_of_findings(system: ReadResult) -> None:
+def test_bridges_that_use_each_map_are_free_of_findings(system):
     # A bridge with a single map of a service answers for that alone; this one has all of a report,
     # and all that go to one topic, to see each of them. What releases a stop nobody has decided.
     expected = ("JML367", "JML429", "JML450", "JML462", "JML500")
@@ -52,7 +45,7 @@ def test_bridges_that_use_each_map_are_free_of_findings(system: ReadResult) -> N
 
 
 @for_each("each", all_maps, ids=lambda field_map: field_map.name)
-def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) -> None:
+def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each):
     tested = {vector.direction.name for vector in each.vectors}
     has = {"jausToRos"} if each.toRos else set()
     has |= {"rosToJaus"} if each.toJaus else set()
@@ -61,7 +54,7 @@ def test_each_map_has_vectors_for_each_direction_and_says_what_it_is(each: Any) 
 
 
 @for_each("each", all_maps, ids=lambda field_map: field_map.name)
-def test_each_sign_that_changes_is_in_a_vector(each: Any) -> None:
+def test_each_sign_that_changes_is_in_a_vector(each):
     """With a figure that is not 0, which has the same sign as its opposite."""
     for way, assignments in (("jausToRos", each.toRos), ("rosToJaus", each.toJaus)):
         shown = {
@@ -89,13 +82,13 @@ def _conversions(assignments: Any, around: str = "") -> Iterator[tuple[str, set[
         yield from _conversions(getattr(assignment, "assignments", ()), target)
 
 
-def test_names_are_unique_over_all_files() -> None:
+def test_names_are_unique_over_all_files():
     names = [field_map.name for field_map in all_maps()]
     assert len(set(names)) == len(names)
     assert all(ready_maps().values())
 
 
-def test_the_list_has_each_map_and_no_other() -> None:
+def test_the_list_has_each_map_and_no_other():
     text = (MAPPINGS / "README.md").read_text(encoding="utf-8")
     rows = [line.split("|") for line in text.splitlines() if line.startswith("| ")]
     listed = set(re.findall(r"`(\w+)`", " ".join(row[4] for row in rows)))
@@ -107,32 +100,29 @@ def test_the_list_has_each_map_and_no_other() -> None:
 
 
 @pytest.mark.parametrize("part", sweep(range(4), every=4, rest=1))
-def test_the_vectors_of_each_file_hold(workspace: Path, part: int) -> None:
+def test_the_vectors_of_each_file_hold(workspace, part):
     """The tests that come with the generated bridges check them."""
     packages = [workspace / f"{stem}_bridge" for stem in [*ready_maps()][part::4]]
     paths = packages_of(workspace)
     tests = [str(package / "test") for package in packages]
-    done = subprocess.run(
+    succeeded(
         [sys.executable, "-m", "pytest", "-q", "--assert=plain", *tests],
         env={
             **os.environ,
             "PYTHONPATH": os.pathsep.join(map(str, paths)),
         },
         cwd=workspace,
-        capture_output=True,
-        text=True,
         timeout=120,
     )
-    assert done.returncode == 0, done.stdout[-4000:]
 
 
-def test_the_example_uses_ready_maps_alone() -> None:
+def test_the_example_uses_ready_maps_alone():
     (owner,) = files_read().model.instances(bridge.Bridge)
     assert len(owner.bridgeConnections) == 6
     assert not owner.maps
 
 
-def test_the_bridge_of_the_guide_knows_its_own_maximum(tmp_path: Path) -> None:
+def test_the_bridge_of_the_guide_knows_its_own_maximum(tmp_path):
     """The text in docs/how-to/ready-mappings.md; 100 percent are 8.5 m/s there, not 2."""
     guide = (ROOT / "docs" / "how-to" / "ready-mappings.md").read_text(encoding="utf-8")
     text = tmp_path / "rover.ros2jaus"

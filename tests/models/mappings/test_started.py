@@ -1,21 +1,15 @@
 """Each ready map is in a bridge that really starts, with rclpy and sockets, on both sides."""
 
-from __future__ import annotations
-
 import json
 import os
-import subprocess
 import sys
-from typing import TYPE_CHECKING
 
 import needs
 import pytest
 from mapping_support import FILES
 from ports import free_domain, free_port
+from scripts import succeeded
 from workspaces import python_path
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 pytestmark = [pytest.mark.slow, pytest.mark.live]
 
@@ -58,9 +52,9 @@ WITHOUT_WHEELS = ("ackermann_msgs", "geographic_msgs")
 """Packages of messages that may not be installed; their maps are tried by their vectors."""
 
 
-def test_bridges_with_each_ready_map_start(workspace: Path) -> None:
+def test_bridges_with_each_ready_map_start(workspace):
     needs.ask("rclpy")
-    done = subprocess.run(
+    done = succeeded(
         [sys.executable, "-c", START, str(free_port()), *(file.stem for file in FILES)],
         env={
             **os.environ,
@@ -68,12 +62,8 @@ def test_bridges_with_each_ready_map_start(workspace: Path) -> None:
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
             "ROS_DOMAIN_ID": free_domain(),
         },
-        capture_output=True,
-        text=True,
         timeout=300,
-        check=False,
     )
-    assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout.splitlines()[-1])
     lacking = {
         stem

@@ -1,17 +1,8 @@
 """What ready maps make of what nobody knows, where no vector can say it: times of arrival."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 from nav_msgs.msg import OccupancyGrid
 from sensor_msgs.msg import CompressedImage, LaserScan
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 
@@ -34,18 +25,14 @@ TIMED = {
 
 
 @pytest.mark.parametrize("name", TIMED)
-def test_a_report_without_a_time_has_that_of_its_arrival(
-    translator: Callable[[str], Translator], name: str
-) -> None:
+def test_a_report_without_a_time_has_that_of_its_arrival(translator, name):
     stem, message, values = TIMED[name]
     maps = translator(stem)
     made = maps.to_ros(name, getattr(maps.messages, message)(**values))
     assert made.header.stamp.sec > 0
 
 
-def test_what_needs_a_time_has_that_of_its_arrival(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_what_needs_a_time_has_that_of_its_arrival(translator):
     scan = LaserScan(range_min=0.1, range_max=30.0, ranges=[1.0])
     sent = translator("range_sensor").to_jaus("laser_scan", scan)
     assert sent.range_sensor_data_list[0].range_sensor_data_rec.time_stamp.day > 0
@@ -54,7 +41,7 @@ def test_what_needs_a_time_has_that_of_its_arrival(
     assert sent.still_image_data_list[0].time_stamp.day > 0
 
 
-def test_unknown_cells_leave_a_grid_whole(translator: Callable[[str], Translator]) -> None:
+def test_unknown_cells_leave_a_grid_whole(translator):
     """A grid is translated at once, not cell by cell, though some of its cells are unknown."""
     grid = OccupancyGrid()
     grid.info.width, grid.info.height, grid.info.resolution = 250, 200, 1.0

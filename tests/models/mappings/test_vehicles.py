@@ -1,19 +1,12 @@
 """Ready maps of two sides, steering, brakes, health and pictures, by what the figures mean."""
 
-from __future__ import annotations
-
 import importlib
 from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 from sensor_msgs.msg import CompressedImage
 from std_msgs.msg import Float32, Float64, Float64MultiArray
-
-if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from mapping_support import Translator
 
 GUARDS = ("models/library/mappings",)
 
@@ -32,7 +25,7 @@ def error(name: str) -> type[Exception]:
 
 
 @pytest.mark.parametrize("name", ["skid_steer_wheels", "skid_steer_wheels_report"])
-def test_left_is_left(translator: Callable[[str], Translator], name: str) -> None:
+def test_left_is_left(translator, name):
     maps = translator("skid_steer_driver")
     made = maps.to_jaus(name, Float64MultiArray(data=[5.0, -2.5, 9.0]))
     assert [made.left_side_propulsive_effort, made.right_side_propulsive_effort] == near(
@@ -53,9 +46,7 @@ def test_left_is_left(translator: Callable[[str], Translator], name: str) -> Non
         (0, 0, 0, 0),
     ],
 )
-def test_sides_make_a_twist(
-    translator: Callable[[str], Translator], left: int, right: int, speed: float, turn: float
-) -> None:
+def test_sides_make_a_twist(translator, left, right, speed, turn):
     maps = translator("skid_steer_driver")
     command = maps.messages.SetSkidSteerEffort()
     command.left_side_propulsive_effort = float(left)
@@ -76,7 +67,7 @@ def ackermann(angle: float, speed: float, rate: float = 0.0) -> Any:
 
 
 @pytest.mark.parametrize("name", ["ackermann_drive", "ackermann_drive_report"])
-def test_steering_to_the_left(translator: Callable[[str], Translator], name: str) -> None:
+def test_steering_to_the_left(translator, name):
     maps = translator("ackermann_driver")
     made = maps.to_jaus(name, ackermann(0.5, 1.0))
     assert [made.steering_angle, made.throttle_effort, made.brake_effort] == near(-0.5, 50, 0)
@@ -86,12 +77,12 @@ def test_steering_to_the_left(translator: Callable[[str], Translator], name: str
     assert [back.drive.steering_angle, back.drive.speed] == near(0.5, 0.6)
 
 
-def test_no_throttle_goes_back(translator: Callable[[str], Translator]) -> None:
+def test_no_throttle_goes_back(translator):
     with pytest.raises(error("OutOfRangeError"), match="ThrottleEffort"):
         translator("ackermann_driver").to_jaus("ackermann_drive", ackermann(0.5, -1.0))
 
 
-def test_a_steering_rate_is_a_limit(translator: Callable[[str], Translator]) -> None:
+def test_a_steering_rate_is_a_limit(translator):
     maps = translator("ackermann_driver")
     made = maps.to_jaus("ackermann_drive", ackermann(0.0, 1.0, 0.25))
     assert made.max_steering_rate == pytest.approx(0.25, abs=1e-3)
@@ -102,9 +93,7 @@ def test_a_steering_rate_is_a_limit(translator: Callable[[str], Translator]) -> 
         maps.to_jaus("ackermann_drive", ackermann(0.0, 1.0, -1.0))
 
 
-def test_a_steering_rate_of_zero_is_none_in_ros_and_a_limit_in_jaus(
-    translator: Callable[[str], Translator],
-) -> None:
+def test_a_steering_rate_of_zero_is_none_in_ros_and_a_limit_in_jaus(translator):
     maps = translator("ackermann_driver")
     made = maps.to_jaus("ackermann_drive", ackermann(-0.3, 1.0))
     assert made.max_steering_rate is None
@@ -113,7 +102,7 @@ def test_a_steering_rate_of_zero_is_none_in_ros_and_a_limit_in_jaus(
         maps.to_ros("ackermann_drive", made)
 
 
-def test_a_parking_brake(translator: Callable[[str], Translator]) -> None:
+def test_a_parking_brake(translator):
     maps = translator("parking_brake")
     made = maps.to_jaus("parking_brake", Float32(data=60.0))
     assert maps.to_ros("parking_brake", made).data == pytest.approx(60, abs=0.2)
@@ -122,7 +111,7 @@ def test_a_parking_brake(translator: Callable[[str], Translator]) -> None:
     assert maps.to_ros("parking_brake_report", report).data == pytest.approx(20, abs=0.2)
 
 
-def test_metres_of_a_life(translator: Callable[[str], Translator]) -> None:
+def test_metres_of_a_life(translator):
     maps = translator("odometer")
     report = maps.to_jaus("odometer", Float64(data=119_999.75))
     assert (int(report.odom), report.odometry) == (1, 120_000)
@@ -135,7 +124,7 @@ def test_metres_of_a_life(translator: Callable[[str], Translator]) -> None:
 @pytest.mark.parametrize(
     ("level", "severity"), [(0, 0), (1, 2), (2, 3), (3, 3)], ids=["ok", "warn", "error", "stale"]
 )
-def test_health_of_ros(translator: Callable[[str], Translator], level: int, severity: int) -> None:
+def test_health_of_ros(translator, level, severity):
     maps = translator("health_monitor")
     report = maps.to_jaus("health", SimpleNamespace(level=level, name="", message=""))
     assert int(report.ugv_severity_rec.severity) == severity
@@ -152,9 +141,7 @@ def test_health_of_ros(translator: Callable[[str], Translator], level: int, seve
         (4, 2, "failure"),
     ],
 )
-def test_health_of_jaus(
-    translator: Callable[[str], Translator], severity: int, level: int, words: str
-) -> None:
+def test_health_of_jaus(translator, severity, level, words):
     maps = translator("health_monitor")
     report = maps.messages.ReportUGVSummary()
     report.ugv_severity_rec.severity = severity
@@ -167,7 +154,7 @@ def test_health_of_jaus(
 PICTURE = b"\xff\xd8\xff\xe0" + bytes(range(256)) * 40 + b"\xff\xd9"
 
 
-def test_a_picture_byte_by_byte(translator: Callable[[str], Translator]) -> None:
+def test_a_picture_byte_by_byte(translator):
     maps = translator("still_image")
     image = CompressedImage(format="rgb8; jpeg compressed bgr8", data=PICTURE)
     image.header.stamp.sec = 1_700_000_000
@@ -187,7 +174,7 @@ def test_a_picture_byte_by_byte(translator: Callable[[str], Translator]) -> None
     assert bytes(back.data) == PICTURE
 
 
-def test_another_format_is_not_taken_for_jpeg(translator: Callable[[str], Translator]) -> None:
+def test_another_format_is_not_taken_for_jpeg(translator):
     maps = translator("still_image")
     report = maps.to_jaus("still_image", CompressedImage(format="jpeg", data=PICTURE))
     (frame,) = report.still_image_data_list

@@ -1,7 +1,5 @@
 """Moves the winch, falls silent without a word, and watches from another address what follows."""
 
-from __future__ import annotations
-
 import sys
 import threading
 

@@ -1,7 +1,5 @@
 """The example winch runs with real processes through all its states, and stops when left alone."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -14,6 +12,7 @@ from pathlib import Path
 import pytest
 import warm
 from ports import free_port
+from scripts import succeeded
 from workspaces import python_path
 
 HERE = Path(__file__).resolve().parent
@@ -52,14 +51,13 @@ def workspace(tmp_path):
     folder = tmp_path / "ws"
     shutil.copytree(EXAMPLE / "src", folder, ignore=shutil.ignore_patterns("__pycache__"))
     command = ["generate", tmp_path / "winch.xmi", "-o", folder]
-    done = subprocess.run([*warm.command(), *command], capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stdout + done.stderr
+    succeeded([*warm.command(), *command], timeout=60)
     return folder
 
 
 def start(workspace: Path, *options: str) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-m", "jausml", "run", str(workspace), *options],
+        [*warm.command(), "run", str(workspace), *options],
         env={**os.environ, "PYTHONUNBUFFERED": "1"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,

@@ -1,7 +1,5 @@
 """Proposed assignments: as authors of the shipped maps have them, and none that is wrong."""
 
-from __future__ import annotations
-
 import pytest
 from scope_support import CAR, SHIPPED, scope_of
 from sweeps import sweep
@@ -13,8 +11,6 @@ from jausml.authoring.proposals.mapping.assignments import clock, constant, igno
 from jausml.authoring.proposals.mapping.members import member
 from jausml.language.metamodel.classes import bridge
 from jausml.language.semantics.conversions import CONVERSIONS
-
-CHANGES_VALUES = {"deadband", "clamp", "limit"}
 
 
 class Map:

@@ -1,7 +1,5 @@
 """New maps: between the ends of each ready map, compared with what its author wrote."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import pytest

@@ -1,11 +1,9 @@
 """Maps that are filled from what corresponds: as authors would, and never what a rule forbids."""
 
-from __future__ import annotations
-
 import os
 from collections import Counter
 from functools import cache
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
@@ -20,9 +18,6 @@ from jausml.language.model.names import name_of
 from jausml.language.project import library
 from jausml.language.semantics.paths.ros_paths import ros_name
 from jausml.language.validation.engine import check
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 EXAMPLES = int(os.environ.get("JAUSML_EXAMPLES", "12"))
 FILE = "robot.ros2jaus"

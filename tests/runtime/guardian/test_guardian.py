@@ -1,7 +1,5 @@
 """Guardians of real processes, which have stops for JAUS components alone."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

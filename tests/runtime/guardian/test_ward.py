@@ -1,7 +1,5 @@
 """What a bridge has its guardian know, whatever keeps that from being handed over."""
 
-from __future__ import annotations
-
 import os
 import select
 import signal

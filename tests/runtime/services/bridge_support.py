@@ -1,7 +1,5 @@
 """A bridge in a small world, with a ROS side that keeps what it is given."""
 
-from __future__ import annotations
-
 import struct
 from dataclasses import dataclass, field
 from typing import ClassVar

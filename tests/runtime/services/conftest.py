@@ -1,29 +1,23 @@
 """A world with a clock of its own, in which components exchange messages without a network."""
 
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from jausml.runtime import ComponentSettings, JausComponent, ServiceIdentity
 from jausml.runtime import messages as core_messages
 from jausml.runtime.base.address import JausAddress
+from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.quirks import Quirks
 from jausml.runtime.messages import digital_resources, machine_states
-from jausml.runtime.transports.delivery import Arrival, PeerTraffic, ReceivedMessage
+from jausml.runtime.transports.delivery import Arrival, PeerTraffic, Receive, ReceivedMessage, Take
 from jausml.runtime.transports.packets.packet import Priority
 from jausml.runtime.wire.message import DecodeError, Message
 
 from .bridge_support import Setting
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from jausml.runtime.base.counters import Counters
-    from jausml.runtime.transports.delivery import Receive, Take
 
 CORE_SERVICES = tuple(
     ServiceIdentity(f"urn:jaus:jss:core:{name}", 1, 1)
@@ -196,7 +190,7 @@ class World:
             settings=ComponentSettings(**settings),
         )
 
-    def probe(self, address: str, *, strict: bool = True) -> Probe:
+    def probe(self, address: str, *, strict: bool = True):
         """Make a peer that does nothing by itself; a strict one understands all that it gets."""
         return Probe(self, JausAddress.parse(address), strict=strict)
 

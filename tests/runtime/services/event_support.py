@@ -1,7 +1,5 @@
 """A provider of events, and what subscribes to them."""
 
-from __future__ import annotations
-
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.clients.event_client import EventClient
 from jausml.runtime.messages import (

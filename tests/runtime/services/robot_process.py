@@ -1,7 +1,5 @@
 """A component process with core services and commands of its own, as a generated one is made."""
 
-from __future__ import annotations
-
 import sys
 
 from jausml.runtime import ComponentSettings, Guard, JausComponent, Scope, ServiceIdentity

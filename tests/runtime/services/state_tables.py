@@ -4,8 +4,6 @@ A row names a situation, one thing that happens in it, and what must follow: who
 in which state the component is then. Nobody may hear anything that the row does not name.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """Handlers that keep the loop: the log tells which one, and how long."""
 
-from __future__ import annotations
-
 import logging
 import re
 import time

@@ -1,7 +1,5 @@
 """What bridges say on /diagnostics."""
 
-from __future__ import annotations
-
 import logging
 import time
 from functools import partial

@@ -1,7 +1,5 @@
 """The forms of a translation: on light classes, and on the message classes of ROS."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

@@ -1,7 +1,5 @@
 """What bridges hand to their guardian as peers come and go."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import PeerChoice, PeerSearch

@@ -1,7 +1,5 @@
 """Bridges that are inactive, and bridges that are opened again."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Guard, Status

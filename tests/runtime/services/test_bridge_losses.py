@@ -1,7 +1,5 @@
 """What connections of bridges drop, and values that their targets cannot carry."""
 
-from __future__ import annotations
-
 import itertools
 import time
 

@@ -1,7 +1,5 @@
 """Parameters and faults of topics of bridges in a small world, without ROS."""
 
-from __future__ import annotations
-
 import logging
 
 import pytest

@@ -1,7 +1,5 @@
 """Which messages of a connection pass: by number, pace and age."""
 
-from __future__ import annotations
-
 import itertools
 import logging
 import struct

@@ -1,7 +1,5 @@
 """What connections of bridges do when their source is silent."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Guard, Shape

@@ -1,7 +1,5 @@
 """Bridges beside a simulation: what belongs to it keeps its time, what belongs to JAUS does not."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.bridge.connections.queries_to_ros import QueryToTopics

@@ -1,7 +1,5 @@
 """Connections of bridges that carry ROS topics to JAUS."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Guard

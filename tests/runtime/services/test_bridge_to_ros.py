@@ -1,7 +1,5 @@
 """Connections of bridges that carry JAUS messages to ROS topics."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Component, Guard, Status

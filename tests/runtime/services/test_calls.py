@@ -1,7 +1,5 @@
 """Calls of ROS services that a bridge serves: each is answered, and never told that all is well."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

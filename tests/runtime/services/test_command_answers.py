@@ -1,7 +1,5 @@
 """Queries for a command that a bridge obeys: what was commanded last answers them."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import CommandAnswer, Guard

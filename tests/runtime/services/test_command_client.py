@@ -1,7 +1,5 @@
 """Commands whose end is told, and emergencies, from the client's side."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Completion, Guard, JausComponent, Status

@@ -1,7 +1,5 @@
 """States of connections: the function that decides, and each cell of the table in the how-to."""
 
-from __future__ import annotations
-
 import logging
 from pathlib import Path
 

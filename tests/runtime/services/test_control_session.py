@@ -1,7 +1,5 @@
 """Control sessions: control is sought, kept, lost, shared and released."""
 
-from __future__ import annotations
-
 import random
 
 import pytest

@@ -1,7 +1,5 @@
 """Control and events over real sockets whose datagrams get lost, on a clock that the test turns."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

@@ -4,9 +4,8 @@ The library has these machines. Where the definitions of others are there, it is
 and always against the runtime. What the runtime does otherwise is `OTHERWISE`.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
 
 import pytest
 from for_each import for_each
@@ -14,6 +13,7 @@ from needs import SHARED
 
 from jausml.language.attributes.guards import alternatives, parse_guard
 from jausml.language.importers.jsidl import import_jsidl
+from jausml.language.metamodel.classes import jaus
 from jausml.language.semantics.jaus.core_services import newest_services
 from jausml.language.semantics.jaus.inherited_machines import core_machine, states_of
 from jausml.runtime import Completion, JausComponent, Scope, ServiceIdentity, Status, messages
@@ -35,11 +35,6 @@ from jausml.runtime.services.discovery_messages import register_services
 
 from .conftest import World
 from .state_tables import Row, Stage, after, controlled, ready
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-
-    from jausml.language.metamodel.classes import jaus
 
 OF_OTHERS = "jsidl/urn.jaus.jss.core-v1.1"
 SERVICES = ("AccessControl", "Discovery", "Events", "Liveness", "Management")

@@ -1,7 +1,5 @@
 """The core services between two transports on loopback: real datagrams and acknowledgements."""
 
-from __future__ import annotations
-
 import threading
 import time
 from itertools import pairwise

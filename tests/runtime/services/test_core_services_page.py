@@ -1,7 +1,5 @@
 """The page on the core services: its code runs, and it names what there is."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass, fields
 from pathlib import Path

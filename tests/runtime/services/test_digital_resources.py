@@ -1,7 +1,5 @@
 """Digital Resource Discovery (IOP): a registry, and components that register at it."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import ComponentSettings, ServiceIdentity

@@ -1,7 +1,5 @@
 """Discovery: identification by scope, configuration, services, registration, search."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Scope, ServiceIdentity

@@ -1,7 +1,5 @@
 """Budgets of events: who gives way, who gets how much, and what a client without proof gets."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Subscriptions whose provider restarts, refuses, falls silent, or loses reports."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.base.address import JausAddress

@@ -1,7 +1,5 @@
 """Subscriptions: creation, renewal, sharing."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

@@ -1,7 +1,5 @@
 """Events beyond the rows of the table: rates, beats, expiry, changes of queries."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import JausComponent, ServiceIdentity
@@ -27,7 +25,6 @@ from jausml.runtime.messages import (
 PERIODIC, EVERY_CHANGE = 0, 1
 STATUS = QueryStatus().encode()
 PULSE = QueryHeartbeatPulse().encode()
-LEAST_STEP = 1092 / 65535
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """Exchanges: answers, silence, turns of those that may have the same answer."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Greeting of peers that say nothing before they are asked who they are."""
 
-from __future__ import annotations
-
 import logging
 from itertools import pairwise
 

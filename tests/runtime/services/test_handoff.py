@@ -1,7 +1,5 @@
 """Control goes from one operator to another, by the decision of a person (IOP)."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import (

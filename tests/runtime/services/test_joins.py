@@ -1,7 +1,5 @@
 """Joined topics: which message a translation is given, and what is dropped."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import pytest

@@ -1,7 +1,5 @@
 """Lists of other components: set, deleted and read back."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

@@ -1,7 +1,5 @@
 """Lists that a bridge has a peer execute, and that are stopped while the radio is away."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -44,7 +42,7 @@ class Told(Message):
         ) + int(self.speed * 10).to_bytes(2, "little")
 
     @classmethod
-    def decode(cls, data) -> Told:
+    def decode(cls, data):
         uid, speed = (int.from_bytes(data[at : at + 2], "little") for at in (2, 4))
         return cls(uid, speed / 10)
 

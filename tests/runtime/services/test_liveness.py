@@ -1,7 +1,5 @@
 """Liveness, and what every component does with messages that are not for it."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Guard

@@ -1,7 +1,5 @@
 """MachineStates: where machines are and for how long, to the millisecond of a turned clock."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st

@@ -1,7 +1,5 @@
 """Management beyond its state table: silent reports, failing hooks, floods, lifted emergencies."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import pytest

@@ -1,7 +1,5 @@
 """Components with state machines among peers: control, emergencies, queries and events."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.language.semantics.jaus.inherited_machines import core_machine

@@ -1,7 +1,5 @@
 """Components whose values do not fit their fields: nothing wrong is sent, all of it is counted."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.messages import QueryTime, ReportTime, SetTime

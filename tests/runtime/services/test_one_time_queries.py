@@ -1,7 +1,5 @@
 """One-time queries: answers, repetitions, failures and their end."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.base.address import JausAddress

@@ -1,7 +1,5 @@
 """Which messages are late, by the sequence numbers of their sources."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.base.address import JausAddress

@@ -1,12 +1,11 @@
 """Messages that a component takes and gives encoded: nobody decodes or encodes them on the way."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from jausml.runtime import Guard
+from jausml.runtime.base.address import JausAddress
 from jausml.runtime.messages import (
     CreateCommandEvent,
     QueryTime,
@@ -15,9 +14,6 @@ from jausml.runtime.messages import (
     SetTime,
 )
 from jausml.runtime.wire.message import DecodeError, Message
-
-if TYPE_CHECKING:
-    from jausml.runtime.base.address import JausAddress
 
 NOON = ReportTime(
     time_stamp=ReportTime.TimeStamp(hour=12), date_stamp=ReportTime.DateStamp(month=3)
@@ -45,7 +41,7 @@ def component(world: Any) -> Any:
 
 
 class TestListening:
-    def test_the_bytes_come_as_they_were_sent(self, world: Any, component: Any) -> None:
+    def test_the_bytes_come_as_they_were_sent(self, world, component):
         payloads, messages = Taken(), Taken()
         component.on_payload(ReportTime, payloads)
         component.on_message(ReportTime, messages)
@@ -55,9 +51,7 @@ class TestListening:
         assert payloads == [(NOON.encode(), "2.1.1")]
         assert messages == [(NOON, "2.1.1")]
 
-    def test_what_a_callback_cannot_read_is_counted_as_ever(
-        self, world: Any, component: Any
-    ) -> None:
+    def test_what_a_callback_cannot_read_is_counted_as_ever(self, world, component):
         taken = Taken()
         for callback in (refuse, fail, taken):
             component.on_payload(ReportTime, callback)
@@ -73,7 +67,7 @@ class TestListening:
 
 class TestHandling:
     @pytest.mark.parametrize("when", [Guard.READY, lambda _message: Guard.READY])
-    def test_a_guard_holds(self, world: Any, component: Any, when: Any) -> None:
+    def test_a_guard_holds(self, world, component, when):
         taken = Taken()
         component.handle_payload(SetTime, taken, when=when)
         component.start()
@@ -82,7 +76,7 @@ class TestHandling:
         assert not taken
         assert world.counters.snapshot()["component.command_refused"] == 1
 
-    def test_who_is_obeyed_in_ready_costs_no_decoding(self, world: Any, component: Any) -> None:
+    def test_who_is_obeyed_in_ready_costs_no_decoding(self, world, component):
         taken, asked = Taken(), []
 
         def when(message: SetTime) -> Guard:
@@ -102,12 +96,12 @@ class TestHandling:
         world.settle()
         assert (len(taken), asked) == (2, [SetTime()])
 
-    def test_a_message_has_one_handler(self, component: Any) -> None:
+    def test_a_message_has_one_handler(self, component):
         component.handle_payload(SetTime, Taken())
         with pytest.raises(ValueError, match="SetTime is handled already"):
             component.handle(SetTime, Taken())
 
-    def test_a_command_event_gives_the_bytes(self, world: Any, component: Any) -> None:
+    def test_a_command_event_gives_the_bytes(self, world, component):
         taken = Taken()
         component.handle_payload(SetTime, taken)
         component.start()
@@ -123,30 +117,26 @@ class TestHandling:
 
 class TestReports:
     @pytest.mark.parametrize("wanted", [0, 1, 2, 3, 0xFF])
-    def test_bytes_are_cut_where_less_is_asked_for(
-        self, world: Any, component: Any, wanted: int
-    ) -> None:
+    def test_bytes_are_cut_where_less_is_asked_for(self, world, component, wanted):
         component.provide(QueryTime, ReportTime, lambda _query, _sender: NOON.encode())
         component.start()
         (report,) = world.probe("2.1.1").ask(QueryTime(wanted), component)
         assert report.encode()[2] == wanted & 3
 
-    def test_bytes_that_hold_no_more_than_is_asked_for_stay_as_they_are(
-        self, world: Any, component: Any
-    ) -> None:
+    def test_bytes_that_hold_no_more_than_is_asked_for_stay_as_they_are(self, world, component):
         part = ReportTime(date_stamp=NOON.date_stamp)
         component.provide(QueryTime, ReportTime, lambda _query, _sender: part.encode())
         component.start()
         (report,) = world.probe("2.1.1").ask(QueryTime(2), component)
         assert report == part
 
-    def test_bytes_that_are_no_report_are_counted(self, world: Any, component: Any) -> None:
+    def test_bytes_that_are_no_report_are_counted(self, world, component):
         component.provide(QueryTime, ReportTime, lambda _query, _sender: b"\x11\x40")
         component.start()
         assert world.probe("2.1.1").ask(QueryTime(1), component) == []
         assert world.counters.drops() == {"component.report_not_encodable": 1}
 
-    def test_events_carry_bytes_as_they_are(self, world: Any, component: Any) -> None:
+    def test_events_carry_bytes_as_they_are(self, world, component):
         part = ReportTime(date_stamp=NOON.date_stamp).encode()
         component.provide(QueryTime, ReportTime, lambda _query, _sender: part)
         component.start()
@@ -159,7 +149,7 @@ class TestReports:
         cut = ReportTime().encode()
         assert taken == [(part, "1.1.1"), (part, "1.1.1"), (cut, "1.1.1")]
 
-    def test_bytes_of_another_message_are_counted(self, world: Any, component: Any) -> None:
+    def test_bytes_of_another_message_are_counted(self, world, component):
         component.provide(QueryTime, ReportTime, lambda _query, _sender: b"\x02\x40\x00")
         component.start()
         client = world.component("2.1.1")
@@ -171,8 +161,8 @@ class TestReports:
         assert set(world.counters.drops()) == {"component.report_not_encodable"}
 
     def test_a_report_is_encoded_once_for_all_who_ask_for_the_same(
-        self, world: Any, component: Any, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
+        self, world, component, monkeypatch
+    ):
         present = [ReportTime()]
         component.provide(QueryTime, ReportTime, lambda _query, _sender: present[0])
         component.start()
@@ -206,9 +196,7 @@ class TestClients:
         return client
 
     @pytest.mark.parametrize("payloads", [False, True])
-    def test_a_subscription_shares_its_event(
-        self, world: Any, component: Any, client: Any, payloads: bool
-    ) -> None:
+    def test_a_subscription_shares_its_event(self, world, component, client, payloads):
         first, second = Taken(), Taken()
         client.subscribe(component.address, QueryTime(3), ReportTime, first, payloads=payloads)
         world.run(0.1)
@@ -218,7 +206,7 @@ class TestClients:
         assert first == [(expected, "1.1.1")]
         assert second == [(NOON.encode(), "1.1.1")]
 
-    def test_bad_reports_are_counted(self, world: Any, component: Any, client: Any) -> None:
+    def test_bad_reports_are_counted(self, world, component, client):
         taken = Taken()
         query = QueryTime(3)
         client.subscribe(component.address, query, ReportTime, refuse, payloads=True)
@@ -231,17 +219,13 @@ class TestClients:
         "event",
         [b"\xf1\x41", b"\xf1\x41\x00\x00\x02\x00\x00\x00\x11", b"\xf1\x41\x00\x00" + bytes(8)],
     )
-    def test_an_event_of_a_wrong_size_is_counted(
-        self, world: Any, client: Any, event: bytes
-    ) -> None:
+    def test_an_event_of_a_wrong_size_is_counted(self, world, client, event):
         world.probe("3.1.1", strict=False).send_bytes(event, client)
         world.run(0.1)
         assert world.counters.drops() == {"component.bad_message": 1}
 
     @pytest.mark.parametrize("report", [b"", b"\x11"])
-    def test_an_event_without_a_report_is_counted(
-        self, world: Any, component: Any, client: Any, report: bytes
-    ) -> None:
+    def test_an_event_without_a_report_is_counted(self, world, component, client, report):
         for payloads in (False, True):
             client.subscribe(
                 component.address, QueryTime(3), ReportTime, Taken(), payloads=payloads
@@ -253,17 +237,13 @@ class TestClients:
         assert world.counters.drops() == {"event_client.bad_report": 2}
 
     @pytest.mark.parametrize("payloads", [False, True])
-    def test_a_query_is_answered_once(
-        self, world: Any, component: Any, client: Any, payloads: bool
-    ) -> None:
+    def test_a_query_is_answered_once(self, world, component, client, payloads):
         taken = Taken()
         client.query(component.address, QueryTime(3), ReportTime, taken, payloads=payloads)
         world.run(3.0)
         assert taken == [(NOON.encode() if payloads else NOON, "1.1.1")]
 
-    def test_an_answer_that_cannot_be_read_is_counted(
-        self, world: Any, component: Any, client: Any
-    ) -> None:
+    def test_an_answer_that_cannot_be_read_is_counted(self, world, component, client):
         client.query(component.address, QueryTime(3), ReportTime, refuse, payloads=True)
         world.run(0.1)
         assert world.counters.drops() == {"component.bad_message": 1}

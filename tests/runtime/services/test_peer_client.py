@@ -1,7 +1,5 @@
 """Peers that are found by their services: choice, loss, newcomers, bounds."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import PeerChoice, PeerSearch, Scope, ServiceIdentity

@@ -1,7 +1,5 @@
 """Components over real JUDP: in one process, in several, and how a process begins and ends."""
 
-from __future__ import annotations
-
 import queue
 import signal
 import subprocess

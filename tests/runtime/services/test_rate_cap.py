@@ -1,9 +1,5 @@
 """How many messages a second are taken of one source."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,9 +7,6 @@ from jausml.runtime.bridge.connections import shaping
 from jausml.runtime.bridge.connections.shaping import OVER_RATE, RateCap
 
 from .bridge_support import OWN, PEER, message_connection, minutes
-
-if TYPE_CHECKING:
-    import pytest
 
 
 class Gate:
@@ -34,7 +27,7 @@ class Gate:
         return len(self.passed) - before
 
 
-def test_a_seconds_worth_passes_at_once_and_the_rest_at_the_rate() -> None:
+def test_a_seconds_worth_passes_at_once_and_the_rest_at_the_rate():
     gate = Gate(10.0)
     assert gate.send(50) == 10
     assert gate.dropped == [(OVER_RATE, "a")] * 40
@@ -44,13 +37,13 @@ def test_a_seconds_worth_passes_at_once_and_the_rest_at_the_rate() -> None:
     assert gate.send(50) == 10
 
 
-def test_a_source_that_keeps_to_the_rate_loses_nothing() -> None:
+def test_a_source_that_keeps_to_the_rate_loses_nothing():
     gate = Gate(10.0)
     assert gate.send(1000, every=0.1) == 1000
     assert not gate.dropped
 
 
-def test_less_than_one_a_second_is_a_rate_too() -> None:
+def test_less_than_one_a_second_is_a_rate_too():
     gate = Gate(0.5)
     assert gate.send(100, every=0.1) == 6
     gate.now = 100.0
@@ -61,7 +54,7 @@ def test_less_than_one_a_second_is_a_rate_too() -> None:
     st.sampled_from([0.5, 1.0, 7.0, 100.0]),
     st.lists(st.tuples(st.integers(1, 300), st.floats(0, 3)), max_size=8),
 )
-def test_never_more_passes_than_the_rate_and_a_second(hertz, bursts) -> None:
+def test_never_more_passes_than_the_rate_and_a_second(hertz, bursts):
     gate = Gate(hertz)
     for count, pause in bursts:
         gate.send(count)
@@ -69,13 +62,13 @@ def test_never_more_passes_than_the_rate_and_a_second(hertz, bursts) -> None:
     assert len(gate.passed) <= hertz * (gate.now + 1) + 1
 
 
-def test_each_source_has_its_own_allowance() -> None:
+def test_each_source_has_its_own_allowance():
     gate = Gate(10.0)
     gate.send(10_000, "flood")
     assert gate.send(10, "other") == 10
 
 
-def test_many_names_are_worth_no_more_than_one(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_many_names_are_worth_no_more_than_one(monkeypatch):
     monkeypatch.setattr(shaping, "_MOST_SOURCES", 3)
     gate = Gate(10.0)
     for name in "abc":
@@ -87,7 +80,7 @@ def test_many_names_are_worth_no_more_than_one(monkeypatch: pytest.MonkeyPatch) 
     assert gate.send(10, "newer") == 10
 
 
-def test_a_flood_of_one_source_passes_at_its_cap(world, setting) -> None:
+def test_a_flood_of_one_source_passes_at_its_cap(world, setting):
     connection = setting.open(message_connection(rate_cap=5.0))
     flood, other = world.probe("5.1.1"), world.probe(str(PEER))
     for number in range(50):
@@ -98,7 +91,7 @@ def test_a_flood_of_one_source_passes_at_its_cap(world, setting) -> None:
     assert setting.drops(connection) == {OVER_RATE: 45}
 
 
-def test_without_a_cap_nothing_stands_before_the_way(world, setting) -> None:
+def test_without_a_cap_nothing_stands_before_the_way(world, setting):
     connection = setting.open(message_connection())
     flood = world.probe("5.1.1")
     for number in range(50):

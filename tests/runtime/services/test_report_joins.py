@@ -1,7 +1,5 @@
 """Joined reports: which one a translation is given, whom it is taken from, what is dropped."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import PeerSearch

@@ -1,7 +1,5 @@
 """Stories of a robot and its operators, on a clock that the test turns: who moves it, and when."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Completion, ControlState, Guard, JausComponent, Status

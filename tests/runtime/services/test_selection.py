@@ -1,7 +1,5 @@
 """A query's presence vector names the fields that its report shall carry."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.messages import QueryTime, ReportTime

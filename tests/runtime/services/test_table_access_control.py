@@ -1,7 +1,5 @@
 """AccessControl, row by row (AS5710 v1.1 and v1.0, AccessControl, protocol behaviour)."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.messages import (

@@ -1,7 +1,5 @@
 """Discovery, row by row (AS5710 v1.1 and v1.0, Discovery; IOP: looking around)."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

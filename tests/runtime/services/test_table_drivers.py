@@ -1,7 +1,5 @@
 """The patterns of drivers and sensors, row by row (AS6009), with messages of their kinds."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import pytest

@@ -1,8 +1,6 @@
 # ruff: noqa: ARG002 - handlers have the parameters that the component gives them
 """Events, row by row (AS5710 v1.1 and v1.0, Events, protocol behaviour)."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import Completion, Guard, JausComponent

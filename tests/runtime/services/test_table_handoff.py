@@ -1,7 +1,5 @@
 """EnhancedAccessControl, row by row (IOP, EnhancedAccessControl v1.1, protocol behaviour)."""
 
-from __future__ import annotations
-
 from jausml.runtime import ServiceIdentity
 from jausml.runtime.messages import (
     ConfirmControl,

@@ -1,7 +1,5 @@
 """Management, row by row (AS5710 v1.1 and v1.0, Management, protocol behaviour)."""
 
-from __future__ import annotations
-
 from jausml.runtime import Status
 from jausml.runtime.messages import (
     ClearEmergency,

@@ -1,7 +1,5 @@
 """Liveness, Time and ListManager, row by row (AS5710 v1.1 and v1.0; IOP: UnsolicitedHeartbeat)."""
 
-from __future__ import annotations
-
 from datetime import datetime, timedelta, timezone
 
 import pytest

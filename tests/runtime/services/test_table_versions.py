@@ -1,7 +1,5 @@
 """Core v1.0 and v1.1 with each other, row by row (AS5710 and AS5710A)."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import ControlState, Status

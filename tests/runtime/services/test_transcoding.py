@@ -1,7 +1,5 @@
 """Marks of translations."""
 
-from __future__ import annotations
-
 from jausml.runtime import ros_classes
 from jausml.runtime.bridge.connections.translations import uses_ros_classes
 

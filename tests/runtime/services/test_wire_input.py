@@ -1,7 +1,5 @@
 """Whatever arrives, a component stays in order."""
 
-from __future__ import annotations
-
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st

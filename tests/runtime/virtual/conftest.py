@@ -1,7 +1,5 @@
 """A virtual world for tests of it."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.virtual import VirtualWorld

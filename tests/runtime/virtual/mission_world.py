@@ -3,8 +3,6 @@
 Plays a scene, prints what happened.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import sys

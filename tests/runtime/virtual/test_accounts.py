@@ -1,7 +1,5 @@
 """What both ends say they exchanged, against what the network did."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import JausAddress

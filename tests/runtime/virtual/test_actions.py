@@ -1,7 +1,5 @@
 """Actions of ROS in a virtual world: goals, feedback, cancellation and results on their ways."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime.bridge.ends.actions import ListAction, Outcome

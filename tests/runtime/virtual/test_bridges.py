@@ -1,15 +1,13 @@
 """Generated bridges in virtual time: both directions, stops by its clock, the same each time."""
 
-from __future__ import annotations
-
 import json
 import os
-import subprocess
 import sys
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from scripts import succeeded
 from workspaces import python_path
 
 from jausml.generation.rendering import render
@@ -47,14 +45,7 @@ def drive(workspace):
             "PYTHONPATH": python_path(workspace),
             "PYTHONHASHSEED": hash_seed,
         }
-        result = subprocess.run(
-            [sys.executable, str(SCRIPT), *words],
-            env=environment,
-            capture_output=True,
-            text=True,
-            timeout=100,
-        )
-        assert result.returncode == 0, result.stderr
+        result = succeeded([sys.executable, str(SCRIPT), *words], env=environment, timeout=100)
         return json.loads(result.stdout)
 
     return run

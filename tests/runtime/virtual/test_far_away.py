@@ -1,7 +1,5 @@
 """Control and commands over a long way that loses a fifth and changes the order."""
 
-from __future__ import annotations
-
 import pytest
 from sweeps import sweep
 

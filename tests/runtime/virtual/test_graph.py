@@ -1,7 +1,5 @@
 """Topics of ROS in a virtual world, and the nodes of bridges on them."""
 
-from __future__ import annotations
-
 import needs
 import pytest
 

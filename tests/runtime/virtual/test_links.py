@@ -1,7 +1,5 @@
 """What links do to what passes: delays, losses, bursts, copies and order, in figures."""
 
-from __future__ import annotations
-
 from itertools import groupby, pairwise
 
 import pytest

@@ -1,14 +1,12 @@
 """Missions of AS6062 that bridges give one another, from ROS to ROS, in virtual time."""
 
-from __future__ import annotations
-
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from scripts import succeeded
 from sweeps import sweep
 from workspaces import python_path
 
@@ -44,14 +42,11 @@ def play(workspace):
     """Plays a scene in a process of its own; returns what happened."""
 
     def run(scene, loss=0.0):
-        result = subprocess.run(
+        result = succeeded(
             [sys.executable, str(SCRIPT), scene, str(loss)],
             env={**os.environ, "PYTHONPATH": python_path(workspace)},
-            capture_output=True,
-            text=True,
             timeout=100,
         )
-        assert result.returncode == 0, result.stderr
         happened = json.loads(result.stdout)
         assert "loop.callback_failed" not in happened["counted"]
         return happened

@@ -1,7 +1,5 @@
 """Components on the network of a virtual world, with delays and losses."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import pytest

@@ -1,7 +1,5 @@
 """Stops over a way that loses: nothing that was sent before is obeyed after."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.runtime import ComponentSettings

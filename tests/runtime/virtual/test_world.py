@@ -1,7 +1,5 @@
 """Virtual time: what happens in a world, when, and whether it happens again."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 import time

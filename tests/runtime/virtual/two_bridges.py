@@ -4,8 +4,6 @@ A ROS node drives by the bridge `station`, whose commands the bridge `vehicle` p
 of the vehicle delay and lose.
 """
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import json

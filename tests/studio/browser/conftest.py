@@ -1,28 +1,21 @@
 """One browser for the tests of a module, and a studio for all of them or for each."""
 
-from __future__ import annotations
-
 import os
 import re
 import signal
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 from urllib.parse import urlsplit
 
 import pytest
 import warm
-from needs import CHROMIUM
+from browser import PATIENCE
 from studio_client import Server
 
 from jausml.language.model.library import LIBRARY_URI
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
 MODELS = Path(__file__).parents[3] / "models"
-PATIENCE = 40_000
-"""Milliseconds: long enough for a computer that is busy with other tests."""
 
 _FAILED = pytest.StashKey[bool]()
 _ADDRESS = re.compile(r"http://\S+#token=\S+")
@@ -34,18 +27,6 @@ def pytest_runtest_makereport(item):
     report = yield
     item.stash[_FAILED] = report.failed or item.stash.get(_FAILED, False)
     return report
-
-
-@pytest.fixture(scope="module")
-def chromium():
-    """A browser without windows; it is ended soon, for its driver runs an event loop here."""
-    from playwright.sync_api import expect, sync_playwright
-
-    expect.set_options(timeout=PATIENCE)
-    with sync_playwright() as playwright:
-        started = playwright.chromium.launch(executable_path=CHROMIUM)
-        yield started
-        started.close()
 
 
 class Studio:

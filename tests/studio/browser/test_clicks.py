@@ -5,8 +5,6 @@ three states, two nodes, two bridges, four connections, and a map with a clock, 
 is left out. It took 229 clicks before lists had rows.
 """
 
-from __future__ import annotations
-
 import re
 
 import pytest

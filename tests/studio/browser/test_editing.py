@@ -1,7 +1,5 @@
 """Editing in a real browser: files, positions, undo, other programs, keys alone."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

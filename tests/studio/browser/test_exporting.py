@@ -1,7 +1,5 @@
 """The diagram as a file of the user: SVG of the server, PNG that the browser makes of it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """A system of ten thousand elements: only what is seen is sent, and is in the page."""
 
-from __future__ import annotations
-
 import pytest
 from desktop import Desktop
 from large_systems import large_system

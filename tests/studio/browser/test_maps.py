@@ -1,7 +1,5 @@
 """Maps, problems, services and machines in a real browser."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

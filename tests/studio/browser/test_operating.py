@@ -1,7 +1,5 @@
 """The operator unit in a real browser: a person commands a component, and what ends it stops it."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal

@@ -1,7 +1,5 @@
 """What is panned and zoomed: parts move as one, and nobody asks the page where they are."""
 
-from __future__ import annotations
-
 import pytest
 from desktop import Desktop
 from large_systems import large_system

@@ -1,7 +1,5 @@
 """A recording in the page: scrubbed, stepped from drop to drop, and explained."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """What a real browser lets the page do, and what the page keeps to itself."""
 
-from __future__ import annotations
-
 from urllib.parse import urlsplit
 
 import pytest

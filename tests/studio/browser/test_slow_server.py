@@ -1,7 +1,5 @@
 """Keys while the server has not answered: they are for what they opened, and nothing opens late."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

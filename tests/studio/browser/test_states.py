@@ -1,7 +1,5 @@
 """The state of a running machine lights up in its view, and goes over to the next."""
 
-from __future__ import annotations
-
 import pytest
 from desktop import Desktop
 from playwright.sync_api import expect

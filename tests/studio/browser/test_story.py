@@ -1,15 +1,13 @@
 """A newcomer's story: from an empty folder to a running system that is watched."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
-import sys
 from pathlib import Path
 
 import needs
 import pytest
+import warm
 from desktop import Desktop
 from playwright.sync_api import expect
 
@@ -69,7 +67,7 @@ def running(tmp_path):
         started.append(
             (
                 subprocess.Popen(
-                    [sys.executable, "-m", "jausml", *words],
+                    [*warm.command(), *words],
                     stdout=log,
                     stderr=subprocess.STDOUT,
                     env={**os.environ, "PYTHONUNBUFFERED": "1"},

@@ -1,7 +1,5 @@
 """Beginning with a template, and taking parts to another project."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

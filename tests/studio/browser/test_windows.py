@@ -1,7 +1,5 @@
 """Small windows, large letters and the colours of the system: nothing is cut or loses its mark."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

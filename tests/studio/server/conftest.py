@@ -1,17 +1,10 @@
-from __future__ import annotations
-
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
-from studio_client import serving
+from studio_client import Page, Server, serving
 
 from jausml.language.model.library import LIBRARY_URI
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from studio_client import Page, Server
 
 MODELS = Path(__file__).parents[3] / "models"
 

@@ -1,23 +1,12 @@
 """What a model begins with, and what of one project goes into another: by the clipboard."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 from studio_client import RefusedError, serving
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 
 
-def test_a_model_begins_with_a_profile_and_asks_what_a_person_decides(
-    page: Page, folder: Path
-) -> None:
+def test_a_model_begins_with_a_profile_and_asks_what_a_person_decides(page, folder):
     points = {point["name"]: point for point in page.ask("starting_points")["points"]}
     assert points["iop-ugv"]["kind"] == "profile"
     page.ask("create", file="ugv.ros2jaus", origin="iop-ugv")
@@ -42,9 +31,7 @@ def test_a_model_begins_with_a_profile_and_asks_what_a_person_decides(
         ("../ugv.ros2jaus", "empty", "is no name of a file below the opened folder"),
     ],
 )
-def test_nothing_is_overwritten_or_written_elsewhere(
-    page: Page, folder: Path, file: str, origin: str, why: str
-) -> None:
+def test_nothing_is_overwritten_or_written_elsewhere(page, folder, file, origin, why):
     before = {path: path.read_bytes() for path in folder.parent.rglob("*") if path.is_file()}
     with pytest.raises(RefusedError, match=why):
         page.ask("create", file=file, origin=origin)
@@ -52,9 +39,7 @@ def test_nothing_is_overwritten_or_written_elsewhere(
     assert after == before
 
 
-def test_what_is_copied_here_is_pasted_in_another_project(
-    page: Page, tmp_path: Path, built: Path
-) -> None:
+def test_what_is_copied_here_is_pasted_in_another_project(page, tmp_path, built):
     graph = page.ask("view", file="catvehicle.xmi", view="system")["graph"]
     bridge = next(node["element"] for node in graph["nodes"] if node["title"] == "bridge")
     text = page.ask("copy", elements=[bridge])["text"]

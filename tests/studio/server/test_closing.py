@@ -1,20 +1,15 @@
 """A session ends in order, whatever is under way."""
 
-from __future__ import annotations
-
 import asyncio
 import threading
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.session import Session
 
-if TYPE_CHECKING:
-    from pathlib import Path
 
-
-def test_what_another_program_wrote_is_taken_over_before_the_end(folder: Path) -> None:
+def test_what_another_program_wrote_is_taken_over_before_the_end(folder):
     project = Project(folder)
     asyncio.run(asyncio.wait_for(closed_while_busy(Session(StudioContext(project)), folder), 120))
     assert project.log

@@ -1,22 +1,15 @@
 """Garbage: nobody waits for the collector at rest, nor for what stays forever."""
 
-from __future__ import annotations
-
 import gc
 import threading
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import pytest
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio import checking
-from jausml.authoring.studio.checking import Checking, Verdicts, prepare
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from jausml.authoring.studio.checking import Verdict
+from jausml.authoring.studio.checking import Checking, Verdict, Verdicts, prepare
 
 FILE = "catvehicle.xmi"
 
@@ -37,8 +30,8 @@ def collections() -> Iterator[list[int]]:
 
 
 def test_garbage_is_collected_once_after_a_change_and_never_at_rest(
-    folder: Path, collections: list[int], monkeypatch: pytest.MonkeyPatch
-) -> None:
+    folder, collections, monkeypatch
+):
     monkeypatch.setattr(checking, "_PAUSE", 0.01)
     thresholds = gc.get_threshold()
     prepare()

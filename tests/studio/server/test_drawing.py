@@ -1,9 +1,6 @@
 """What is remembered of views: what it is good for, and that faults in it keep nobody out."""
 
-from __future__ import annotations
-
 import logging
-from typing import TYPE_CHECKING
 
 from large_systems import large_system
 
@@ -14,15 +11,8 @@ from jausml.authoring.studio.handlers import editing, showing
 from jausml.language.metamodel.classes import bridge
 from jausml.views.diagrams.graph import Graph, Node
 
-if TYPE_CHECKING:
-    from pathlib import Path
 
-    import pytest
-
-
-def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(tmp_path, caplog):
     drawings = Drawings(tmp_path)
     shown = Graph("system", "s", tuple(Node(name, "component", name, key=name) for name in "ab"))
     first = drawings.draw("m.xmi", shown, {})
@@ -41,7 +31,7 @@ def test_a_broken_memory_of_places_does_not_keep_a_view_from_being_shown(
     assert "Traceback" in caplog.text
 
 
-def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes(tmp_path: Path) -> None:
+def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes(tmp_path):
     drawings = Drawings(tmp_path)
 
     def draw(name: str) -> dict[str, tuple[float, float]]:
@@ -61,7 +51,7 @@ def test_a_view_whose_element_is_renamed_keeps_the_places_of_its_boxes(tmp_path:
     assert draw("Other")["Other"] != (7, 70)
 
 
-def test_a_large_system_is_drawn_at_once_and_again_with_its_verdict(tmp_path: Path) -> None:
+def test_a_large_system_is_drawn_at_once_and_again_with_its_verdict(tmp_path):
     file = "large.ros2jaus"
     (tmp_path / file).write_text(large_system(31), encoding="utf-8")
     context = StudioContext(Project(tmp_path))

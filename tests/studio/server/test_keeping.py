@@ -1,25 +1,19 @@
 """Edits that met a change beneath them are kept; faults of the studio can be read."""
 
-from __future__ import annotations
-
 import os
 import resource
 import signal
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
-from studio_client import RefusedError, serving, started
+from studio_client import Page, RefusedError, Server, serving, started
 
 from jausml.authoring.editing.project import Project
 from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers import showing
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Page, Server
 
 pytestmark = pytest.mark.ports
 
@@ -48,9 +42,7 @@ def addressed(element: str, address: str) -> dict[str, object]:
     return {"kind": "set", "element": element, "feature": "address", "values": [address]}
 
 
-def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(
-    page: Page, folder: Path
-) -> None:
+def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(page, folder):
     ref, base = begin(page, folder)
     (folder / FILE).write_text(TEXT.replace("1.1.2", "1.1.55"), encoding="utf-8")
     commands = [addressed(ref, "1.1.77")]
@@ -77,9 +69,7 @@ def test_an_edit_that_met_another_is_kept_until_it_is_done_or_discarded(
 
 
 @pytest.mark.slow
-def test_an_edit_that_cannot_be_stored_when_it_is_done_again_stays_kept(
-    held: Server, folder: Path
-) -> None:
+def test_an_edit_that_cannot_be_stored_when_it_is_done_again_stays_kept(held, folder):
     with held.page() as page:
         ref, base = begin(page, folder)
         theirs = TEXT.replace("1.1.2", "1.1.55")
@@ -130,9 +120,7 @@ def send(page: Page, view: dict[str, Any], wanted: tuple[str, str]) -> int:
 
 
 @pytest.mark.slow
-def test_two_studios_at_the_same_moment_lose_nothing(
-    held: Server, folder: Path, built: Path
-) -> None:
+def test_two_studios_at_the_same_moment_lose_nothing(held, folder, built):
     with serving(folder, built, start=started) as other, held.page() as one, other.page() as two:
         begin(one, folder)
         two.await_told("changed")
@@ -165,7 +153,7 @@ def test_two_studios_at_the_same_moment_lose_nothing(
 
 
 @pytest.mark.slow
-def test_an_edit_whose_element_is_gone_stays_kept(page: Page, folder: Path) -> None:
+def test_an_edit_whose_element_is_gone_stays_kept(page, folder):
     ref, base = begin(page, folder)
     (folder / FILE).write_text(TEXT.replace("winch", "crane"), encoding="utf-8")
     with pytest.raises(RefusedError, match="gone or has another name"):
@@ -179,9 +167,7 @@ def test_an_edit_whose_element_is_gone_stays_kept(page: Page, folder: Path) -> N
     assert page.ask("kept")["edits"] == []
 
 
-def test_a_view_that_fails_is_shown_as_it_was_and_its_fault_can_be_read(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_view_that_fails_is_shown_as_it_was_and_its_fault_can_be_read(folder, monkeypatch):
     (folder / FILE).write_text(TEXT, encoding="utf-8")
     context = StudioContext(Project(folder))
     first = showing.view(context, FILE, "system")
@@ -204,7 +190,7 @@ def test_a_view_that_fails_is_shown_as_it_was_and_its_fault_can_be_read(
 
 
 @pytest.mark.slow
-def test_a_host_is_drawn_and_used_before_anything_runs_there(page: Page, folder: Path) -> None:
+def test_a_host_is_drawn_and_used_before_anything_runs_there(page, folder):
     text = "system boat {\n  host deck { }\n  host engine { }\n"
     text += "  component helm { address: 1.1.1 }\n}\n"
     (folder / FILE).write_text(text, encoding="utf-8")

@@ -1,17 +1,9 @@
 """A running system is watched while a page looks; what it tells has the ids of the system view."""
 
-from __future__ import annotations
-
 import time
-from typing import TYPE_CHECKING
 
 import pytest
-from studio_client import LONGEST, RefusedError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page, Server
+from studio_client import LONGEST, Page, RefusedError
 
 pytestmark = [pytest.mark.ports, pytest.mark.live]
 
@@ -25,7 +17,7 @@ def is_watched(page: Page) -> bool:
     return "no system is watched" not in str(refused.value)
 
 
-def test_ids_are_those_of_the_view(page: Page) -> None:
+def test_ids_are_those_of_the_view(page):
     graph = page.ask("view", file=FILE, view="system")["graph"]
     page.ask("live.start", file=FILE)
     told = page.await_told("live")
@@ -39,7 +31,7 @@ def test_ids_are_those_of_the_view(page: Page) -> None:
     assert page.ask("live.message", connection=state["connections"][0]["row"])["age"] is None
 
 
-def test_who_looks_later_is_told_at_once_and_the_last_one_ends_it(server: Server) -> None:
+def test_who_looks_later_is_told_at_once_and_the_last_one_ends_it(server):
     with server.page() as first:
         first.ask("live.start", file=FILE)
         first.await_told("live")
@@ -53,7 +45,7 @@ def test_who_looks_later_is_told_at_once_and_the_last_one_ends_it(server: Server
             assert time.monotonic() < end
 
 
-def test_it_is_stopped_and_begun_again(page: Page) -> None:
+def test_it_is_stopped_and_begun_again(page):
     assert not is_watched(page)
     page.ask("live.start", file=FILE)
     page.await_told("live")
@@ -65,7 +57,7 @@ def test_it_is_stopped_and_begun_again(page: Page) -> None:
     page.await_told("live")
 
 
-def test_a_file_that_is_not_there_is_refused(page: Page, folder: Path) -> None:
+def test_a_file_that_is_not_there_is_refused(page, folder):
     for file in ("none.xmi", "../catvehicle.xmi", str(folder / "none.xmi")):
         with pytest.raises(RefusedError):
             page.ask("live.start", file=file)

@@ -1,9 +1,8 @@
 """Opening again: boxes and lines stand where they stood, dropped ones where one dropped them."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,9 +11,6 @@ from jausml.authoring.studio.context import StudioContext
 from jausml.authoring.studio.handlers import editing, showing
 from jausml.authoring.studio.memory import FOLDER
 from jausml.language.metamodel.classes import bridge, system
-
-if TYPE_CHECKING:
-    from pathlib import Path
 
 FILE, SYSTEM = "catvehicle.xmi", "system"
 
@@ -36,7 +32,7 @@ def edit(context: StudioContext, *commands: dict[str, Any], **more: Any) -> dict
     return editing._edit(context, commands, "Try", context.project.revision, **more)
 
 
-def test_opening_again_moves_nothing_after_an_edit(folder: Path) -> None:
+def test_opening_again_moves_nothing_after_an_edit(folder):
     context = opened(folder)
     before = drawn(context)
     model = context.project.model(FILE).model
@@ -54,7 +50,7 @@ def test_opening_again_moves_nothing_after_an_edit(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("told", ["", "[1]", '{"views": {"system": {"boxes": []}}}', "NaN"])
-def test_what_is_damaged_is_drawn_anew(folder: Path, told: str) -> None:
+def test_what_is_damaged_is_drawn_anew(folder, told):
     before = drawn(opened(folder))
     [kept] = folder.glob(f"{FOLDER}/*.json")
     views = json.loads(kept.read_text(encoding="utf-8"))
@@ -64,7 +60,7 @@ def test_what_is_damaged_is_drawn_anew(folder: Path, told: str) -> None:
     assert drawn(opened(folder)) == before
 
 
-def test_a_folder_that_leads_elsewhere_is_left_alone(folder: Path, tmp_path: Path) -> None:
+def test_a_folder_that_leads_elsewhere_is_left_alone(folder, tmp_path):
     elsewhere = tmp_path / "elsewhere"
     elsewhere.mkdir()
     (folder / FOLDER).symlink_to(elsewhere)
@@ -72,7 +68,7 @@ def test_a_folder_that_leads_elsewhere_is_left_alone(folder: Path, tmp_path: Pat
     assert list(elsewhere.iterdir()) == []
 
 
-def test_what_is_dropped_stands_where_it_was_dropped_by_one_edit(folder: Path) -> None:
+def test_what_is_dropped_stands_where_it_was_dropped_by_one_edit(folder):
     context = opened(folder)
     before = corners(drawn(context))
     model = context.project.model(FILE).model

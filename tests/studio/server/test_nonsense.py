@@ -1,22 +1,16 @@
 """Nonsense over a real socket: each message is answered, and nothing fails inside."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from studio_client import serving
+from studio_client import Page, serving
 
 from jausml.language.model.library import LIBRARY_URI
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 
@@ -124,7 +118,7 @@ def told(page: Page, text: str) -> dict[str, Any]:
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(method=st.sampled_from(METHODS), given_=params)
-def test_requests_of_any_parameters_are_answered(page: Page, method: str, given_: Any) -> None:
+def test_requests_of_any_parameters_are_answered(page, method, given_):
     text = json.dumps({"jsonrpc": "2.0", "id": 7, "method": method, "params": given_})
     answer = told(page, text)
     assert answer["id"] == 7
@@ -132,7 +126,7 @@ def test_requests_of_any_parameters_are_answered(page: Page, method: str, given_
 
 
 @given(text=st.text() | values.map(json.dumps))
-def test_messages_that_are_no_requests_are_errors(page: Page, text: str) -> None:
+def test_messages_that_are_no_requests_are_errors(page, text):
     answer = told(page, text)
     assert answer["error"]["code"] in (PARSE_ERROR, INVALID_REQUEST)
     assert answer["id"] is None
@@ -158,10 +152,10 @@ def test_messages_that_are_no_requests_are_errors(page: Page, text: str) -> None
         ('{"jsonrpc":"2.0","id":1,"method":"__init__","params":{}}', METHOD_NOT_FOUND),
     ],
 )
-def test_what_is_wrong_is_named(page: Page, text: str, code: int) -> None:
+def test_what_is_wrong_is_named(page, text, code):
     assert told(page, text)["error"]["code"] == code
 
 
-def test_bytes_are_no_message(page: Page) -> None:
+def test_bytes_are_no_message(page):
     page.socket.send(b"\x00\xff")
     assert json.loads(page.socket.recv(60))["error"]["code"] == PARSE_ERROR

@@ -1,25 +1,16 @@
 """Changes by other programs, broken ones among them."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 from studio_client import RefusedError
 
 from jausml.authoring.studio.memory import FOLDER
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 
 FILE = "catvehicle.xmi"
 
 
-def test_a_change_by_another_program_appears(page: Page, folder: Path) -> None:
+def test_a_change_by_another_program_appears(page, folder):
     page.ask("problems", file=FILE)
     text = (folder / FILE).read_text(encoding="utf-8")
     (folder / FILE).write_text(text.replace("<system:System", "<system:System ", 1))
@@ -31,7 +22,7 @@ def test_a_change_by_another_program_appears(page: Page, folder: Path) -> None:
     page.await_told("problems", lambda notification: notification["revision"] == told["revision"])
 
 
-def test_a_broken_file_keeps_its_last_good_model_and_is_stale(page: Page, folder: Path) -> None:
+def test_a_broken_file_keeps_its_last_good_model_and_is_stale(page, folder):
     boxes = page.ask("view", file=FILE, view="system")["graph"]["nodes"]
     (folder / FILE).write_text("<system:System", encoding="utf-8")
     told = page.await_told("changed")
@@ -50,9 +41,7 @@ MARKED = "<<<<<<< HEAD\nbridge a { }\n=======\nbridge b { }\n>>>>>>> other\n"
 @pytest.mark.parametrize(
     ("broken", "state"), [(BROKEN, "unreadable"), (MARKED, "conflict")], ids=["faulty", "merging"]
 )
-def test_what_cannot_be_read_gets_no_verdict_and_no_code(
-    page: Page, folder: Path, broken: str, state: str
-) -> None:
+def test_what_cannot_be_read_gets_no_verdict_and_no_code(page, folder, broken, state):
     text = folder / "boat.ros2jaus"
     text.write_text("component helm { address: 1.2.3 }\n", encoding="utf-8")
     page.await_told("changed")
@@ -88,9 +77,7 @@ def test_what_cannot_be_read_gets_no_verdict_and_no_code(
     assert page.ask("problems", file=file)["fault"] == ""
 
 
-def test_a_file_that_another_one_uses_and_that_cannot_be_read_counts_too(
-    page: Page, folder: Path
-) -> None:
+def test_a_file_that_another_one_uses_and_that_cannot_be_read_counts_too(page, folder):
     parts = "component compass { address: 1.2.4 }\n"
     (folder / "parts.ros2jaus").write_text(parts, encoding="utf-8")
     (folder / "boat.ros2jaus").write_text(
@@ -107,7 +94,7 @@ def test_a_file_that_another_one_uses_and_that_cannot_be_read_counts_too(
     assert {problem["file"] for problem in told["problems"]} == {"parts.ros2jaus"}
 
 
-def test_what_is_generated_is_what_stands_on_the_disk(page: Page, folder: Path) -> None:
+def test_what_is_generated_is_what_stands_on_the_disk(page, folder):
     digest = page.ask("plan", file=FILE)["digest"]
     # Nobody has told of it yet when the button is pressed.
     (folder / FILE).write_text("<system:System", encoding="utf-8")
@@ -116,7 +103,7 @@ def test_what_is_generated_is_what_stands_on_the_disk(page: Page, folder: Path) 
     assert {path.name for path in folder.iterdir()} <= {FILE, FOLDER}
 
 
-def test_a_new_file_appears(page: Page, folder: Path) -> None:
+def test_a_new_file_appears(page, folder):
     (folder / "maps.ros2jaus").write_text("", encoding="utf-8")
     told = page.await_told("changed")
     assert [file["path"] for file in told["files"]] == [FILE, "maps.ros2jaus"]

@@ -1,19 +1,12 @@
 """The process of `jausml studio`: how it begins and ends."""
 
-from __future__ import annotations
-
 import signal
 import socket
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 import pytest
 from studio_client import LONGEST, begun, serving, started
 from sweeps import sweep
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Server
 
 pytestmark = pytest.mark.ports
 
@@ -25,7 +18,7 @@ def ended(path: Path, page: Path, *options: str) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it_while_pages_are_open(server: Server, sent: signal.Signals) -> None:
+def test_a_signal_ends_it_while_pages_are_open(server, sent):
     with server.page() as page:
         page.send("view", file="catvehicle.xmi", view="system")
         server.process.send_signal(sent)
@@ -33,9 +26,7 @@ def test_a_signal_ends_it_while_pages_are_open(server: Server, sent: signal.Sign
 
 
 @pytest.mark.parametrize("sent", sweep([signal.SIGINT, signal.SIGTERM], every=2))
-def test_a_signal_ends_it_as_soon_as_the_address_is_told(
-    folder: Path, built: Path, sent: signal.Signals
-) -> None:
+def test_a_signal_ends_it_as_soon_as_the_address_is_told(folder, built, sent):
     process = started(folder, built)
     assert process.stdout is not None
     assert process.stdout.readline().startswith("jausml studio: http://127.0.0.1:")
@@ -44,7 +35,7 @@ def test_a_signal_ends_it_as_soon_as_the_address_is_told(
     assert (process.returncode, errors) == (0, "Ctrl-C ends it.\n")
 
 
-def test_without_the_page_it_says_how_to_build_it(folder: Path, tmp_path: Path) -> None:
+def test_without_the_page_it_says_how_to_build_it(folder, tmp_path):
     code, errors = ended(folder, tmp_path / "nothing")
     assert code == 2
     assert errors.startswith("Error: the page is missing: run `make studio` in")
@@ -52,7 +43,7 @@ def test_without_the_page_it_says_how_to_build_it(folder: Path, tmp_path: Path) 
 
 
 @pytest.mark.slow
-def test_a_port_that_is_taken_is_told(folder: Path, built: Path) -> None:
+def test_a_port_that_is_taken_is_told(folder, built):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
         code, errors = ended(folder, built, "--port", port)
@@ -63,20 +54,20 @@ def test_a_port_that_is_taken_is_told(folder: Path, built: Path) -> None:
 @pytest.mark.parametrize(
     "host", sweep(["256.1.1.1", "nowhere.invalid", "", "\u00fc" * 70], every=4)
 )
-def test_a_host_that_is_none_is_told(folder: Path, built: Path, host: str) -> None:
+def test_a_host_that_is_none_is_told(folder, built, host):
     code, errors = ended(folder, built, "--host", host)
     assert code == 2
     assert errors.startswith("Error: cannot serve at ")
 
 
 @pytest.mark.slow
-def test_a_path_that_is_not_there_is_told(folder: Path, built: Path) -> None:
+def test_a_path_that_is_not_there_is_told(folder, built):
     code, errors = ended(folder / "nothing.xmi", built)
     assert code == 2
     assert "No such file or directory" in errors
 
 
-def test_its_port_can_be_chosen(folder: Path, built: Path) -> None:
+def test_its_port_can_be_chosen(folder, built):
     with serving(folder, built) as before:
         port = before.port
     with serving(folder, built, "--port", str(port)) as server:
@@ -84,7 +75,7 @@ def test_its_port_can_be_chosen(folder: Path, built: Path) -> None:
 
 
 @pytest.mark.slow
-def test_nothing_of_what_is_asked_is_logged(folder: Path, built: Path) -> None:
+def test_nothing_of_what_is_asked_is_logged(folder, built):
     process = started(folder, built)
     assert process.stdout is not None
     host = process.stdout.readline().split("/")[2]

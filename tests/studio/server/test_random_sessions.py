@@ -388,7 +388,7 @@ OF_STUDIOS = frozenset(OFTEN) - {
 
 @pytest.mark.needs("git")
 @pytest.mark.parametrize("seed", sweep(range(20), every=7))
-def test_a_random_walk_loses_nothing_and_pretends_nothing(tmp_path: Path, seed: int) -> None:
+def test_a_random_walk_loses_nothing_and_pretends_nothing(tmp_path, seed):
     walk = Walk(tmp_path, random.Random(seed))
     for _ in range(STEPS):
         [step] = walk.chance.choices(list(OFTEN), OFTEN.values())

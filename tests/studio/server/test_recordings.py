@@ -1,7 +1,5 @@
 """Recordings by the socket of the page: those of the folder and those given, and no other file."""
 
-from __future__ import annotations
-
 import os
 import time
 

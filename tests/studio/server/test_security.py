@@ -1,28 +1,22 @@
 """Who is answered: hosts, origins, tokens and files, asked over real sockets."""
 
-from __future__ import annotations
-
 import http.client
 import json
 import socket
+from collections.abc import Iterator
 from contextlib import ExitStack
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import pytest
-from studio_client import RefusedError, serving
+from studio_client import RefusedError, Server, serving
 from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection
 
 from jausml.live.serving.security import HEADERS, Served
 from jausml.live.serving.server import MOST_SOCKETS
 from jausml.live.serving.sockets import LARGEST_MESSAGE
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Server
-    from websockets.sync.client import ClientConnection
 
 pytestmark = pytest.mark.ports
 
@@ -54,14 +48,14 @@ def all_results(client: ClientConnection) -> None:
 
 
 @pytest.mark.parametrize("path", ["/", "/assets/page.js", "/missing", "/socket"])
-def test_each_answer_has_the_headers(server: Server, path: str) -> None:
+def test_each_answer_has_the_headers(server, path):
     response = get(server, path)
     for name, value in HEADERS.items():
         assert response.getheader(name) == value
     assert response.getheader("Server") is None
 
 
-def test_the_page_is_served(server: Server) -> None:
+def test_the_page_is_served(server):
     assert b"<title>page</title>" in get(server, "/").body
     assert get(server, "/assets/page.js").status == 200
     assert get(server, "/missing").status == 404
@@ -71,24 +65,24 @@ def test_the_page_is_served(server: Server) -> None:
     "host",
     ["attacker.example", "127.0.0.1", "127.0.0.1:1", "localhost.attacker.example:{port}", ""],
 )
-def test_another_host_is_refused(server: Server, host: str) -> None:
+def test_another_host_is_refused(server, host):
     response = get(server, "/", Host=host.format(port=server.port))
     assert response.status in (400, 421)
     assert b"<title>" not in response.body
 
 
-def test_localhost_is_this_server(server: Server) -> None:
+def test_localhost_is_this_server(server):
     assert get(server, "/", Host=f"localhost:{server.port}").status == 200
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS"])
-def test_nothing_is_sent_by_http(server: Server, method: str) -> None:
+def test_nothing_is_sent_by_http(server, method):
     assert get(server, "/", method).status == 405
 
 
 @pytest.mark.parametrize("path", ["/socket", "/language"])
 @pytest.mark.parametrize("origin", [None, "null", "http://attacker.example", "http://localhost:1"])
-def test_a_socket_of_another_page_is_refused(server: Server, path: str, origin: str | None) -> None:
+def test_a_socket_of_another_page_is_refused(server, path, origin):
     with pytest.raises(InvalidStatus) as refused, server.connect(path, origin=origin):
         pass
     assert refused.value.response.status_code == 403
@@ -109,9 +103,7 @@ def test_a_socket_of_another_page_is_refused(server: Server, path: str, origin: 
         b"\xff",
     ],
 )
-def test_without_the_token_a_socket_is_closed(
-    server: Server, path: str, first: str | bytes
-) -> None:
+def test_without_the_token_a_socket_is_closed(server, path, first):
     with server.connect(path) as client:
         client.send(first)
         with pytest.raises(ConnectionClosed) as closed:
@@ -120,19 +112,19 @@ def test_without_the_token_a_socket_is_closed(
     assert closed.value.rcvd.code == 1008
 
 
-def test_the_token_does_for_hello_alone(server: Server) -> None:
+def test_the_token_does_for_hello_alone(server):
     with server.connect() as client:
         asked = {"jsonrpc": "2.0", "id": 0, "method": "log", "params": {"token": server.token}}
         client.send(json.dumps(asked))
         assert json.loads(client.recv(20))["error"]["code"] == UNAUTHORIZED
 
 
-def test_a_message_that_is_too_long_closes_its_socket(server: Server) -> None:
+def test_a_message_that_is_too_long_closes_its_socket(server):
     with server.page() as page, pytest.raises(ConnectionClosed):
         page.ask("write", file="x.ros2jaus", text="x" * LARGEST_MESSAGE, base=0)
 
 
-def test_sockets_are_counted(server: Server) -> None:
+def test_sockets_are_counted(server):
     with ExitStack() as held:
         for _ in range(MOST_SOCKETS):
             held.enter_context(server.connect())
@@ -146,7 +138,7 @@ def test_sockets_are_counted(server: Server) -> None:
 ELSEWHERE = ("../secret.xmi", "/etc/passwd", "link.xmi", "..", "", "\0", "x" * 5000, "catvehicle")
 
 
-def test_files_elsewhere_are_no_files(folder: Path, built: Path) -> None:
+def test_files_elsewhere_are_no_files(folder, built):
     (folder.parent / "secret.xmi").write_text("<secret/>", encoding="utf-8")
     (folder / "link.xmi").symlink_to(folder.parent / "secret.xmi")
     with serving(folder, built) as server, server.page() as page:
@@ -162,12 +154,12 @@ def test_files_elsewhere_are_no_files(folder: Path, built: Path) -> None:
     assert (folder.parent / "secret.xmi").read_text(encoding="utf-8") == "<secret/>"
 
 
-def test_the_page_has_nothing_outside_of_its_folder(server: Server) -> None:
+def test_the_page_has_nothing_outside_of_its_folder(server):
     for path in ("/../catvehicle.xmi", "/%2e%2e/catvehicle.xmi", "/assets/..%2f..%2f/etc/passwd"):
         assert get(server, path).status == 404
 
 
-def test_the_port_is_open_to_this_computer_alone(server: Server) -> None:
+def test_the_port_is_open_to_this_computer_alone(server):
     assert server.host == "127.0.0.1"
     with socket.socket() as other:
         other.settimeout(5)
@@ -175,9 +167,7 @@ def test_the_port_is_open_to_this_computer_alone(server: Server) -> None:
             other.connect(("127.0.0.2", server.port))
 
 
-def test_a_server_for_all_addresses_answers_to_addresses_and_to_no_name(
-    folder: Path, built: Path
-) -> None:
+def test_a_server_for_all_addresses_answers_to_addresses_and_to_no_name(folder, built):
     with serving(folder, built, "--host", "0.0.0.0") as server:  # noqa: S104
         assert server.host == "127.0.0.1"
         assert get(server, "/", Host=f"127.0.0.1:{server.port}").status == 200
@@ -195,7 +185,7 @@ def test_a_server_for_all_addresses_answers_to_addresses_and_to_no_name(
         ("robot.example", "192.0.2.7", "robot.example:80"),
     ],
 )
-def test_the_authority_is_one_that_is_answered_to(host: str, bound: str, authority: str) -> None:
+def test_the_authority_is_one_that_is_answered_to(host, bound, authority):
     served = Served(host, 80, bound)
     assert served.authority == authority
     assert served.answers_to(authority)

@@ -1,7 +1,5 @@
 """Connecting ends of the system view: what is offered, and why not."""
 
-from __future__ import annotations
-
 import pytest
 from scope_support import CAR, MODELS, scope_of
 

@@ -1,7 +1,5 @@
 """Property forms, of every class of the four metamodels and of shipped elements."""
 
-from __future__ import annotations
-
 import pytest
 from for_each import for_each
 from scope_support import CAR, SHIPPED, named, scope_of

@@ -1,7 +1,5 @@
 """Hosting: dragging boxes into the frame of a host, in both notations."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.authoring.editing.project import Project

@@ -1,7 +1,5 @@
 """Lines in the views of machines and services: what they add, and that the rules take it."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """The palette: what is found, and what adds it."""
 
-from __future__ import annotations
-
 from for_each import for_each
 from scope_support import CAR, SHIPPED, named, scope_of
 

@@ -1,7 +1,5 @@
 """Which element is written at a place of a text."""
 
-from __future__ import annotations
-
 import pytest
 from scope_support import MODELS, scope_of
 

@@ -1,7 +1,5 @@
 """Plans of `generate`: what is shown is what is done."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Where elements stand in their files."""
 
-from __future__ import annotations
-
 import pytest
 from for_each import for_each
 from scope_support import CAR, SHIPPED, named, scope_of

@@ -1,7 +1,5 @@
 """Ends of lines in the view of a map."""
 
-from __future__ import annotations
-
 import pytest
 from scope_support import CAR, scope_of
 

@@ -1,7 +1,5 @@
 """A system made from nothing by the palette and by drawing lines, in both notations."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.authoring.editing.commands import Create

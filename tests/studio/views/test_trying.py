@@ -1,13 +1,10 @@
 """Trying values by the generated code of maps, in a real process."""
 
-from __future__ import annotations
-
 import json
 import sys
 import tempfile
 from contextlib import closing
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from scope_support import CAR, MODELS, SHIPPED, scope_of
@@ -21,9 +18,7 @@ from jausml.language.metamodel.classes import bridge, jaus
 from jausml.language.model import read_models
 from jausml.language.text.notation import NOTATIONS
 from jausml.live.workers.bootstrap import load_runtime
-
-if TYPE_CHECKING:
-    from jausml.live.workers.worker import BridgeCode
+from jausml.live.workers.worker import BridgeCode
 
 RULES = Path(__file__).resolve().parents[2] / "cases" / "rules"
 BUSY = 60.0

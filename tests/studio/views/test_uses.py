@@ -1,7 +1,5 @@
 """Rows that tell which services a component provides and uses: they go, the services stay."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.authoring.editing.project import Project

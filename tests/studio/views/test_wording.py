@@ -1,7 +1,5 @@
 """What is told to people: no places in files and no names of the metamodels."""
 
-from __future__ import annotations
-
 import pytest
 
 from jausml.authoring.studio.views.wording import for_people

@@ -1,19 +1,12 @@
 """One process for all tests here: it begins in seconds, and they leave nothing behind."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
-from studio_client import serving
+from studio_client import Page, Server, serving
 
 from jausml.language.model.library import LIBRARY_URI
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from pathlib import Path
-
-    from studio_client import Page, Server
 
 
 @pytest.fixture(scope="package")

@@ -1,24 +1,16 @@
 """Questions that need thought, over a real socket: forms, ends, trials, plans."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
 
 import pytest
 from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 
 FILE = "catvehicle.xmi"
 
 
-def test_the_form_of_each_box(page: Page) -> None:
+def test_the_form_of_each_box(page):
     graph = page.ask("view", file=FILE, view="system")["graph"]
     for node in graph["nodes"]:
         if node["element"]:
@@ -27,7 +19,7 @@ def test_the_form_of_each_box(page: Page) -> None:
             assert form["class"]
 
 
-def test_the_picture_is_that_of_the_command_line(page: Page) -> None:
+def test_the_picture_is_that_of_the_command_line(page):
     picture = page.ask("picture", file=FILE, view="system")["picture"]
     assert picture.startswith("<svg")
     assert ">catvehicle" in picture or "catvehicle</text>" in picture
@@ -35,7 +27,7 @@ def test_the_picture_is_that_of_the_command_line(page: Page) -> None:
         page.ask("picture", file=FILE, view="nothing")
 
 
-def test_the_palette_offers_commands_that_can_be_carried_out(page: Page) -> None:
+def test_the_palette_offers_commands_that_can_be_carried_out(page):
     items = page.ask("palette", file=FILE, query="node", limit=50)["items"]
     added = next(item for item in items if item["group"] == "elements")
     done = page.ask("edit", commands=added["commands"], label=added["label_of_edit"])
@@ -74,7 +66,7 @@ REFUSED = [
 ]
 
 
-def test_what_is_refused_is_told_without_places_in_files_and_names_of_classes(page: Page) -> None:
+def test_what_is_refused_is_told_without_places_in_files_and_names_of_classes(page):
     told = re.compile(r"#|//|@|\b(jaus|ros|bridge)\.|[a-z][A-Z]")
     for command in REFUSED:
         with pytest.raises(RefusedError) as refused:
@@ -84,7 +76,7 @@ def test_what_is_refused_is_told_without_places_in_files_and_names_of_classes(pa
         page.ask("form", element=f"{FILE}#//@components.99")
 
 
-def test_ends_can_be_connected(page: Page) -> None:
+def test_ends_can_be_connected(page):
     graph = page.ask("view", file=FILE, view="system")["graph"]
     start = next(node for node in graph["nodes"] if node["kind"] == "component")
     ends = page.ask("ends", file=FILE, view="system", node=start["id"], port="")["ends"]
@@ -97,7 +89,7 @@ def test_ends_can_be_connected(page: Page) -> None:
     assert done["diff"]
 
 
-def test_members_are_assigned(page: Page) -> None:
+def test_members_are_assigned(page):
     view = next(
         entry["name"]
         for entry in page.ask("views", file=FILE)["views"]
@@ -109,7 +101,7 @@ def test_members_are_assigned(page: Page) -> None:
     assert found["options"] or found["refusal"]
 
 
-def test_a_member_is_filled_without_a_source(page: Page) -> None:
+def test_a_member_is_filled_without_a_source(page):
     view = "map:velocity_state"
     ros = page.ask("members", file=FILE, view=view)["sides"][1]["node"]
     ends = page.ask("ends", file=FILE, view=view, node=ros, port="header.stamp")["ends"]
@@ -123,7 +115,7 @@ def test_a_member_is_filled_without_a_source(page: Page) -> None:
     assert page.ask("fill", **asked, value="fast")["constant"]["refusal"]
 
 
-def test_values_are_tried(page: Page) -> None:
+def test_values_are_tried(page):
     view = next(
         entry["name"]
         for entry in page.ask("views", file=FILE)["views"]
@@ -136,7 +128,7 @@ def test_values_are_tried(page: Page) -> None:
     assert found["values"] or found["error"]
 
 
-def test_the_plan_is_carried_out_as_it_was_shown(page: Page, folder: Path) -> None:
+def test_the_plan_is_carried_out_as_it_was_shown(page, folder):
     planned = page.ask("plan", file=FILE, out="ws/src")
     assert not planned["problems"]
     created = [file["path"] for file in planned["files"] if file["action"] == "create"]
@@ -151,12 +143,12 @@ def test_the_plan_is_carried_out_as_it_was_shown(page: Page, folder: Path) -> No
 
 
 @pytest.mark.parametrize("out", ["../elsewhere", "/tmp", "catvehicle.xmi"])
-def test_nothing_is_generated_elsewhere(page: Page, out: str) -> None:
+def test_nothing_is_generated_elsewhere(page, out):
     with pytest.raises(RefusedError):
         page.ask("plan", file=FILE, out=out)
 
 
-def test_an_edited_file_is_overwritten_only_when_that_was_shown(page: Page, folder: Path) -> None:
+def test_an_edited_file_is_overwritten_only_when_that_was_shown(page, folder):
     shown = {"file": FILE, "out": "edited/src"}
     planned = page.ask("plan", **shown)
     page.ask("generate", **shown, digest=planned["digest"])

@@ -1,17 +1,9 @@
 """Edits by a page, and by two of them."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING
 
 import pytest
-from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page, Server
+from studio_client import Page, RefusedError
 
 pytestmark = pytest.mark.ports
 
@@ -28,7 +20,7 @@ def named(element: str, name: str) -> dict[str, object]:
     return {"kind": "set", "element": element, "feature": "documentation", "values": [name]}
 
 
-def test_an_edit_changes_the_file_and_undo_brings_it_back(page: Page, folder: Path) -> None:
+def test_an_edit_changes_the_file_and_undo_brings_it_back(page, folder):
     before, log = (folder / FILE).read_bytes(), page.ask("log")
     done = page.ask("edit", commands=[named(node_of(page, "node"), "driven")], label="describe")
     assert b'"driven"' in (folder / FILE).read_bytes()
@@ -44,7 +36,7 @@ def test_an_edit_changes_the_file_and_undo_brings_it_back(page: Page, folder: Pa
     assert b'"driven"' in (folder / FILE).read_bytes()
 
 
-def test_a_dry_edit_tells_its_difference_and_writes_nothing(page: Page, folder: Path) -> None:
+def test_a_dry_edit_tells_its_difference_and_writes_nothing(page, folder):
     before = (folder / FILE).read_bytes()
     commands = [named(node_of(page, "node"), "driven")]
     told = page.ask("edit", commands=commands, label="describe", dry=True)
@@ -53,7 +45,7 @@ def test_a_dry_edit_tells_its_difference_and_writes_nothing(page: Page, folder: 
     assert (folder / FILE).read_bytes() == before
 
 
-def test_edits_that_are_sent_at_once_are_done_in_turn(page: Page) -> None:
+def test_edits_that_are_sent_at_once_are_done_in_turn(page):
     element = node_of(page, "node")
     edits = [
         page.send("edit", commands=[named(element, f"text {i}")], label=f"edit {i}")
@@ -65,14 +57,14 @@ def test_edits_that_are_sent_at_once_are_done_in_turn(page: Page) -> None:
     assert page.answer(undo)["entry"]["label"] == "edit 19"
 
 
-def test_all_pages_are_told(server: Server) -> None:
+def test_all_pages_are_told(server):
     with server.page() as one, server.page() as other:
         one.ask("edit", commands=[named(node_of(one, "node"), "driven")], label="describe")
         assert other.await_told("changed")["by"] == "edit"
         assert other.ask("log")["entries"][-1]["label"] == f"describe, and format {FILE}"
 
 
-def test_an_edit_of_an_older_revision_is_a_conflict(page: Page) -> None:
+def test_an_edit_of_an_older_revision_is_a_conflict(page):
     element = node_of(page, "node")
     base = page.ask("hello")["revision"]
     page.ask("edit", commands=[{"kind": "remove", "element": element}], label="remove")
@@ -81,7 +73,7 @@ def test_an_edit_of_an_older_revision_is_a_conflict(page: Page) -> None:
     assert refused.value.data["conflict"]
 
 
-def test_what_was_copied_is_pasted_beside_it(page: Page) -> None:
+def test_what_was_copied_is_pasted_beside_it(page):
     element = node_of(page, "node")
     text = page.ask("copy", elements=[element])["text"]
     assert re.search("^node ", text, re.MULTILINE)
@@ -90,7 +82,7 @@ def test_what_was_copied_is_pasted_beside_it(page: Page) -> None:
     assert page.ask("log")["entries"][-1]["label"] == f"Paste, and format {FILE}"
 
 
-def test_a_copied_bridge_stands_for_itself(page: Page) -> None:
+def test_a_copied_bridge_stands_for_itself(page):
     element = node_of(page, "bridge")
     text = page.ask("copy", elements=[element])["text"]
     done = page.ask("paste", owner=element, text=text)
@@ -104,7 +96,7 @@ def test_a_copied_bridge_stands_for_itself(page: Page) -> None:
     assert "bridge_2" not in page.ask("text", file=FILE)["text"]
 
 
-def test_problems_come_with_each_change(page: Page) -> None:
+def test_problems_come_with_each_change(page):
     page.ask("problems", file=FILE)
     element = node_of(page, "component")
     clash = {"kind": "set", "element": element, "feature": "address", "values": ["0.0.0"]}
@@ -114,7 +106,7 @@ def test_problems_come_with_each_change(page: Page) -> None:
     assert any(problem["element"] == element and problem["file"] == FILE for problem in found)
 
 
-def test_a_problem_is_cured_by_its_cure(page: Page) -> None:
+def test_a_problem_is_cured_by_its_cure(page):
     element = node_of(page, "component")
     before = page.ask("form", element=element)
     address = next(field for field in before["fields"] if field["feature"] == "address")["values"]
@@ -127,7 +119,7 @@ def test_a_problem_is_cured_by_its_cure(page: Page) -> None:
     assert page.ask("problems", file=FILE)["problems"] == []
 
 
-def test_an_open_decision_is_a_problem_until_somebody_takes_it_away(page: Page) -> None:
+def test_an_open_decision_is_a_problem_until_somebody_takes_it_away(page):
     form = page.ask("form", element=node_of(page, "bridge"))
     maps = next(child for child in form["children"] if child["feature"] == "maps")
     owner = maps["elements"][0]["element"]

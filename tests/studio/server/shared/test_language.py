@@ -1,18 +1,11 @@
 """The language server for the text editor of the page."""
 
-from __future__ import annotations
-
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from studio_client import Page, RefusedError
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-    from pathlib import Path
-
-    from studio_client import Server
+from studio_client import Page, RefusedError, Server
 
 pytestmark = pytest.mark.ports
 
@@ -38,7 +31,7 @@ def opened(editor: Page, path: Path, text: str) -> str:
     return path.as_uri()
 
 
-def test_a_text_is_judged(editor: Page, folder: Path) -> None:
+def test_a_text_is_judged(editor, folder):
     uri = opened(editor, folder / "maps.ros2jaus", TEXT)
     told = editor.await_told(
         "textDocument/publishDiagnostics", lambda notification: notification["diagnostics"]
@@ -46,7 +39,7 @@ def test_a_text_is_judged(editor: Page, folder: Path) -> None:
     assert told["uri"] == uri
 
 
-def test_what_can_be_written_is_offered(editor: Page, folder: Path) -> None:
+def test_what_can_be_written_is_offered(editor, folder):
     uri = opened(editor, folder / "maps.ros2jaus", "")
     found = editor.ask(
         "textDocument/completion",
@@ -57,7 +50,7 @@ def test_what_can_be_written_is_offered(editor: Page, folder: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["../secret.ros2jaus", "link.ros2jaus"])
-def test_a_text_elsewhere_is_not_spoken_of(editor: Page, folder: Path, name: str) -> None:
+def test_a_text_elsewhere_is_not_spoken_of(editor, folder, name):
     (folder.parent / "secret.ros2jaus").write_text("/** secret */", encoding="utf-8")
     (folder / "link.ros2jaus").unlink(missing_ok=True)
     (folder / "link.ros2jaus").symlink_to(folder.parent / "secret.ros2jaus")
@@ -67,7 +60,7 @@ def test_a_text_elsewhere_is_not_spoken_of(editor: Page, folder: Path, name: str
     assert refused.value.code == INVALID_PARAMS
 
 
-def test_an_import_leads_to_no_text_elsewhere(editor: Page, folder: Path) -> None:
+def test_an_import_leads_to_no_text_elsewhere(editor, folder):
     hidden = "/** hidden */\nros package secret_msgs {\n  message Hidden { }\n}\n"
     (folder.parent / "secret.ros2jaus").write_text(hidden, encoding="utf-8")
     uri = opened(editor, folder / "maps.ros2jaus", 'import "../secret.ros2jaus"\n')
@@ -81,13 +74,13 @@ def test_an_import_leads_to_no_text_elsewhere(editor: Page, folder: Path) -> Non
 
 
 @pytest.mark.parametrize("method", ["workspace/executeCommand", "exit", "window/showDocument"])
-def test_what_is_not_for_pages_is_refused(editor: Page, method: str) -> None:
+def test_what_is_not_for_pages_is_refused(editor, method):
     with pytest.raises(RefusedError) as refused:
         editor.ask(method)
     assert refused.value.code == METHOD_NOT_FOUND
 
 
-def test_wrong_parameters_are_an_error_and_the_next_is_answered(editor: Page, folder: Path) -> None:
+def test_wrong_parameters_are_an_error_and_the_next_is_answered(editor, folder):
     uri = opened(editor, folder / "maps.ros2jaus", "")
     for position in (None, 7, {"line": "x"}, {"line": -1, "character": 10**30}, []):
         with pytest.raises(RefusedError):

@@ -1,13 +1,6 @@
 """Lines in the views of machines and services, and maps that are filled, over a real socket."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
-
-if TYPE_CHECKING:
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 
@@ -16,7 +9,7 @@ MACHINE = {"file": FILE, "view": "machine:Winch.ReceiveFSM"}
 SERVICE = {"file": FILE, "view": "service:Winch"}
 
 
-def test_a_transition_is_drawn_from_state_to_state(page: Page) -> None:
+def test_a_transition_is_drawn_from_state_to_state(page):
     graph = page.ask("view", **MACHINE)["graph"]
     assert page.ask("form", element=graph["element"])["class"] == "state machine"
     boxes = {node["title"]: {"node": node["id"], "port": ""} for node in graph["nodes"]}
@@ -31,7 +24,7 @@ def test_a_transition_is_drawn_from_state_to_state(page: Page) -> None:
     assert len(after) == len(graph["edges"]) + 1
 
 
-def test_what_a_service_inherits_is_picked_and_taken_away(page: Page) -> None:
+def test_what_a_service_inherits_is_picked_and_taken_away(page):
     graph = page.ask("view", **SERVICE)["graph"]
     own = next(node for node in graph["nodes"] if node["element"] == graph["element"])
     ends = page.ask("ends", **SERVICE, node=own["id"], port="")["ends"]
@@ -50,12 +43,12 @@ def test_what_a_service_inherits_is_picked_and_taken_away(page: Page) -> None:
     }
 
 
-def test_a_line_that_follows_from_its_ends_is_not_taken_away(page: Page) -> None:
+def test_a_line_that_follows_from_its_ends_is_not_taken_away(page):
     asked = {"file": "catvehicle.xmi", "line": "any"}
     assert "follows" in page.ask("unlink", **asked)["refusal"]
 
 
-def test_a_map_is_filled_by_what_is_offered(page: Page) -> None:
+def test_a_map_is_filled_by_what_is_offered(page):
     asked = {"file": "catvehicle.xmi", "view": "map:velocity_state"}
     found = page.ask("fill_map", **asked)
     assert (

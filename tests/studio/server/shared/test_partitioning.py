@@ -1,14 +1,9 @@
 """Which bridge carries which connections, over a real socket: proposed, edited, dragged, undone."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
-from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from studio_client import Page
+from studio_client import Page, RefusedError
 
 pytestmark = pytest.mark.ports
 
@@ -25,7 +20,7 @@ def text(page: Page) -> str:
     return str(page.ask("text", file=FILE)["text"])
 
 
-def test_a_proposal_is_edited_and_taken_as_one(page: Page) -> None:
+def test_a_proposal_is_edited_and_taken_as_one(page):
     before = text(page)
     assert page.ask("partition", file=FILE)["commands"] == []
     plan = page.ask("partition", file=FILE, most=4)
@@ -42,7 +37,7 @@ def test_a_proposal_is_edited_and_taken_as_one(page: Page) -> None:
     assert text(page) == before
 
 
-def test_what_cannot_be_is_told(page: Page) -> None:
+def test_what_cannot_be_is_told(page):
     names = {"bridge.speed_command": "nav"}
     plan = page.ask("partition", file=FILE, names=names)
     (fault,) = plan["faults"]
@@ -54,7 +49,7 @@ def test_what_cannot_be_is_told(page: Page) -> None:
         page.ask("partition", file="service.xmi")
 
 
-def test_rows_are_dragged_to_another_bridge(page: Page) -> None:
+def test_rows_are_dragged_to_another_bridge(page):
     rows = {row["label"]: row["element"] for row in bridges(page)["bridge"]["ports"]}
     whole = page.ask("carry", file=FILE, elements=[rows["speed_command"]])
     assert "one bridge alone can hold control of vehicle" in whole["why"]
@@ -73,7 +68,7 @@ def test_rows_are_dragged_to_another_bridge(page: Page) -> None:
         page.ask("carry", file=FILE, elements=[target])
 
 
-def test_each_box_tells_its_load(page: Page) -> None:
+def test_each_box_tells_its_load(page):
     loads = page.ask("loads", file=FILE)["loads"]
     assert set(loads) == {bridges(page)["bridge"]["id"]}
     (load,) = loads.values()

@@ -1,29 +1,20 @@
 """What a page is shown of texts."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from pathlib import Path
-
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 
 FILE = "catvehicle.xmi"
 
 
-def test_the_text_of_a_file_is_what_is_stored(page: Page, folder: Path) -> None:
+def test_the_text_of_a_file_is_what_is_stored(page, folder):
     found = page.ask("text", file=FILE)
     assert found["text"] == (folder / FILE).read_text(encoding="utf-8")
     assert not found["editable"]
 
 
-def test_an_element_is_found_in_its_text_and_the_text_leads_back(page: Page) -> None:
+def test_an_element_is_found_in_its_text_and_the_text_leads_back(page):
     graph = page.ask("view", file=FILE, view="system")["graph"]
     [element] = [node["element"] for node in graph["nodes"] if node["kind"] == "bridge"]
     place = page.ask("source", element=element)
@@ -33,7 +24,7 @@ def test_an_element_is_found_in_its_text_and_the_text_leads_back(page: Page) -> 
     assert page.ask("at", file=FILE, offset=place["start"]) == {"element": element}
 
 
-def test_library_texts_are_shown_and_nothing_else_of_the_computer(page: Page) -> None:
+def test_library_texts_are_shown_and_nothing_else_of_the_computer(page):
     library = page.ask("text", file="library:/jaus/core-1.1.xmi")
     assert not library["editable"]
     assert "AccessControl" in library["text"]
@@ -42,7 +33,7 @@ def test_library_texts_are_shown_and_nothing_else_of_the_computer(page: Page) ->
             page.ask("text", file=file)
 
 
-def test_a_map_has_all_its_members(page: Page) -> None:
+def test_a_map_has_all_its_members(page):
     views = page.ask("views", file=FILE)["views"]
     view = next(entry["name"] for entry in views if entry["kind"] == "map" and not entry["library"])
     graph = page.ask("view", file=FILE, view=view)["graph"]

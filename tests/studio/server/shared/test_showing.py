@@ -1,49 +1,42 @@
 """What a page is shown of a project."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import pytest
 from studio_client import RefusedError
-
-if TYPE_CHECKING:
-    from studio_client import Page
 
 pytestmark = pytest.mark.ports
 
 FILE = "catvehicle.xmi"
 
 
-def test_hello_tells_of_the_project(page: Page) -> None:
+def test_hello_tells_of_the_project(page):
     assert page.project["name"] == "project"
     assert page.project["opened"] == FILE
     assert [file["path"] for file in page.project["files"]] == [FILE, "service.xmi"]
 
 
-def test_views_are_those_of_the_file(page: Page) -> None:
+def test_views_are_those_of_the_file(page):
     views = page.ask("views", file=FILE)["views"]
     assert {"name": "system", "kind": "system", "title": "system", "library": False} in views
     assert any(view["kind"] == "service" and view["library"] for view in views)
 
 
-def test_the_system_is_a_graph(page: Page) -> None:
+def test_the_system_is_a_graph(page):
     graph = page.ask("view", file=FILE, view="system")["graph"]
     assert {node["kind"] for node in graph["nodes"]} >= {"component", "bridge", "node"}
     assert all(node["width"] > 0 and node["key"] for node in graph["nodes"])
 
 
-def test_an_unknown_view_is_refused(page: Page) -> None:
+def test_an_unknown_view_is_refused(page):
     with pytest.raises(RefusedError, match="no view 'system2'"):
         page.ask("view", file=FILE, view="system2")
 
 
-def test_problems_of_the_example_are_none(page: Page) -> None:
+def test_problems_of_the_example_are_none(page):
     found = page.ask("problems", file=FILE)
     assert [problem for problem in found["problems"] if problem["severity"] == "error"] == []
 
 
-def test_the_outline_reaches_what_no_diagram_shows(page: Page) -> None:
+def test_the_outline_reaches_what_no_diagram_shows(page):
     rows = page.ask("outline", file=FILE)["rows"]
     assert [row["depth"] for row in rows[:2]] == [0, 1]
     assert {"host", "placement", "bridge"} <= {row["kind"] for row in rows}
@@ -57,7 +50,7 @@ def test_the_outline_reaches_what_no_diagram_shows(page: Page) -> None:
     assert page.ask("form", element=found[0]["element"])["class"] == "placement"
 
 
-def test_only_what_has_changed_is_sent_to_who_has_the_picture_before(page: Page) -> None:
+def test_only_what_has_changed_is_sent_to_who_has_the_picture_before(page):
     first = page.ask("view", file=FILE, view="system")
     again = page.ask("view", file=FILE, view="system", base=first["picture"])
     assert "graph" not in again
@@ -67,7 +60,7 @@ def test_only_what_has_changed_is_sent_to_who_has_the_picture_before(page: Page)
     assert "graph" in page.ask("view", file=FILE, view="system", base=first["picture"] + 1000)
 
 
-def test_a_box_is_found_by_the_element_of_its_row(page: Page) -> None:
+def test_a_box_is_found_by_the_element_of_its_row(page):
     graph = page.ask("view", file=FILE, view="system")["graph"]
     bridge = next(drawn for drawn in graph["nodes"] if drawn["kind"] == "bridge")
     row = bridge["ports"][0]["element"]
