@@ -26,17 +26,13 @@ K = TypeVar("K", bound="Hashable")
 
 @dataclass(frozen=True, slots=True)
 class Held(Generic[T]):
-    """Something that holds a slot and asks for a rate.
-
-    Attributes:
-        wanted: Reports a second that it asks for.
-    """
+    """Something that holds a slot and asks for a rate."""
 
     item: T
     place: Place
     is_proved: bool = True
     is_kept: bool = False
-    wanted: float = 0.0
+    wanted: float = 0.0  # reports a second that it asks for
 
 
 def who_gives_way(held: Sequence[Held[T]], asker: Held[object]) -> T | None:

@@ -70,11 +70,7 @@ class Watch:
         self.limit, self.began, self.caught_up = limit, began, caught_up
 
     def change(self, limit: float) -> None:
-        """Want to know of other standstills from now on.
-
-        Args:
-            limit: Seconds that are one; 0 for none.
-        """
+        """Want to know of standstills of another length in seconds from now on; 0 for none."""
         self.limit = limit
         self._standstill.arrange()
 
@@ -125,11 +121,7 @@ class Standstill:
         began: Callable[[float], None],
         caught_up: Callable[[], None] = lambda: None,
     ) -> Watch:
-        """Tell of standstills from now on; to be called with the lock of the loop.
-
-        Args:
-            began: Told how many seconds what waits may have waited, before it is served.
-        """
+        """Tell of standstills before what waited is served; called with the lock of the loop."""
         watch = Watch(self, limit, began, caught_up)
         self._watches.append(watch)
         self.arrange()

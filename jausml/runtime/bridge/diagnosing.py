@@ -201,11 +201,6 @@ class Diagnosing:
     """Looks at all connections once each period."""
 
     def __init__(self, bridge: Diagnosed, period: float) -> None:
-        """Does nothing before `start`.
-
-        Args:
-            period: Seconds from one report to the next.
-        """
         self._bridge = bridge
         self._loop: Loop = bridge.loop
         self._period = period

@@ -59,11 +59,7 @@ class Releases:
     """
 
     def __init__(self, component: Host, on_done: Callable[[JausAddress], None]) -> None:
-        """Nothing is under way.
-
-        Args:
-            on_done: Told of each target to which nothing is under way any more.
-        """
+        """Nothing is under way; each target is told to which nothing is under way any more."""
         self._component = component
         self._on_done = on_done
         self._under_way: dict[JausAddress, int] = {}
@@ -73,11 +69,7 @@ class Releases:
         return target in self._under_way
 
     def send(self, target: JausAddress, *, acknowledge: bool) -> None:
-        """Send ReleaseControl.
-
-        Args:
-            acknowledge: Whether it is repeated until it is acknowledged.
-        """
+        """Send ReleaseControl, which may be repeated until it is acknowledged."""
         if not acknowledge:
             self._component.send(ReleaseControl(), target)
             return

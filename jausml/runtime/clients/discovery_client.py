@@ -20,10 +20,9 @@ if TYPE_CHECKING:
 
 
 def query_services(component: JausAddress = BROADCAST) -> QueryServices:
-    """Return the query for the services of one component, or of all.
+    """Return the query for the services of one component, or of all that are there.
 
-    Args:
-        component: The component. There are stacks that know no wildcards, and report nothing.
+    There are stacks that know no wildcards, and report nothing.
     """
     record = QueryServices.ComponentRec(component_id=component.component)
     node = QueryServices.NodeSeq(
@@ -48,11 +47,7 @@ def query_service_lists(component: JausAddress = BROADCAST) -> QueryServiceList:
 def reported_services(
     report: ReportServices | ReportServiceList, subsystem: int
 ) -> Iterator[tuple[JausAddress, tuple[ServiceIdentity, ...]]]:
-    """Yield the components of a report with their services.
-
-    Args:
-        subsystem: Where the components of a ReportServices are, which does not tell it.
-    """
+    """Yield the components of a report, which does not tell their subsystem, and their services."""
     if isinstance(report, ReportServices):
         parts = [(subsystem, report.node_list)]
     else:
@@ -145,11 +140,7 @@ class DiscoveryClient:
         self._watchers.append(on_sighting)
 
     def ask_for_services(self, place: JausAddress) -> None:
-        """Ask for components and their services.
-
-        Args:
-            place: Whom to ask: a component, or several by a wildcard.
-        """
+        """Ask a component, or several by a wildcard, for components and their services."""
         # Peers of v1.0 know the first alone.
         self._component.send(query_services(), place)
         self._component.send(query_service_lists(), place)

@@ -28,11 +28,7 @@ class QueryTimer:
     """
 
     def __init__(self, loop: Loop, rate: float, ask: Callable[[float], object]) -> None:
-        """Asks for the first time at once.
-
-        Args:
-            ask: Asks once; it is given the seconds until the next query.
-        """
+        """Asks at once for the first time; what asks is given the seconds until the next query."""
         self._loop = loop
         self._period = 1 / rate
         self._ask = ask
@@ -172,11 +168,7 @@ class EventSubscription:
         self._stop_asking()
 
     def follow(self, event_rate: float | None) -> None:
-        """Have the subscriber's own rate of an event that others share.
-
-        Args:
-            event_rate: Reports of the event each second; None when they come at every change.
-        """
+        """Have the own rate of an event that others share, whose rate is None at every change."""
         self._component.loop.revision.changed()
         is_slower = (
             self.rate is not None and event_rate is not None and self.rate < _ALIKE * event_rate
@@ -240,11 +232,6 @@ class Subscribers:
     """Those who get the reports of one event, each with the class of the report for it."""
 
     def __init__(self, on_bad: Callable[[DecodeError], None]) -> None:
-        """Have nobody yet.
-
-        Args:
-            on_bad: Told why a report cannot be read.
-        """
         self._on_bad = on_bad
         self._classes: dict[EventSubscription, type[Message]] = {}
 

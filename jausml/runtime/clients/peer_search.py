@@ -69,11 +69,7 @@ class PeerSearch:
             raise ValueError(f"nothing can be found: {self}")
 
     def matches(self, own: JausAddress, address: JausAddress, urns: Collection[str]) -> bool:
-        """Return whether a component is one that the search looks for.
-
-        Args:
-            own: Who searches; never found by itself.
-        """
+        """Return whether a component is one that the search looks for: never who searches."""
         return (
             address != own
             and self.subsystem in (0, address.subsystem)
@@ -199,11 +195,7 @@ class PeerClient:
         component.when_stopped(self.stop)
 
     def find(self, search: PeerSearch, on_change: OnChange) -> None:
-        """Look for peers until the component stops.
-
-        Args:
-            on_change: Told all peers whenever they change; none when they are gone.
-        """
+        """Look for peers until the component stops; tells all of them whenever they change."""
         if not self._finders:
             self._discovery.watch(self._sighted)
             self._component.when_started(self._check)
@@ -322,11 +314,7 @@ class PeerFinder(Host):
     """A component that finds others by what they provide."""
 
     def discover(self, urn: str, on_found: Callable[[FoundComponent], None]) -> None:
-        """Report each component that provides a service, once for each component found.
-
-        Args:
-            urn: Identifier of the service, e.g. ``urn:jaus:jss:mobility:VelocityStateSensor``.
-        """
+        """Report each component that provides a service, by its URN, once for each found."""
         with self.loop.lock:
             self.part(DiscoveryClient).discover(urn, on_found)
 

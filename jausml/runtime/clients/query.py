@@ -37,11 +37,7 @@ class Deadlines(Generic[T]):
         self._timers: dict[float, Timer] = {}
 
     def add(self, item: T, delay: float) -> None:
-        """Wait for an answer; nothing may wait twice for the same time.
-
-        Args:
-            delay: For how many seconds.
-        """
+        """Wait so many seconds for an answer; nothing may wait twice for the same time."""
         due = self._loop.now() + delay
         waiting = self._due.get(delay)
         if waiting is None:

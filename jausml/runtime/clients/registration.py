@@ -33,17 +33,14 @@ OCU_TYPES = range(20001, 30001)
 
 
 class Registration:
-    """Registers one component with its subsystem, and looks around for that again and again.
-
-    Attributes:
-        server: Where it is registered; None while nobody has answered.
-    """
+    """Registers one component with its subsystem, and looks around for that again and again."""
 
     def __init__(self, component: Host) -> None:
         self._component = component
         self._askers: list[Callable[[], None]] = []
         self._timer = Alarm(component.loop)
         self._tries = 0
+        # Where it is registered; None while nobody has answered.
         self.server: JausAddress | None = None
         self._heard = 0.0
         settings = component.settings

@@ -70,12 +70,7 @@ class Page(ctypes.Structure):
 
 
 def frame(kind: str, content: Mapping[str, Any]) -> bytes:
-    """Returns what goes over the socket.
-
-    Args:
-        kind: What it is: `ros`, `stops`, `goal`, `done`, `nothing` or `bye`.
-        content: What it says, as JSON has it; octets are hexadecimal.
-    """
+    """Returns what goes over the socket: `ros`, `stops`, `goal`, `done`, `nothing` or `bye`."""
     return json.dumps({"kind": kind, **content}).encode()
 
 

@@ -365,11 +365,7 @@ def _log(text: str) -> None:
 
 
 def main(channel: str, page: str, death: str, name: str, bridge: str) -> int:
-    """Guards one bridge.
-
-    Returns:
-        The exit code: 0, or `EXIT_OF_ROS`.
-    """
+    """Guards one bridge; returns the exit code: 0, or `EXIT_OF_ROS`."""
     # It ends with its bridge, by itself: signals of a terminal or a service manager are for that.
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)

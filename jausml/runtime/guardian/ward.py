@@ -365,10 +365,6 @@ class Ward:
 def stops(
     patience: float, topics: Sequence[Content] = (), datagrams: Sequence[Content] = ()
 ) -> Content:
-    """Returns the stops of a connection as they are handed over.
-
-    Args:
-        patience: Seconds of silence after which the stop of the connection is due.
-    """
+    """Returns stops as they are handed over, which are due after seconds of silence."""
     due = max(LEAST_PATIENCE, patience)
     return {"patience": due, "topics": list(topics), "datagrams": list(datagrams)}

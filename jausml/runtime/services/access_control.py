@@ -62,9 +62,7 @@ class Refusals:
     def put_off(self, requester: JausAddress, code: int, again: Callable[[], None]) -> bool:
         """Tell whether a refusal is not to be sent now; the request is then judged again later.
 
-        Args:
-            code: Why it is refused; another reason is told at once.
-            again: Judges the request again; of several of a requester the last one is.
+        Another reason is told at once; of several requests of one sender the last is judged.
         """
         now = self._loop.now()
         count = self._counts.get(requester) or self._begin(requester, now)
@@ -189,11 +187,7 @@ class AccessControlService:
         self.pass_control(sender, code, lambda: self._confirm(sender, Confirm.CONTROL_ACCEPTED))
 
     def pass_control(self, client: JausAddress, code: int, confirm: Callable[[], None]) -> None:
-        """Make a client the controller, and tell a former one that it is that no more.
-
-        Args:
-            confirm: Tells the client, after the former controller and before those who watch.
-        """
+        """Make a client the controller; it is told after the former one, before who watches."""
         self._refusals.forget(client)
         former, self.controller = self.controller, client
         self.has_lapsed = False

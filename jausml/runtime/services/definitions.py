@@ -25,13 +25,9 @@ MAX_EVENT_RATE = 1092.0
 
 @dataclass(frozen=True)
 class ServiceIdentity:
-    """A service as Discovery reports it (AS5710, ReportServices).
+    """A service as Discovery reports it (AS5710, ReportServices)."""
 
-    Attributes:
-        urn: Identifier, e.g. ``urn:jaus:jss:mobility:PrimitiveDriver``; case matters.
-    """
-
-    urn: str
+    urn: str  # e.g. ``urn:jaus:jss:mobility:PrimitiveDriver``; case matters
     major: int
     minor: int
 

@@ -40,11 +40,7 @@ Condition = Guard | Callable[[Any], Guard]
 
 @dataclass(frozen=True)
 class Provision(Generic[Q, R]):
-    """What answers a query.
-
-    Attributes:
-        provider: Returns the present report, encoded or not, or None without one.
-    """
+    """What answers a query: a present report, encoded or not, or None without one."""
 
     query_class: type[Q]
     report_class: type[R]
@@ -296,11 +292,9 @@ class Router:
     def payload_caller(
         self, function: Action, on_bad: Callable[[JausAddress, DecodeError], None]
     ) -> Callable[[bytes, JausAddress], None]:
-        """Return what calls a function that takes encoded messages, as ``call`` does.
+        """Return what calls a function with encoded messages, as ``call`` does.
 
-        Args:
-            function: Takes an encoded message and its sender.
-            on_bad: Told the sender and the error when the function cannot read a message.
+        Of a message that it cannot read, the sender and the error are told.
         """
         clock = self._stopwatch
 

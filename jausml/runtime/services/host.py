@@ -92,11 +92,7 @@ class Hooks:
         """The component entered Shutdown, by its controller's command or by ``stop``."""
 
     def on_set_time(self, time: datetime) -> None:
-        """The controller has set the component's clock (AS5710, Time, SetTime).
-
-        Args:
-            time: What it was set to, in UTC. The host's clock is left as it is.
-        """
+        """The controller has set the component's clock in UTC; the host's is left as it is."""
 
     def core_state_changed(self) -> None:
         """The status changed, who controls the component, or whether control is to be had."""
@@ -160,12 +156,9 @@ class Host(Hooks):
     # ---- parts ------------------------------------------------------------------------------
 
     def part(self, kind: Callable[[Host], P]) -> P:
-        """Return a part of the component, which is made when it is first asked for.
+        """Return a part of the component, made by its class when it is first asked for.
 
         What a component does not use is thus not made, and a workspace need not have it.
-
-        Args:
-            kind: The class of the part, or what makes it of the component.
         """
         with self.loop.lock:
             if kind not in self._jaus_parts:
@@ -295,11 +288,7 @@ class Host(Hooks):
     def watch_unwanted(
         self, message_class: type[Message], callback: Callable[[bytes, JausAddress], None]
     ) -> None:
-        """Call ``callback(payload, sender)`` for each such message that nothing else takes.
-
-        Args:
-            callback: Takes an encoded message and its sender; there is one for each message.
-        """
+        """Call ``callback(payload, sender)`` for each such message that nothing else takes."""
         with self.loop.lock:
             self._jaus_router.unwanted[message_class.CODE] = callback
 

@@ -38,15 +38,11 @@ ALL_UIDS = 65535
 
 
 class ListError(JausError):
-    """A request that the list refuses.
-
-    Attributes:
-        reason: Code for RejectElementRequest.
-    """
+    """A request that the list refuses."""
 
     def __init__(self, reason: Reason, text: str) -> None:
         super().__init__(text)
-        self.reason = reason
+        self.reason = reason  # code for RejectElementRequest
 
 
 def chain(
@@ -216,11 +212,7 @@ class Driver(Protocol):
 
 
 class ListManagerService:
-    """Edits and reports the list (AS5710 v1.1, ListManager, protocol behaviour).
-
-    Attributes:
-        drivers: They say what the list may hold; without any, the component does.
-    """
+    """Edits and reports the list (AS5710 v1.1, ListManager, protocol behaviour)."""
 
     # The service was part of the other sets before core v1.1 took it over.
     urns = frozenset(
@@ -230,6 +222,7 @@ class ListManagerService:
     def __init__(self, component: Host) -> None:
         self._component = component
         self.elements = ElementList(component.settings.max_list_elements)
+        # They say what it may hold; without any, the component does.
         self.drivers: list[Driver] = []
 
     def attach(self) -> None:

@@ -23,18 +23,14 @@ if TYPE_CHECKING:
 
 @dataclass(slots=True, eq=False)
 class Claim:
-    """What a component without proof has sent and got, at the one endpoint that it claims.
-
-    Attributes:
-        number: What it is to acknowledge; None while it has not been asked.
-    """
+    """What a component without proof has sent and got, at the one endpoint that it claims."""
 
     host: str
     received: int = 0
     sent: int = 0
     wrong: int = 0
     questions: int = 0
-    number: int | None = None
+    number: int | None = None  # what it is to acknowledge; None while it has not been asked
     asked: float = -math.inf
     asker: JausAddress | None = None
     held: list[bytes] = field(default_factory=list)
@@ -91,20 +87,16 @@ class Entry:
 class AddressBook:
     """UDP endpoints of components (AS5669A: the address of the newest datagram counts).
 
-    A learnt endpoint replaces a configured one, since it is where the component is now. An
-    endpoint from which nothing came for ``lifetime`` seconds is kept but doubted, so that a
-    component that restarted on another port or host is found again.
+    A learnt endpoint replaces a configured one, since it is where the component is now. An endpoint
+    from which nothing came for ``lifetime`` seconds is kept but doubted, so that a component that
+    restarted on another port or host is found again.
 
     By that, whoever sends in the name of a component takes its traffic over. Fixed endpoints are
     learnt anew only after such a silence.
 
     Places are lent. When all are taken, a component that has not proved where it is gives way to
-    the next one, and after those one of the host that has most; configured components and those
-    in control have places of their own. So nobody is locked out, whatever others send.
-
-    Attributes:
-        lifetime: Seconds of silence after which an endpoint is doubted.
-        learnt: Components that were heard, the one silent longest first.
+    the next one, and after those one of the host that has most; configured components and those in
+    control have places of their own. So nobody is locked out, whatever others send.
     """
 
     def __init__(
@@ -119,9 +111,7 @@ class AddressBook:
     ) -> None:
         """Know nobody yet.
 
-        Args:
-            trusts: Whether an endpoint needs no proof.
-            changed: Told when a component is elsewhere than before, or in doubt.
+        An endpoint that is trusted needs no proof; changes of places, and doubts, are told.
         """
         self.lifetime = lifetime
         self._fixed = fixed
@@ -132,7 +122,7 @@ class AddressBook:
         self._kept: dict[JausAddress, JausAddress] = {}
         self._counters = counters
         self._configured: dict[JausAddress, Entry] = {}
-        self.learnt: OrderedDict[int, Entry] = OrderedDict()
+        self.learnt: OrderedDict[int, Entry] = OrderedDict()  # the one silent longest first
 
     def __len__(self) -> int:
         """Return how many components were learnt."""
@@ -186,11 +176,7 @@ class AddressBook:
         entry.heard = now
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Give a component a place of its own, instead of the one that an owner named before.
-
-        Args:
-            address: Who controls it; None for nobody.
-        """
+        """Give the controller of an owner a place of its own, instead of the one before."""
         if address is None:
             self._kept.pop(owner, None)
         else:
@@ -267,9 +253,7 @@ class AddressBook:
     def suspect(self, address: JausAddress, since: float) -> None:
         """Doubt an endpoint at once, because the component failed to acknowledge.
 
-        Args:
-            since: When the first packet without acknowledgement was sent: who was heard later is
-                there, and its acknowledgement may only be late.
+        Who was heard after the first packet without acknowledgement is there still.
         """
         entry = self.learnt.get(address) or self._configured.get(address)
         if entry is not None and entry.heard < since:

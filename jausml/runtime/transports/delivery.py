@@ -22,16 +22,11 @@ MESSAGE_CODE_SIZE = 2
 
 
 class ReceivedMessage(NamedTuple):
-    """One JAUS message as it arrived.
-
-    Attributes:
-        payload: Little-endian 16-bit message code and body.
-        sequence: Sequence number of its (first) packet.
-    """
+    """One JAUS message as it arrived."""
 
     source: JausAddress
     destination: JausAddress
-    payload: bytes
+    payload: bytes  # little-endian 16-bit message code and body
     priority: Priority
     sequence: int
 
@@ -84,17 +79,12 @@ class PeerTraffic(NamedTuple):
 
 
 class Double(NamedTuple):
-    """Another component that was heard with the address of one of this process.
-
-    Attributes:
-        first_heard: When it was heard first, in UTC.
-        last_heard: When it was heard last, by the clock of the loop.
-    """
+    """Another component that was heard with the address of one of this process."""
 
     address: JausAddress
     place: str
     first_heard: datetime
-    last_heard: float
+    last_heard: float  # by the clock of the loop
 
     def __str__(self) -> str:
         """Return what is wrong, for people."""
@@ -135,17 +125,12 @@ def _is_before(number: int, other: int) -> bool:
 
 
 class _Latest(NamedTuple):
-    """The latest message of a source.
-
-    Attributes:
-        sure: Number of the latest one that asks for acknowledgement, while it is not too far back
-            to be compared.
-    """
+    """The latest message of a source."""
 
     number: int
     at: float
     origin: object
-    sure: int | None
+    sure: int | None  # of the latest that asks for acknowledgement, while that can be compared
 
     def followed_by(self, number: int, at: float, origin: object) -> _Latest:
         """Return what is known when a message without acknowledgement came."""
@@ -235,11 +220,7 @@ class Carrier(ABC, Generic[Origin]):
         return -math.inf
 
     def suspect(self, destination: JausAddress, since: float) -> None:
-        """Learn that a destination fails to acknowledge, before the last repetition.
-
-        Args:
-            since: When the packet was sent first.
-        """
+        """Learn before the last repetition that a destination acknowledges nothing since a time."""
 
 
 class ReliableCarrier(Carrier[Origin]):

@@ -160,11 +160,9 @@ class TcpConnection:
         return f"{self.peer[0]}:{self.peer[1]}"
 
     def write(self, data: bytes, on_result: OnResult | None = None) -> bool:
-        """Send messages, or let them wait; return False when the peer is too slow for them.
+        """Send messages without version byte, or let them wait; return False for a peer too slow.
 
-        Args:
-            data: Messages without a version byte.
-            on_result: Told once whether the system sent them to the peer.
+        It is told once whether the system sent them to the peer.
         """
         if self.is_closed or self._waiting > self._buffer:
             if not self.is_closed:

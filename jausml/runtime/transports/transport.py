@@ -91,23 +91,16 @@ class Transport(ABC):
         return False
 
     def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Take the answer to a message as good as its acknowledgement: it is repeated no more.
-
-        Args:
-            start: What the payload of the message begins with: its code at least.
-        """
+        """Take the answer to a message that begins so for its acknowledgement."""
         with self.loop.lock:
             messenger = self._messenger_of(address)
             if messenger is not None:
                 messenger.outbox.answered(address, peer, start)
 
     def withdraw(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Repeat messages to a component no more, and do not send those that wait.
+        """Repeat messages that begin so to a component no more, and do not send those that wait.
 
         They count as not acknowledged, which is told at once; they may have arrived all the same.
-
-        Args:
-            start: What the payloads of the messages begin with: their code at least.
         """
         with self.loop.lock:
             messenger = self._messenger_of(address)
@@ -117,12 +110,9 @@ class Transport(ABC):
     def datagram(
         self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
     ) -> tuple[bytes, Endpoint] | None:
-        """Return what another process may send in the place of a component, and where.
+        """Return what another process may send for a component, and where, if one does.
 
         It asks for acknowledgement, so that only newer ones that do make it late. Its number is 0.
-
-        Returns:
-            The datagram and its endpoint; None where one datagram does not do.
         """
         del source, destination, payload, priority
         return None
@@ -153,19 +143,11 @@ class Transport(ABC):
         return False
 
     def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
-        """Let a component give way to nobody, instead of the one that an owner named before.
-
-        Args:
-            address: Who controls it; None for nobody.
-        """
+        """Let the controller of an owner give way to nobody, instead of the one before."""
         del owner, address
 
     def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
-        """Call a listener when a component has proved where it is.
-
-        Args:
-            listener: Takes the component, on the loop's thread.
-        """
+        """Call a listener on the loop's thread when a component has proved where it is."""
         del listener
 
     def silence_of(self, address: JausAddress) -> float:
@@ -220,13 +202,10 @@ class Transport(ABC):
         destination: JausAddress,
         priority: Priority = Priority.STANDARD,
     ) -> Callable[[bytes], None]:
-        """Return what sends one payload after the other, without acknowledgement, as ``send`` does.
+        """Return what sends payloads without acknowledgement, as ``send`` does.
 
         It is prepared for one way, and costs less than ``send``; callable from any thread. It may
         be asked for before the transport is open.
-
-        Args:
-            destination: Component, or a wildcard for several.
         """
         return partial(self.send, source, destination, priority=priority)
 

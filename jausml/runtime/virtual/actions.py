@@ -23,15 +23,11 @@ NO_SERVER = "no_action_server"
 
 
 class VirtualAction:
-    """An action by its name.
-
-    Attributes:
-        server: Whoever takes its goals; None for nobody.
-    """
+    """An action by its name."""
 
     def __init__(self, name: str) -> None:
         self.name = name
-        self.server: GoalTaker | None = None
+        self.server: GoalTaker | None = None  # whoever takes its goals; None for nobody
 
     def close(self, server: GoalTaker) -> None:
         """Serves no more; no effect where another one does."""
@@ -65,17 +61,12 @@ class VirtualActionClient:
 
 
 class VirtualGoal:
-    """A goal: what its client has sent, and what its server executes.
-
-    Attributes:
-        elements: Its elements, serialized.
-        request: What else it has.
-    """
+    """A goal: what its client has sent, and what its server executes."""
 
     def __init__(
         self, action: VirtualAction, way: Way, elements: Sequence[bytes], watcher: GoalWatcher
     ) -> None:
-        self.elements = list(elements)
+        self.elements = list(elements)  # serialized
         self.request = SimpleNamespace()
         self._action = action
         self._way = way

@@ -78,19 +78,11 @@ _PLAIN = Link()
 
 
 class Way:
-    """A link in use: what is lost by now, and what is held.
-
-    Attributes:
-        link: What it does; another one counts for what comes from then on.
-    """
+    """A link in use: what is lost by now, and what is held."""
 
     def __init__(self, loop: Loop, random: Random, link: Link) -> None:
-        """Begin to let pass.
-
-        Args:
-            random: Decides what happens, in the order in which it happens.
-        """
-        self.link = link
+        """Begin to let pass; what happens is drawn in the order in which it happens."""
+        self.link = link  # what it does; another one counts for what comes from then on
         self.is_cut = False
         self._loop = loop
         self._random = random
@@ -184,11 +176,7 @@ class Network:
     def transport(
         self, settings: TransportSettings, out: Link, into: Link, draw: Callable[[int], int]
     ) -> VirtualTransport:
-        """Return the transport of one more process, open.
-
-        Args:
-            draw: Returns a random number from 0 to below its argument, for sequence numbers.
-        """
+        """Return the transport of one more process, open, which draws its sequence numbers."""
         self._count += 1
         number = self._count
         endpoint = (f"10.{number >> 16}.{number >> 8 & 255}.{number & 255}", JUDP_PORT)
@@ -255,11 +243,7 @@ class Network:
 
 
 class Station:
-    """Where a process is on the network: the port that it sends from, and its two ways.
-
-    Attributes:
-        lost: Datagrams that got lost on one of its ways, or went to where nobody is.
-    """
+    """Where a process is on the network: the port that it sends from, and its two ways."""
 
     group: Endpoint = _GROUP
 
@@ -270,7 +254,7 @@ class Station:
         self.unicast: Station | None = None
         self.sent: Counts = Counter()
         self.received: Counts = Counter()
-        self.lost: Counts = Counter()
+        self.lost: Counts = Counter()  # on one of its ways, or where nobody is
         self._network = network
 
     def open(self, transport: VirtualTransport) -> None:

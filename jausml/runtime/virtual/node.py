@@ -42,11 +42,7 @@ class VirtualRosNode:
     def __init__(
         self, graph: RosGraph, name: str, parameters: Mapping[str, Any], link: Link
     ) -> None:
-        """Joins the graph; `VirtualWorld.ros_node` does that.
-
-        Args:
-            parameters: Values by name, which replace those of the model.
-        """
+        """Joins the graph; `VirtualWorld.ros_node` does that, with values of parameters."""
         self.name = name
         self._graph = graph
         self._parameters = dict(parameters)

@@ -90,11 +90,7 @@ class VirtualWorld:
         into: Link | None = None,
         settings: TransportSettings | None = None,
     ) -> VirtualTransport:
-        """Return the transport of one more process, open.
-
-        Args:
-            settings: Time-outs and limits; what is said there of sockets does not count.
-        """
+        """Return the transport of one more process, open; settings of sockets do not count."""
         self._transports += 1
         # A stream of its own: numbers of packets do not shift what happens by chance.
         numbers = Random(f"{self._seed} {self._transports}")
@@ -110,11 +106,7 @@ class VirtualWorld:
         namespace: str = "",
         link: Link | None = None,
     ) -> VirtualRosNode:
-        """Return a node for a bridge.
-
-        Args:
-            namespace: Namespace, e.g. `/fleet`; empty means the root.
-        """
+        """Return a node for a bridge in a namespace, e.g. `/fleet`; empty means the root."""
         full = f"/{namespace.strip('/')}/{name}" if namespace.strip("/") else f"/{name}"
         return VirtualRosNode(self.ros, full, parameters or {}, link or Link())
 

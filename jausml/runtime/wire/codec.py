@@ -171,11 +171,7 @@ def check_presence(presence: int, known: int, part: str) -> None:
 
 
 def check_count(size: int, upper: int, room: int, element: int, field: str) -> None:
-    """Checks the count of a list before memory is taken for its elements.
-
-    Args:
-        element: Fewest bytes of an element.
-    """
+    """Checks a count, by the fewest bytes of an element, before memory is taken."""
     if size > upper:
         raise DecodeError(field, f"count {size} is more than {upper}")
     if size * element > room:
@@ -280,13 +276,9 @@ class Listed:
 
 @dataclass(frozen=True)
 class Tagged:
-    """One of several records, behind a byte that says which one: its `TAG`.
+    """One of several records, behind a byte that says which one: its `TAG`."""
 
-    Attributes:
-        name: What an error calls the field.
-    """
-
-    name: str
+    name: str  # what an error calls the field
 
 
 U8 = Annotated[int, unsigned(1)]
@@ -335,11 +327,7 @@ class TimeStamp:
 
     @classmethod
     def from_integer(cls, bits: int) -> TimeStamp:
-        """Returns what the bits of an integer say, legal or not.
-
-        Args:
-            bits: The integer, 0 .. 2**32 - 1.
-        """
+        """Returns what the 32 bits of an integer say, legal or not."""
         return cls(
             bits & 0x3FF,
             bits >> 10 & 0x3F,

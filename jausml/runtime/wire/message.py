@@ -121,11 +121,7 @@ class Message:
 
     @classmethod
     def read_from(cls: type[MessageT], buffer: bytes, offset: int) -> tuple[MessageT, int]:
-        """Reads the body; there is none unless a subclass says otherwise.
-
-        Returns:
-            The message, and the offset after it.
-        """
+        """Reads the body, none by default; returns the message and the offset after it."""
         del buffer
         return cls(), offset
 
@@ -145,9 +141,7 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
 
     The field PresenceVector of a query names the optional fields of the report, by the bits of the
     report's own presence vector (AS5710, AS6009, queries). A query without that field asks for all.
-
-    Args:
-        report: What the component has to report; it is not changed.
+    The given report is not changed.
     """
     wanted = _wanted(query)
     if wanted is None:
@@ -165,11 +159,7 @@ def asked_for(query: Message, report: MessageT) -> MessageT:
 
 
 def asked_for_in(query: Message, report_class: type[Message], report: bytes) -> bytes:
-    """Returns an encoded report without the optional fields that its query does not ask for.
-
-    Args:
-        report: Message code and body. It is read only where the query may leave something out.
-    """
+    """Returns an encoded report without optional fields that its query does not ask for."""
     report_class.check_code(report)
     if asks_for_all(query, report_class):
         return report

@@ -57,11 +57,7 @@ class CallTranslation(Limiting):
         type: type[LightMessage],  # noqa: A002 - the word of the model
         to_ros: bool,
     ) -> None:
-        """Prepares the translation.
-
-        Args:
-            translate: Makes the target message, or None to let the call fail.
-        """
+        """Prepares the translation; a call for which it makes None fails."""
         super().__init__()
         self.name = name
         self.statistics = Statistics()
@@ -134,12 +130,7 @@ class Call:
 
 
 class Calls(Generic[CallT, AskingT]):
-    """The part of a connection that keeps its calls, counts them and tells of them.
-
-    Attributes:
-        timeout: Seconds after which a call without an answer has failed, once it was sent.
-        statistics: What happened so far: calls as arrivals, those that were answered as passed.
-    """
+    """The part of a connection that keeps its calls, counts them and tells of them."""
 
     counters: Counters
 
@@ -150,6 +141,7 @@ class Calls(Generic[CallT, AskingT]):
         service: RosService,
         request: AskingT,
         response: CallTranslation | type[Message] | None,
+        # Seconds after which a call without an answer has failed, once it was sent.
         timeout: float = 1.0,
         is_command: bool = False,
         priority: Priority = Priority.STANDARD,

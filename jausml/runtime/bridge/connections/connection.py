@@ -55,11 +55,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         shape: Shape = _PLAIN,
         **when_lost: Any,
     ) -> None:
-        """Prepares a connection; nothing is exchanged before `open`.
-
-        Args:
-            shape: Which messages pass, by number, pace and age.
-        """
+        """Prepares a connection; nothing is exchanged before `open`."""
         super().__init__(name, **when_lost)
         self._shaping = Shaping(shape, self.statistics, self.drop)
         self._backlog = Backlog(self.statistics, self.drop, self.waited)
@@ -129,11 +125,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
     # ------------------------------------------------------------------ messages
 
     def take(self, data: bytes, origin: Any = None) -> None:
-        """Takes one message from the source.
-
-        Args:
-            origin: Sender of a JAUS message; stamp of a ROS message in nanoseconds.
-        """
+        """Takes a message; its origin is its sender, or when it was published in nanoseconds."""
         if self._halt is not None:
             self._take_halted(self._halt, data, origin)
         elif self._backlog.is_there and not self._backlog.admits(origin):
@@ -189,11 +181,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         return super().end()
 
     def stop(self, reason: StopReason) -> bool:
-        """Sends the safe value, once; what waits for its time gives way to it.
-
-        Returns:
-            Whether messages of the source stood until now.
-        """
+        """Sends the safe value, once; what waits for its time gives way to it."""
         # Withdrawn before the stop is sent, which must be the last word.
         waiting = self._shaping.withdraw()
         if waiting is not None and reason is StopReason.INACTIVE and self.is_latched:

@@ -44,11 +44,6 @@ class RateCap:
     def __init__(
         self, hertz: float, clock: Callable[[], float], drop: Callable[[str, str], None]
     ) -> None:
-        """Begins with no sources.
-
-        Args:
-            hertz: Messages each second that pass of one source, above 0.
-        """
         self._interval = 1 / hertz
         # Half an interval of tolerance: clocks round.
         self._ahead = max(_BURST_S - self._interval, 0.0) + self._interval / 2
@@ -112,15 +107,11 @@ class Shape:
 
 
 class Waiting(NamedTuple):
-    """A message whose time has not come.
-
-    Attributes:
-        expiry: When it becomes too old, by the clock of the bridge.
-    """
+    """A message whose time has not come."""
 
     data: bytes
     origin: Any
-    expiry: float
+    expiry: float  # when it becomes too old, by the clock of the bridge
 
 
 class Shaping:
@@ -154,12 +145,7 @@ class Shaping:
         reshaped: Callable[[], None],
         judge_silence: Callable[[], None],
     ) -> None:
-        """Reads what parameters say.
-
-        Args:
-            way: Takes the messages that pass.
-            reshaped: Called when other messages shall pass than before.
-        """
+        """Reads what parameters say, and tells when other messages shall pass than before."""
         self._ends, self._age, self._way, self._reshaped = ends, age, way, reshaped
         self._judge_silence = judge_silence
         self._timer = Alarm(ends.clock)

@@ -46,9 +46,8 @@ class Stopping(Limiting):
     ) -> None:
         """Minds nothing before `watch`.
 
-        Args:
-            stop: What the model states for the safe value, each as `thrust = 0`; none: zeros.
-            hold_reason: Why the last command may stand then, for one that has no safe value.
+        A stop is what the model states for the safe value, each as `thrust = 0`; none means zeros.
+        A reason to hold says why the last command may stand where there is no safe value.
         """
         super().__init__()
         self.name = name
@@ -89,11 +88,7 @@ class Stopping(Limiting):
         return self.deliver(payload)
 
     def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
-        """Returns what the guardian says for topics and for components, when the bridge cannot.
-
-        Args:
-            payload: The stop, made for the moment `MARK`.
-        """
+        """Returns what the guardian says to topics and components by a stop made for `MARK`."""
         raise NotImplementedError
 
     def encode(self, target: Any) -> bytes:
@@ -181,8 +176,7 @@ class Stopping(Limiting):
     def stop(self, reason: StopReason) -> bool:
         """Sends the safe value, once: the next message from the source ends what it stands for.
 
-        Returns:
-            Whether messages of the source stood until now.
+        Returns whether messages of the source stood until now.
         """
         if self._watch is not None:
             self._watch.cancel()
@@ -241,20 +235,12 @@ class Stopping(Limiting):
         return self.halt(None if standing.is_active else StopReason.INACTIVE)
 
     def lose(self, reason: StopReason) -> bool:
-        """Stops what is watched for silence: its time does not pass any more.
-
-        Returns:
-            Whether messages of the source stood until now.
-        """
+        """Stops what is watched, as its time does not pass any more; whether messages stood."""
         is_watched = self.is_command or self.silence_timeout > 0
         return is_watched and self.stopped is None and self.stop(reason)
 
     def halt(self, reason: StopReason | None) -> bool:
-        """Passes nothing on from now on, after the stop; or again, for None.
-
-        Returns:
-            Whether something was stopped.
-        """
+        """Passes nothing on after the stop, or again for None; whether something was stopped."""
         self._halt = reason
         self.note_case()
         return reason is not None and self.stop(reason)

@@ -74,9 +74,8 @@ class ToTopics(Connection[SourceT, TargetT]):
     ) -> None:
         """Prepares the connection.
 
-        Args:
-            translate: Makes the ROS message, or None to pass nothing on. Joined reports give it
-                their messages as keyword arguments.
+        The translation makes the ROS message, or None to pass nothing on; joined reports give it
+        their messages as keyword arguments.
         """
         super().__init__(name, translate, **when_lost)
         self._peers = PeerBinding(peers)

@@ -97,12 +97,7 @@ def transcoder(
 
 
 def compiled_first(function: Function, names: Sequence[str], slow: Transcode) -> Transcode:
-    """Returns a translation that asks a function first.
-
-    Args:
-        names: The joins, in the order in which the function is given them.
-        slow: Treats what is not usual; is given the messages of joins.
-    """
+    """Returns a translation that asks a function first, which takes the joins in order of names."""
     if not names:
 
         def transcode(data: bytes) -> bytes | None:
@@ -122,22 +117,14 @@ def compiled_first(function: Function, names: Sequence[str], slow: Transcode) ->
 
 
 def ros_decoder(ros: RosSide, message_type: type[Any], *, real: bool) -> Callable[[bytes], Any]:
-    """Returns what makes objects of serialized ROS messages.
-
-    Args:
-        message_type: A light class, or a message class of ROS.
-    """
+    """Returns what makes objects, light or of the message class of ROS, of serialized messages."""
     if real or not is_light(message_type):
         return ros.codec(message_type).decode
     return message_type.from_cdr
 
 
 def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]:
-    """Returns what serializes ROS messages, be they light or of the message class of ROS.
-
-    Args:
-        message_type: A light class, or a message class of ROS.
-    """
+    """Returns what serializes ROS messages, be they light or of the message class of ROS."""
     if not is_light(message_type):
         return ros.codec(message_type).encode
     encode: Callable[[Any], bytes] | None = None
@@ -189,11 +176,7 @@ class Joined:
     """The latest message of a join; it is made an object when somebody asks for it."""
 
     def __init__(self, name: str, *, freshness: float, drop: bool) -> None:
-        """Keeps nothing yet.
-
-        Args:
-            drop: Whether the main message is dropped when there is nothing fresh.
-        """
+        """Keeps nothing yet; the main message may be dropped when there is nothing fresh."""
         self.name = name
         self.freshness = freshness
         self._drop = drop
@@ -204,11 +187,7 @@ class Joined:
         self._latest: Any = None
 
     def begin(self, ends: Ends, owner: str, decode: Callable[[bytes], Any]) -> None:
-        """Makes the parameter of the freshness.
-
-        Args:
-            owner: Connection and join, with which names of parameters begin.
-        """
+        """Makes the parameter of the freshness, which names connection and join."""
         self._ends = ends
         self._decode = decode
         self._arrival = self._data = self._latest = None
@@ -296,11 +275,7 @@ class Join(Joined):
 def with_joins(
     transcode: Transcode, joined: Sequence[Joined], *, is_compiled: bool = False
 ) -> Transcode:
-    """Returns a translation that is given the latest messages of joins.
-
-    Args:
-        is_compiled: Whether it asks joins itself, since it takes bytes first.
-    """
+    """Returns a translation with the messages of joins; one that is compiled asks them itself."""
     if is_compiled:
         asked = {join.name: join for join in joined}
         return lambda data: transcode(data, **asked)

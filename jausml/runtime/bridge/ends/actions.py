@@ -34,11 +34,7 @@ class Progress(Enum):
         return min(max(position, 0), count - 1)
 
     def number(self, index: int, count: int) -> int:
-        """Returns what the feedback says while an element is under way.
-
-        Args:
-            index: The element, from 0.
-        """
+        """Returns what the feedback says while an element is under way, the first of which is 0."""
         return count - index if self is Progress.REMAINING else index
 
 
@@ -110,12 +106,7 @@ class ActionClient(Protocol):
         fill: Callable[[Any], object] | None,
         watcher: GoalWatcher,
     ) -> SentGoal:
-        """Sends a goal.
-
-        Args:
-            fill: Sets what else the goal has; called with the goal of rclpy and the lock of the
-                loop.
-        """
+        """Sends a goal; `fill` sets what else it has, of rclpy and with the lock of the loop."""
 
     def faults(self) -> Sequence[TopicFault]:
         """Returns why goals cannot be sent; nothing while they can."""
@@ -139,8 +130,7 @@ class GoalTaker(Protocol):
     def accepts(self, elements: Sequence[bytes], request: Any) -> bool:
         """Whether a goal can be executed now; `begin` comes at once if so.
 
-        Args:
-            elements: Its elements, serialized; one more than `LONGEST_GOAL` of a longer goal.
+        Of a longer goal there is one element more than `LONGEST_GOAL`.
         """
 
     def begin(self, goal: ServedGoal) -> None:

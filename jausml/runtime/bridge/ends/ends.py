@@ -76,15 +76,10 @@ class Feeder(Protocol):
 
 @dataclass(slots=True)
 class ReportHolder:
-    """The present report that topics feed.
+    """The present report that topics feed."""
 
-    Attributes:
-        value: It, encoded; None before their first message.
-        feeder: The connection that spoke last; None before.
-    """
-
-    value: bytes | None = None
-    feeder: Feeder | None = None
+    value: bytes | None = None  # encoded; None before their first message
+    feeder: Feeder | None = None  # that spoke last
 
     def present(self) -> bytes | None:
         """Returns the report that counts now.
@@ -99,14 +94,10 @@ class ReportHolder:
 
 @dataclass(frozen=True)
 class Taker:
-    """A connection that takes messages.
-
-    Attributes:
-        senders: Whose messages it takes; None for those of anybody.
-    """
+    """A connection that takes messages."""
 
     take: Take
-    senders: PeerBinding | None = None
+    senders: PeerBinding | None = None  # whose messages it takes; None for those of anybody
     refuse: Take | None = None
     is_command: bool = False
 
@@ -118,11 +109,7 @@ class BySender:
     """
 
     def __init__(self, changed: Callable[[], None]) -> None:
-        """Has no connections yet.
-
-        Args:
-            changed: Told when messages of a sender may go to others than before.
-        """
+        """Tells of changes when messages of a sender may go to others than before."""
         self._changed = changed
         self._takers: list[Taker] = []
         self._known: dict[JausAddress, tuple[Take, ...]] = {}
@@ -239,9 +226,8 @@ class SharedMessages:
     def accept(self, message: type[Message], taker: Taker, when: When) -> None:
         """Takes messages that others send, of whom `handle` says more.
 
-        Args:
-            when: Whom to obey, or a function that tells it from the message; a command has one
-                handler, which its connections share.
+        Whom to obey may depend on the message; a command has one handler, which its connections
+        share.
         """
         if when is Guard.ANY:
             self._listeners.setdefault(message, self._by_sender()).add(taker)
@@ -292,17 +278,12 @@ def _tell(greeters: Sequence[Callable[[], None]]) -> None:
 
 
 class Ends(Protocol):
-    """A bridge as its connections see it; `Bridge` is the one.
-
-    Attributes:
-        clock: The time by which messages are late: that of the loop, or of a simulation.
-        ward: What tells the guardian; None where there is none.
-    """
+    """A bridge as its connections see it; `Bridge` is the one."""
 
     settings: BridgeSettings
-    clock: Timing
+    clock: Timing  # by which messages are late: that of the loop, or of a simulation
     simulation: Simulation | None
-    ward: Ward | None
+    ward: Ward | None  # what tells the guardian, if there is one
     ros: RosSide
     component: Component
     shared_topics: SharedTopics
@@ -315,8 +296,7 @@ class Ends(Protocol):
     def compiled(self, compiled: Compiled, note: Callable[[str], None]) -> Function | None:
         """Returns the function of a translation; None where its library is not there.
 
-        Args:
-            note: Counts a field that is left out, as its value is no number.
+        A field that is left out, as its value is no number, is noted.
         """
 
     def fast_translation(self, compiled: Compiled) -> Any:

@@ -23,11 +23,7 @@ _MARK = struct.pack("<iI", *MARK)
 
 
 def topic_stops(publishers: Iterable[RosPublisher], data: bytes) -> list[dict[str, Any]]:
-    """Returns a stop for each topic, as the guardian is told.
-
-    Args:
-        data: The serialized stop, made for the moment `MARK`.
-    """
+    """Returns for each topic a stop that was made for the moment `MARK`."""
     return [
         {
             "topic": publisher.published.topic,

@@ -62,16 +62,12 @@ commands of before are history: what comes next is the word.
 
 @dataclass(frozen=True)
 class AttributeParameter:
-    """A parameter that sets an attribute of the bridge, also while the bridge runs.
-
-    Attributes:
-        is_positive: Whether a number is above 0.
-    """
+    """A parameter that sets an attribute of the bridge, also while the bridge runs."""
 
     name: str
     attribute: str
     description: str
-    is_positive: bool = False
+    is_positive: bool = False  # whether a number is above 0
 
     def of(self, value: Any) -> Parameter:
         """Returns the parameter of the node, with the value that the attribute has."""
@@ -126,13 +122,9 @@ def digital_resources(urls: Sequence[str]) -> Parameter:
 
 @dataclass(frozen=True)
 class Known:
-    """A parameter that is not declared yet: all of it but its value.
+    """A parameter that is not declared yet: all of it but its value."""
 
-    Attributes:
-        name: Its name; `{}` stands for the connection, or the connection and join, that it is of.
-    """
-
-    name: str
+    name: str  # in which `{}` stands for the connection, or the connection and join
     description: str
     limits: tuple[float, float] | None = None
     check: Callable[[Any], object] | None = None
@@ -227,11 +219,7 @@ def lift_emergency(check: Callable[[str], None]) -> Parameter:
 
 
 def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, ...]:
-    """Returns the topics of a connection or join under the names that parameters give them.
-
-    Args:
-        owner: Connection, or connection and join.
-    """
+    """Returns the topics of a connection, or of its join, under the names that parameters give."""
     if not modelled:
         return ()
     if len(modelled) == 1:
@@ -249,11 +237,7 @@ def topics(ros: RosSide, owner: str, modelled: Sequence[Topic]) -> tuple[Topic, 
 
 
 def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
-    """Returns the JAUS components at the other end of a connection.
-
-    Args:
-        modelled: Those that the model names, which a parameter may change; or how they are found.
-    """
+    """Returns the peers of a connection: named ones, which a parameter may change, or a search."""
     if not modelled.present:
         return modelled
     text = f"JAUS components at the other end of {connection}."

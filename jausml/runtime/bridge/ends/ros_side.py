@@ -22,15 +22,10 @@ PartT = TypeVar("PartT")
 
 
 class RosPublisher(Protocol):
-    """A publisher for serialized messages.
-
-    Attributes:
-        publish: Publishes a serialized message, from any thread.
-        unmatched: Messages published while no subscription was there; whoever publishes counts.
-    """
+    """A publisher for serialized messages."""
 
     publish: Callable[[bytes], None]
-    unmatched: int
+    unmatched: int  # while no subscription was there; whoever publishes counts
 
     @property
     def matched(self) -> int:
@@ -91,36 +86,26 @@ class RosSide(Protocol):
     def publisher(
         self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
     ) -> RosPublisher:
-        """Makes a publisher.
-
-        Args:
-            greet: Called for each subscriber that is found, on the loop or with its lock.
-        """
+        """Makes a publisher; each subscriber that is found is greeted on the loop."""
 
     def subscribe(
         self, ros_type: type[Any], topic: Topic, take: Callable[[bytes, int], None]
     ) -> TopicCounts:
         """Makes a subscription.
 
-        Args:
-            take: Is given each serialized message, and the time at which it was published, in
-                nanoseconds by the clock of its publisher; on the loop or with its lock.
+        Each serialized message is taken with the time of its publication, in nanoseconds by the
+        clock of its publisher; on the loop or with its lock.
         """
 
     def part(self, load: Callable[[], Callable[[Any], PartT]]) -> PartT:
         """Returns a part of the node, made when it is first asked for, e.g. its services.
 
-        Args:
-            load: Returns its class on rclpy. Who asks imports it, so that a workspace has it only
-                where something of the model asks; a virtual node has parts of its own.
+        Who asks imports its class on rclpy, so that a workspace has it only where something of the
+        model asks; a virtual node has parts of its own.
         """
 
     def faults(self, topic: Topic, *, publishes: bool, alone: bool = False) -> Sequence[TopicFault]:
-        """Returns why a topic does not work as it should; nothing while it does.
-
-        Args:
-            alone: Whether a second publisher is a fault.
-        """
+        """Returns why a topic does not work; a second publisher is a fault where one is alone."""
 
     def publish_diagnostics(self, data: bytes) -> None:
         """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""

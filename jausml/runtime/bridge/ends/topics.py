@@ -76,14 +76,9 @@ class TopicCounts:
 
 @dataclass(frozen=True)
 class Topic:
-    """A topic of a connection.
+    """A topic of a connection."""
 
-    Attributes:
-        name: Topic name; relative names are resolved in the namespace of the node.
-        qos: Quality of service, which `qos_overrides` parameters may change.
-    """
-
-    name: str
+    name: str  # relative ones are resolved in the namespace of the node
     qos: Qos = Qos()
 
 
@@ -111,17 +106,13 @@ class ParameterError(JausError):
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter of the node.
-
-    Attributes:
-        limits: Least and greatest value of a number.
-        check: Raises ValueError for a value that does not do; None takes all.
-    """
+    """A parameter of the node."""
 
     name: str
     default: Any
     description: str
     limits: tuple[float, float] | None = None
+    # Raises ValueError for a value that does not do; None takes all.
     check: Callable[[Any], object] | None = None
 
     def taken(self, value: Any) -> Any:
@@ -278,10 +269,8 @@ class EndpointHealth:
         """Returns what is wrong at present.
 
         The next message ends a missed deadline, and a lost liveliness of the bridge's own
-        publisher. ROS does not tell of that one, but of each further period without.
-
-        Args:
-            alone: Whether the values of a second node at the other end would make them jump.
+        publisher. ROS does not tell of that one, but of each further period without. Who is to be
+        alone would jump between its values and those of a second node at the other end.
         """
         faults = self._incompatible() if self._suspected else []
         ends = self.others() if alone and self.count() > 1 else ()

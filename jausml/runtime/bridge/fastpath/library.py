@@ -170,12 +170,7 @@ _CLIENT_LIBRARY = {
 
 
 class Library:
-    """The functions of a core, and those of ROS that they call.
-
-    Attributes:
-        ros: Address of the functions of the client library.
-        core_wait: Waits, without the lock of the interpreter.
-    """
+    """The functions of a core, and those of ROS that they call."""
 
     def __init__(self, core: ctypes.CDLL) -> None:
         if sys.platform != "linux":

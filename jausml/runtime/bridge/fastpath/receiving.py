@@ -59,18 +59,13 @@ payload, whether it was acknowledged, and the sizes of its packets, if they are 
 
 
 class _Flow(NamedTuple):
-    """Where datagrams come from and go to.
-
-    Attributes:
-        numbers: The sequence numbers that are remembered of them.
-        answer: Flags of the acknowledgement that each is answered by; 0 where none is asked for.
-    """
+    """Where datagrams come from and go to."""
 
     entry: Entry
     source: JausAddress
     destination: JausAddress
     numbers: Numbers
-    answer: int
+    answer: int  # flags of the acknowledgement of each; 0 where none is asked for
 
 
 class _Known(NamedTuple):

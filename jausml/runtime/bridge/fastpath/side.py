@@ -58,11 +58,7 @@ class SharedNumbers:
 
 
 class FastSubscriber:
-    """Has a core take the messages of one subscription, and send what they become.
-
-    Attributes:
-        is_current: Whether it still does.
-    """
+    """Has a core take the messages of one subscription, and send what they become."""
 
     def __init__(
         self, library: Library, core: int, feed: Feed, path: FastSending, index: int
@@ -75,7 +71,7 @@ class FastSubscriber:
         Raises:
             LookupError: The messages cannot go out alone now.
         """
-        self.is_current = True
+        self.is_current = True  # whether the core still does
         self._path, self._feed = path, feed
         outlet = path.outlet
         numbers, place = outlet.numbers, outlet.endpoint()
@@ -154,11 +150,6 @@ class FastSide:
     """
 
     def __init__(self, code: ctypes.CDLL, component: Component) -> None:
-        """Begins to wait with the core.
-
-        Args:
-            code: The library of the core.
-        """
         transport, self._loop = component.transport, component.loop
         # The core reads real sockets by the real clock; a virtual world has neither.
         if not isinstance(transport, JudpTransport) or self._loop.now is not steady:

@@ -44,11 +44,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
     """Has the goals of a ROS action executed by the list driver or spooler of a JAUS peer.
 
     A goal that comes while another one is executed takes its place, as it does at the servers of
-    Nav2; the other one is aborted.
-
-    Attributes:
-        speed: Metres per second that ExecuteList asks for.
-        timeout: Seconds in which the peer must answer.
+    Nav2; the other one is aborted. ExecuteList asks for the speed in m/s.
     """
 
     def __init__(

@@ -116,11 +116,7 @@ def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
 def vector(
     data: bytes, offset: int, count: int, code: str, order: int
 ) -> tuple[MutableSequence[Any], int]:
-    """Returns the elements of a sequence of numbers, and the offset behind it.
-
-    Args:
-        order: Byte order.
-    """
+    """Returns the elements of a sequence of numbers, and the offset behind it."""
     if not count:
         return elements(code, b"", order), offset
     size = _SIZES[code]
@@ -155,11 +151,7 @@ def raw(code: str, values: Any, count: int | None = None) -> bytes:
 
 
 def put(append: Append, offset: int, octets: bytes, size: int) -> int:
-    """Appends the elements of a sequence of numbers.
-
-    Returns:
-        The offset behind them.
-    """
+    """Appends the elements of a sequence of numbers; returns the offset behind them."""
     if not octets:
         return offset
     padding = (len(HEADER) - offset) % size
@@ -187,23 +179,14 @@ def text(data: bytes, offset: int, length: int) -> tuple[str, int]:
 
 
 def encoded(value: str, most: int = 0) -> bytes:
-    """Returns the bytes of a text, with the zero at the end.
-
-    Args:
-        most: Largest number of characters; 0 for no limit.
-    """
+    """Returns the bytes of a text with the zero at its end; 0 characters are no limit."""
     if most and len(value) > most:
         raise EncodeError("string", f"{len(value)} characters, more than {most}")
     return value.encode() + b"\0"
 
 
 def wide_text(data: bytes, offset: int, count: int, order: int) -> tuple[str, int]:
-    """Returns a text of wide characters, each in four bytes, and the offset behind it.
-
-    Args:
-        count: Number of units of UTF-16.
-        order: Byte order.
-    """
+    """Returns a text of `count` units of UTF-16, each in four bytes, and the offset behind it."""
     units, end = vector(data, offset, count, "I", order)
     try:
         return array("H", units).tobytes().decode(_UTF_16, "replace"), end
@@ -215,11 +198,7 @@ _UTF_16 = f"utf-16-{sys.byteorder[0]}e"
 
 
 def wide(value: str, most: int = 0) -> bytes:
-    """Returns the bytes of a text of wide characters.
-
-    Args:
-        most: Largest number of characters; 0 for no limit.
-    """
+    """Returns the bytes of a text of wide characters, of which 0 are no limit."""
     if most and len(value) > most:
         raise EncodeError("wstring", f"{len(value)} characters, more than {most}")
     units = array("H", value.encode(_UTF_16))
@@ -230,11 +209,7 @@ _LENGTH = run("I")
 
 
 def texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[str], int]:
-    """Returns texts that follow each other, and the offset behind them.
-
-    Args:
-        order: Byte order.
-    """
+    """Returns texts that follow each other, and the offset behind them."""
     return _several(data, offset, count, order, lambda at, length: text(data, at, length))
 
 
@@ -263,11 +238,7 @@ def _several(
 
 
 def put_texts(values: Sequence[str], append: Append, offset: int, most: int = 0) -> int:
-    """Appends texts; returns the offset behind them.
-
-    Args:
-        most: Largest number of characters; 0 for no limit.
-    """
+    """Appends texts, for which 0 characters are no limit; returns the offset behind them."""
     for value in values:
         octets = encoded(value, most)
         layout = _LENGTH[offset & 7]

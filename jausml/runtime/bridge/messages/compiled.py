@@ -36,9 +36,8 @@ class NoCoreError(Exception):
 class Core:
     """The compiled core of a bridge package.
 
-    Attributes:
-        module: File of the module beside which its library stands.
-        digest: What the library must say of the text that it was made of.
+    Its library stands beside the file of the module, and must say the digest of the text that it
+    was made of.
     """
 
     module: str
@@ -107,11 +106,7 @@ class Compiled:
     unknown: tuple[str, ...]
 
     def of(self, bridge: Any, library: ctypes.CDLL, note: Callable[[str], None]) -> Function:
-        """Returns the function of a bridge, from its library.
-
-        Args:
-            note: Counts a field that is left out, as its value is no number.
-        """
+        """Returns the function of a bridge; fields left out, as they are no number, are noted."""
         function = getattr(library, self.name)
         function.argtypes = (
             ctypes.c_char_p,

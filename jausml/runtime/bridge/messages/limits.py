@@ -193,11 +193,7 @@ class Limit(Generic[Absent]):
         return self._outside(field, reason, None)
 
     def _outside(self, field: str, reason: str, nearest: T | None) -> T | Absent:
-        """Does with a value that does not fit what the policy says.
-
-        Args:
-            nearest: The nearest value that fits; None when there is none.
-        """
+        """Does with a value that does not fit what the policy says; None is no nearest value."""
         raise NotImplementedError
 
 

@@ -31,12 +31,7 @@ class Table:
     def __init__(
         self, convert: Callable[[float], float], lower: int, upper: int, *, is_signed: bool
     ) -> None:
-        """Asks a conversion for the value of each octet.
-
-        Args:
-            convert: Gives the value for a number, or raises an error of the runtime.
-            is_signed: Whether the octets are numbers of -128 .. 127.
-        """
+        """Asks a conversion for the value of each octet; one may raise an error of the runtime."""
         values_by_octet: dict[int, int] = {}
         for octet in range(256):
             try:

@@ -90,26 +90,17 @@ class Statistics:
 
 @dataclass(frozen=True, slots=True)
 class ConnectionStatus:
-    """State of a connection for `/diagnostics`.
-
-    Attributes:
-        level: `ok`, `warning`, `error` or `stale`.
-        values: Names and values in the order in which they are shown.
-    """
+    """State of a connection for `/diagnostics`."""
 
     name: str
-    level: str
+    level: str  # `ok`, `warning`, `error` or `stale`
     message: str
     hardware_id: str
     values: tuple[tuple[str, str], ...]
 
 
 def state_status(hardware_id: str, standing: Standing, controller: str) -> ConnectionStatus:
-    """Returns the status of the bridge itself.
-
-    Args:
-        controller: JAUS address of the controller; empty without one.
-    """
+    """Returns the status of the bridge itself; its controller is empty without one."""
     node, jaus = ("active" if standing.is_active else "inactive"), standing.status.name.lower()
     level = _LEVELS.get(standing.status, "ok" if standing.is_active else "stale")
     values = (("node", node), ("jaus", jaus), ("controller", controller or "none"))
@@ -168,12 +159,6 @@ class Latency:
     """
 
     def __init__(self, age: Age, clock: Callable[[], float]) -> None:
-        """Has measured nothing yet.
-
-        Args:
-            age: Returns the age in nanoseconds of a message that arrives now, of its bytes and
-                its origin; None when its source states no time.
-        """
         self._clock = clock
         self._age = age
         self._ages: deque[int] = deque(maxlen=WINDOW)
@@ -208,11 +193,7 @@ def _percentiles(name: str, nanoseconds: Sequence[int]) -> list[tuple[str, str]]
 
 
 def age_of_stamp(message: Message, now: int) -> int | None:
-    """Returns the age of a JAUS message in nanoseconds; None if it has no TimeStamp.
-
-    Args:
-        now: Time of day in nanoseconds since 1970.
-    """
+    """Returns the nanoseconds since a JAUS message was stamped; None if it has no TimeStamp."""
     stamp = getattr(message, "time_stamp", None)
     if stamp is None:
         return None
@@ -224,12 +205,7 @@ def age_of_stamp(message: Message, now: int) -> int | None:
 
 
 def age_of_time(nanoseconds: int, now: int) -> int | None:
-    """Returns the age of a ROS message in nanoseconds; None if it has no stamp.
-
-    Args:
-        nanoseconds: When its publisher has sent it, since 1970.
-        now: Time of day in nanoseconds since 1970.
-    """
+    """Returns the nanoseconds since a ROS message was published; None if nobody knows."""
     return now - nanoseconds if nanoseconds else None
 
 

@@ -43,16 +43,12 @@ _HALTS = {
 
 @dataclass(frozen=True)
 class Standing:
-    """What the JAUS side of a bridge may do.
-
-    Attributes:
-        has_lapsed: Whether nobody controls the bridge since its controller let control lapse.
-    """
+    """What the JAUS side of a bridge may do."""
 
     status: Status
     controller: JausAddress | None
     is_active: bool = True
-    has_lapsed: bool = False
+    has_lapsed: bool = False  # nobody controls the bridge since its controller let control lapse
 
     @property
     def halt(self) -> StopReason | None:

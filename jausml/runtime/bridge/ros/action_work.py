@@ -132,11 +132,7 @@ class ActionMessages:
         return feedback
 
     def progress(self, feedback: Any, distances: Sequence[float]) -> int | None:
-        """Returns how far a feedback says that the list is; None when it does not.
-
-        Args:
-            distances: Those of the goal.
-        """
+        """Returns how far a feedback says that the list is; None when it does not."""
         if not self._action.progress:
             return None
         number: float = attrgetter(self._action.progress)(feedback)

@@ -102,12 +102,7 @@ NO_SERVER = "no_action_server"
 
 
 class NodeActionClient:
-    """Sends goals of one action.
-
-    Attributes:
-        cancelling: Full name of the service that cancels its goals.
-        former: Goals of a former life, which are cancelled.
-    """
+    """Sends goals of one action."""
 
     def __init__(self, work: ActionWork, messages: ActionMessages, name: str) -> None:
         """Use `NodeActions.action_client` instead."""
@@ -116,6 +111,7 @@ class NodeActionClient:
         self.name = name
         with as_parameter_error(f"action {name!a}: "):
             self.handle = ActionClient(work.node, messages.type, name)
+        # Full name of the service that cancels its goals.
         self.cancelling = work.node.resolve_service_name(f"{name}/_action/cancel_goal")
         self.former = FormerGoals(work, name, self.cancelling)
 

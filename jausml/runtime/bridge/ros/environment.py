@@ -27,9 +27,7 @@ def domain_fault() -> tuple[str, str] | None:
 def middleware_fault(name: str, distribution: str) -> tuple[str, str] | None:
     """Returns why a middleware cannot be had, and the cure; None where it can.
 
-    Args:
-        name: Its name, such as `rmw_fastrtps_cpp`.
-        distribution: Release of ROS 2 whose package is named, such as `jazzy`.
+    Its package is named by the release of ROS 2, such as `jazzy`.
     """
     if find_spec(name) is not None:
         return None

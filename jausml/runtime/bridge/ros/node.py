@@ -97,12 +97,7 @@ class RosNode:
         arguments: Sequence[str] | None = None,
         waiting: WaitingName = "automatic",
     ) -> None:
-        """Joins ROS.
-
-        Args:
-            name: Node name, which `-r __node:=` changes.
-            arguments: Command line with `--ros-args`; None means none.
-        """
+        """Joins ROS; arguments are a command line with `--ros-args`, which may change the name."""
         spare_generator()
         self._context = Context()
         # Signals are left to the process: ROS must outlive the release of JAUS control.
@@ -202,9 +197,7 @@ class RosNode:
     def start(self, fail: Callable[[BaseException], None]) -> None:
         """Starts to wait for messages and parameters, and to log through ROS.
 
-        Args:
-            fail: Told, on the thread concerned, why nobody waits any more, unless the node is
-                closed.
+        Unless the node is closed, `fail` is told on the thread concerned why nobody waits any more.
         """
         LOGGER.addHandler(self._log)
         LOGGER.propagate = False

@@ -51,11 +51,7 @@ class NodeServices(NodePart):
         self._clients: list[Any] = []
 
     def serve(self, service: RosService, take: TakeRequest) -> None:
-        """Serves a service.
-
-        Args:
-            take: Is given each serialized request and what replies to it, on the loop.
-        """
+        """Serves a service; takes each serialized request and what replies to it, on the loop."""
         kind = _installed(service)
         with as_parameter_error(f"service {service.name!a}: "), self._node.handle:
             profile = _PROFILE.get_c_qos_profile()

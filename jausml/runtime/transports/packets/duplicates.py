@@ -80,11 +80,7 @@ class Account:
         return self.came + self.lost
 
     def look(self, numbers: Numbers) -> None:
-        """Count the packets that came since the last look.
-
-        Args:
-            numbers: Those that are remembered, in the order of arrival.
-        """
+        """Count the packets that came since the last look, by numbers in the order of arrival."""
         # From the newest back to those that are counted, as the memory is long.
         fresh = list(islice(reversed(numbers), len(numbers) - self._counted))
         for number in reversed(fresh):
@@ -95,9 +91,6 @@ class Account:
         """Learn from the latest packet to a wildcard whether what was lost is exact.
 
         Nothing is learnt where no packet came near it in time.
-
-        Args:
-            numbers: Those that are remembered, with their times, in the order of arrival.
         """
         number = next(reversed(others), None)
         if number is None or others[number][0] <= self._compared:
@@ -222,11 +215,7 @@ class DuplicateWindow:
         sources: int = 256,
         changed: Callable[[], None] = lambda: None,
     ) -> None:
-        """Remember nothing yet.
-
-        Args:
-            changed: Told when a pair is forgotten.
-        """
+        """Remember nothing yet; tells when a pair is forgotten."""
         self.seconds = seconds
         self.history = history
         self.capacity = history + max(1, history // 2)
@@ -240,11 +229,7 @@ class DuplicateWindow:
         return sum(map(len, self.seen.values()))
 
     def is_duplicate(self, packet: Packet, now: float) -> bool:
-        """Return whether the packet was seen before, and remember it.
-
-        Args:
-            packet: The packet; its flags may differ in a repetition.
-        """
+        """Return whether the packet was seen before, maybe with other flags, and remember it."""
         source, destination = packet.source, packet.destination
         # A sender may number what goes to a wildcard by a count of its own.
         pair = pair_of(source, 0 if destination.is_wildcard else destination)

@@ -42,11 +42,7 @@ class FlaglessMessages:
     """
 
     def __init__(self, seconds: float) -> None:
-        """Start with no sources in doubt.
-
-        Args:
-            seconds: How long a full packet casts doubt on the short ones of its source.
-        """
+        """Doubt the short packets of a source for so many seconds after a full one."""
         self._seconds = seconds
         self._fragmenting: OrderedDict[JausAddress, float] = OrderedDict()
 
@@ -94,9 +90,8 @@ class Inbox(Generic[Origin]):
     ) -> None:
         """Start with no components.
 
-        Args:
-            acknowledged: Told of an acknowledgement to whom and for which sequence number it is,
-                and who sent it; returns whether a packet waited for it.
+        Who was acknowledged, which number and by whom is told; the answer is whether a packet
+        waited.
         """
         self._loop = loop
         self._counters = loop.counters

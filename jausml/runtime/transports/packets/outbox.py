@@ -51,18 +51,15 @@ class Outcome:
 class Outbox:
     """Repeats packets until they are acknowledged (AS5669A, acknowledge and retry).
 
-    A packet is repeated with its sequence number after ``acknowledge_timeout`` and given up
-    after ``acknowledge_retries`` repetitions, of which the last one also searches by multicast;
-    one of several packets of a message is given more of them while its destination lives.
-    With it goes all that waits for a destination of which nothing was heard meanwhile. The lane
-    of each destination says which packets are under way at once. What is given up though its
-    destination lives is watched for a while: over a long way the acknowledgement is late, and the
-    message is not lost. An answer is as good as an acknowledgement, which may be on its way as
-    well: instead of being repeated when its time has come, what was answered is done. Callable from
-    any thread; results are reported on the loop's thread.
-
-    Attributes:
-        outcomes: What became of messages, by source and destination, of 4,096 pairs at most.
+    A packet is repeated with its sequence number after ``acknowledge_timeout`` and given up after
+    ``acknowledge_retries`` repetitions, of which the last one also searches by multicast; one of
+    several packets of a message is given more of them while its destination lives. With it goes all
+    that waits for a destination of which nothing was heard meanwhile. The lane of each destination
+    says which packets are under way at once. What is given up though its destination lives is
+    watched for a while: over a long way the acknowledgement is late, and the message is not lost.
+    An answer is as good as an acknowledgement, which may be on its way as well: instead of being
+    repeated when its time has come, what was answered is done. Callable from any thread; results
+    are reported on the loop's thread.
     """
 
     def __init__(
@@ -72,18 +69,14 @@ class Outbox:
         carrier: Carrier[Any],
         quirks: Quirks,
     ) -> None:
-        """Start with nothing to wait for.
-
-        Args:
-            carrier: Puts packets on the network; told the destination before the last repetition,
-                which may thus search for it.
-        """
+        """Start with nothing to wait for; the carrier may search for a destination in the end."""
         self._timeout = settings.acknowledge_timeout
         self._retries = settings.acknowledge_retries
         self._patience = PATIENCE * (self._retries + 1) * self._timeout
         self._loop = loop
         self._carrier = carrier
         self._quirks = quirks
+        # By source and destination, of 4,096 pairs at most.
         self.outcomes: dict[tuple[int, int], Outcome] = {}
         self._lock = threading.Lock()
         self._lanes: dict[JausAddress, Lane] = {}
@@ -164,11 +157,7 @@ class Outbox:
         return True
 
     def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Learn that a message was answered; no effect when it does not wait.
-
-        Args:
-            start: What its payload begins with.
-        """
+        """Learn that a message that begins so was answered; no effect when it does not wait."""
         with self._lock:
             for flight in self._flights.values():
                 packet = flight.packet
@@ -180,11 +169,7 @@ class Outbox:
                     flight.is_answered = True
 
     def withdraw(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
-        """Give up messages now: they are not repeated, and those that wait are not sent.
-
-        Args:
-            start: What their payloads begin with.
-        """
+        """Give up messages that begin so: none is repeated, and those that wait are not sent."""
         now = self._loop.now()
         withdrawn: list[tuple[Message, Flight | None]] = []
         ready: list[Packet] = []

@@ -98,11 +98,7 @@ class Packetizer:
     def cut(
         self, source: JausAddress, destination: JausAddress, payload: bytes
     ) -> list[tuple[bytes, int, int]]:
-        """Return the parts of a message of several packets, and take numbers for them.
-
-        Returns:
-            Each part with the bits of its place (AS5669A, data flags) and its sequence number.
-        """
+        """Return the parts of a message, each with the bits of its place and its number."""
         size = len(payload)
         step = self._step(destination, size)
         count = -(-size // step)
@@ -156,11 +152,7 @@ class Packetizer:
         return known.first + known.used & 0xFFFF
 
     def sent(self, source: JausAddress) -> dict[JausAddress, int]:
-        """Return how many packets a component was given numbers for, by destination.
-
-        Args:
-            source: A component of this process. What it sends to wildcards is left out.
-        """
+        """Return how many packets a component has sent to each destination but wildcards."""
         return {
             address_of(destination): numbers.used
             for (sender, destination), numbers in list(self._numbers.items())

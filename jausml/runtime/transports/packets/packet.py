@@ -179,13 +179,10 @@ def message_size(data: bytes | bytearray, offset: int) -> int:
 
 
 def parse_message(data: bytes, offset: int, size: int, counters: Counters) -> Packet | None:
-    """Return one message without the version byte of its datagram; never raises.
+    """Return one message of at least 14 bytes without the version of its datagram; never raises.
 
     What cannot be read is counted: ``transport.bad_message_type``, reserved by the standard;
     ``transport.compressed``; ``transport.bad_size``.
-
-    Args:
-        size: Its size in bytes, at least 14, all of them there.
     """
     kind, _, flags, destination, source = _HEADER.unpack_from(data, offset)
     start, end = offset + _HEADER_SIZE, offset + size

@@ -129,19 +129,10 @@ class Reassembly:
     ``transport.reassembly_stale``, others of a number that came again. Of the fragments taken,
     ``transport.fragments``, each is held, or among ``transport.fragments_assembled`` or
     ``transport.fragments_discarded``.
-
-    Attributes:
-        limit: Bytes kept for one way, with bookkeeping.
-        size: Bytes held for incomplete messages, with bookkeeping.
     """
 
     def __init__(self, timeout: float, limit: int, counters: Counters) -> None:
-        """Start with no fragments.
-
-        Args:
-            timeout: Seconds without progress after which fragments are discarded.
-            limit: Bytes kept for one way (with bookkeeping); four times as many in total.
-        """
+        """Discard what makes no progress for so many seconds, or is of too many bytes."""
         self._timeout = timeout
         self.limit = limit
         self._counters = counters

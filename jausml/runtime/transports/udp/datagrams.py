@@ -37,10 +37,6 @@ class DatagramTransport(Transport):
     process, except the sender. A component of this process is reached without the network. An
     unknown destination is multicast with a request for acknowledgement, as Junior does; the
     acknowledgement teaches its endpoint. Whatever arrives and cannot be used is counted.
-
-    Attributes:
-        inbox: What receives for the components of this process.
-        address_book: Where components are.
     """
 
     def __init__(

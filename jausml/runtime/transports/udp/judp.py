@@ -118,12 +118,7 @@ class JudpTransport(DatagramTransport):
             self.loop.register(sock, self._reader(sock, by_multicast=sock is self._port.multicast))
 
     def receive_by(self, make: Callable[[socket.socket, bool], Receiver] | None) -> None:
-        """Receive by other means, or by the sockets again.
-
-        Args:
-            make: Returns what receives from a socket what is to be taken here; it is told whether
-                that is the one of the multicast group.
-        """
+        """Receive by what is made of a socket and whether it is the group's, or by the sockets."""
         with self.loop.lock:
             self._receive_by = make
             for sock in (self._port.multicast, self._port.unicast):
@@ -141,11 +136,7 @@ class JudpTransport(DatagramTransport):
     def receive_datagram(
         self, data: bytes, sender: Endpoint, *, by_multicast: bool = False
     ) -> None:
-        """Take a datagram as if a socket had read it, on the loop's thread; never raises.
-
-        Args:
-            by_multicast: Whether it came to the multicast group.
-        """
+        """Take a datagram, maybe of the group, as if read on the loop's thread; never raises."""
         if sender in self._port.endpoints:
             self.counters.add("judp.own_multicast")
             return

@@ -68,12 +68,7 @@ _PAUSE_S = 0.0002  # after which what comes has likely come alone
 def reader(
     receive: Receiver, loop: Loop, take: Callable[[bytes, Endpoint], None]
 ) -> Callable[[], None]:
-    """Return what reads the datagrams that have arrived at a socket, a few at a time.
-
-    Args:
-        receive: Receives from the socket, which does not block.
-        take: Takes a datagram; never raises.
-    """
+    """Return what reads the datagrams that have arrived at a socket, a few at a time."""
     counters = loop.counters
     received = counters.tally("judp.received")
     most, latest = 1, loop.now()

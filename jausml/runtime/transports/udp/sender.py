@@ -64,11 +64,7 @@ class Prover:
         limit: int,
         put: Callable[[bytes, Endpoint], bool],
     ) -> None:
-        """Begin without claims.
-
-        Args:
-            limit: Bytes that go to an endpoint without proof for each byte from it.
-        """
+        """Send to an endpoint without proof at most `limit` bytes for each byte from it."""
         self._book = book
         self._loop = loop
         self._limit = limit
@@ -79,11 +75,7 @@ class Prover:
         self.listeners: list[Callable[[JausAddress], None]] = []
 
     def heard(self, entry: Entry, packet: Packet, asker: JausAddress | None) -> None:
-        """Note that a packet came from a component without proof, and ask for one.
-
-        Args:
-            asker: Component of this process that can ask; None where none is meant.
-        """
+        """Note that a packet came without proof; who is meant here, if anybody, asks for one."""
         claim = entry.claim
         if claim is None:
             return
@@ -268,11 +260,7 @@ class Sender(Carrier[Endpoint]):
         longest: int,
         inbox: Inbox[Endpoint],
     ) -> Outlet:
-        """Return how a core sends what needs no acknowledgement.
-
-        Args:
-            longest: Bytes of payload that one packet carries.
-        """
+        """Return how a core sends single packets that need no acknowledgement."""
         learnt, counters = self._book.learnt, self._loop.counters
 
         def place() -> tuple[int, Endpoint, float] | None:
