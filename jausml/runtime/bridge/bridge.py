@@ -46,7 +46,8 @@ if TYPE_CHECKING:
     from .diagnosing import Carried
     from .ends.ends import BridgeSettings
     from .ends.parameters import AttributeParameter
-    from .ends.ros_side import FastSubscriber, RosSide
+    from .ends.ros_side import RosSide
+    from .fastpath.side import FastSubscriber
     from .messages.compiled import Compiled, Core, Function, Translation
 
 _COST = "where a scan or path costs 20 to 100 times as much"

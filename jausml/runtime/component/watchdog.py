@@ -11,13 +11,13 @@ from ..base.counters import LOGGER
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ..base.standstill import Waiting
+    from ..base.loop import Loop
 
 _TIMES_IN_TIME_OUT = 3
 """Notifications within the time after which a silent process is killed and started again."""
 
 
-def feed_watchdog(loop: Waiting, environment: Mapping[str, str] = os.environ) -> None:
+def feed_watchdog(loop: Loop, environment: Mapping[str, str] = os.environ) -> None:
     """Tell systemd that the loop turns, as long as it does; nothing where nobody watches.
 
     The lock of the loop is held.
@@ -34,7 +34,7 @@ def feed_watchdog(loop: Waiting, environment: Mapping[str, str] = os.environ) ->
 
 
 class _Feeder:
-    def __init__(self, loop: Waiting, address: str, period: float) -> None:
+    def __init__(self, loop: Loop, address: str, period: float) -> None:
         self._loop = loop
         self._address = address
         self._period = period

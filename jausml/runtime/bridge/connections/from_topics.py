@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ...base.fast_path import Outlet
     from ...wire.message import Message
     from ..ends.ends import Ends, SharedFeed
-    from ..ends.ros_side import FastSubscriber
     from ..ends.topics import Topic, TopicFault
     from .ages import Age
     from .connection import Take
@@ -127,7 +126,7 @@ class FromTopics(Connection[SourceT, TargetT]):
             if left_out:
                 unknown(left_out)
 
-        def find(feed: Any) -> FastSubscriber | None:
+        def find(feed: Any) -> Any:
             # None with several peers, or one that does not obey: only a single sender has one.
             outlet: Outlet | None = getattr(sink.deliver, "fast_path", lambda: None)()
             if outlet is None or not self.is_usual:

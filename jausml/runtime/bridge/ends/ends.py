@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ...guardian.ward import Ward
     from ...wire.message import Message
     from ..messages.compiled import Compiled, Function
-    from .ros_side import FastSubscriber, RosPublisher, RosSide
+    from .ros_side import RosPublisher, RosSide
     from .simulation import Simulation
     from .topics import Topic
 
@@ -67,19 +67,12 @@ class BridgeSettings:
     guardian: bool = True
 
 
-class Feeder(Protocol):
-    """What feeds a report."""
-
-    def judge_silence(self) -> None:
-        """Withdraws what it has said if that is too old by now."""
-
-
 @dataclass(slots=True)
 class ReportHolder:
     """The present report that topics feed."""
 
     value: bytes | None = None  # encoded; None before their first message
-    feeder: Feeder | None = None  # that spoke last
+    judge_silence: Callable[[], None] | None = None  # of the connection that spoke last
 
     def present(self) -> bytes | None:
         """Returns the report that counts now.
@@ -87,8 +80,8 @@ class ReportHolder:
         What is too old is withdrawn here too: after a halt of the process, whoever asks may come
         before the timer of the silence.
         """
-        if self.feeder is not None:
-            self.feeder.judge_silence()
+        if self.judge_silence is not None:
+            self.judge_silence()
         return self.value
 
 
@@ -302,7 +295,7 @@ class Ends(Protocol):
     def fast_translation(self, compiled: Compiled) -> Any:
         """Returns what a core is given to translate alone; None where Python has a part in it."""
 
-    def fast_subscriber(self, feed: Any, path: FastSending) -> FastSubscriber | None:
+    def fast_subscriber(self, feed: Any, path: FastSending) -> Any:
         """Returns a core that takes the messages of a subscription; None where none can."""
 
     def at(self, moment: Time) -> AbstractContextManager[None]:

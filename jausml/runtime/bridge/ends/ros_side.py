@@ -111,22 +111,6 @@ class RosSide(Protocol):
         """Publishes a serialized `diagnostic_msgs/msg/DiagnosticArray`."""
 
 
-class FastSubscriber(Protocol):
-    """A core that takes the messages of a subscription and sends what they become.
-
-    Attributes:
-        is_current: Whether it still does.
-    """
-
-    is_current: bool
-
-    def pending(self) -> Other | None:
-        """Returns a message that is not usual, which was taken; None when there is none."""
-
-    def look(self) -> None:
-        """Tells the core what Python has learnt when it took a message."""
-
-
 @dataclass
 class Feed:
     """A subscription, as a core is told of it.

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.standstill import Standstill
-    from ..ends.ros_side import FastSubscriber
     from ..ends.topics import TopicCounts
+    from ..fastpath.side import FastSubscriber
 
 AT_ONCE = 16
 """Messages of a topic that are taken in one turn of the loop, so that others have theirs."""
