@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 
     Place = tuple[Hashable, ...]
 
-LEVELS = 3
-"""Host, endpoint and id."""
-
+LEVELS = 3  # host, endpoint and id
 T = TypeVar("T")
 K = TypeVar("K", bound="Hashable")
 

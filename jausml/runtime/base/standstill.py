@@ -20,14 +20,9 @@ steady: Callable[[], float] = partial(
 The usual clock, `time.monotonic`, rests while the computer does: by it nothing has waited then.
 """
 
-_LOOKS = 4
-"""Beats in the shortest time that somebody wants to know of."""
-
-_SHORTEST = 0.02
-"""Seconds below which nothing is a standstill: a beat costs some microseconds."""
-
-_RELAYED = 0.1
-"""Seconds for what relays of the host have held, which may have stood still as well."""
+_LOOKS = 4  # beats in the shortest time that somebody wants to know of
+_SHORTEST = 0.02  # seconds below which nothing is a standstill: a beat costs some microseconds
+_RELAYED = 0.1  # seconds for what relays of the host have held, which may have stood still as well
 
 _MOST_TURNS = 256
 """Turns in which a socket gives all that it can hold, also while more comes without a pause."""

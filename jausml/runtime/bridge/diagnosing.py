@@ -73,9 +73,7 @@ class Carried(Protocol):
         """Returns what `/diagnostics` says of it."""
 
 
-TYPE = "diagnostic_msgs/msg/DiagnosticArray"
-"""The type in ROS."""
-
+TYPE = "diagnostic_msgs/msg/DiagnosticArray"  # the type in ROS
 _ENCODING = b"\0\1\0\0"
 _LEVELS = {"ok": 0, "warning": 1, "error": 2, "stale": 3}
 _LENGTH = struct.Struct("<I")
@@ -125,14 +123,9 @@ def _written(text: str) -> bytes:
     return _LENGTH.pack(len(data)) + data
 
 
-LATELY = 10.0
-"""Seconds over which the share of lost packets is told."""
-
-MUCH = 0.05
-"""Share of lost packets from which on a status warns."""
-
-FEWEST_LOST = 3
-"""Lost packets below which no status warns."""
+LATELY = 10.0  # seconds over which the share of lost packets is told
+MUCH = 0.05  # share of lost packets from which on a status warns
+FEWEST_LOST = 3  # lost packets below which no status warns
 
 
 class Accounting:
@@ -184,9 +177,7 @@ class Accounting:
 
 _JAUS_AREAS = frozenset(["component", "judp", "jtcp", "transport"])
 _UNKNOWN = "component.unknown_message"
-
-SLICE = 4
-"""Connections that are looked at in one turn: messages must not wait for all of them."""
+SLICE = 4  # connections that are looked at in one turn: messages must not wait for all of them
 
 
 class Diagnosing:

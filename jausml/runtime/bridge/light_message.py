@@ -29,9 +29,7 @@ __all__ = [
 
 MessageT = TypeVar("MessageT", bound="LightMessage")
 
-Layout: TypeAlias = Mapping[str, str]
-"""Types of fields by name."""
-
+Layout: TypeAlias = Mapping[str, str]  # types of fields by name
 BAD_VALUES = (struct.error, TypeError, ValueError, OverflowError, AttributeError)
 
 

@@ -112,11 +112,8 @@ class ManagedBridge:
             self._end("JAUS Shutdown")
 
 
-PERIOD = 1.0
-"""Seconds between two collections."""
-
-LONGEST_DELAY = 10.0
-"""Seconds after which garbage is collected at a moment that is not quiet, too."""
+PERIOD = 1.0  # seconds between two collections
+LONGEST_DELAY = 10.0  # seconds after which garbage is collected at a moment that is not quiet, too
 
 
 @contextmanager

@@ -31,12 +31,9 @@ if TYPE_CHECKING:
 class ControlState(Enum):
     """What a component knows of its control over another one."""
 
-    SEEKING = "seeking"
-    """The target does not answer, or control was lost; it is requested."""
-    CONTROLLED = "controlled"
-    """The target is controlled, and not (yet) Ready."""
-    READY = "ready"
-    """The target is controlled and obeys every command."""
+    SEEKING = "seeking"  # the target does not answer, or control was lost; it is requested
+    CONTROLLED = "controlled"  # the target is controlled, and not (yet) Ready
+    READY = "ready"  # the target is controlled and obeys every command
     REFUSED = "refused"
     """The target is not available or has a controller of the same or higher authority."""
 

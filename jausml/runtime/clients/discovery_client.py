@@ -66,9 +66,7 @@ def reported_services(
                 )
 
 
-INTERVAL = 5.0
-"""Seconds after which a component that reports nothing is asked again."""
-
+INTERVAL = 5.0  # seconds after which a component that reports nothing is asked again
 _MOST_ASKED = 4096
 
 

@@ -23,17 +23,13 @@ if TYPE_CHECKING:
     from .event_client import EventClient
     from .event_subscription import EventSubscription
 
-SILENT_PERIODS = 3
-"""Periods of a periodic event without a report after which it is created again."""
-
-MIN_SILENCE = 1.0
-"""Shortest silence in seconds that counts; reports of fast events may be late."""
+SILENT_PERIODS = 3  # periods of a periodic event without a report after which it is created again
+MIN_SILENCE = 1.0  # shortest silence in seconds that counts; reports of fast events may be late
 
 MAX_SILENCE = 30.0
 """Longest wait in seconds for the reports of a provider that confirms but does not report."""
 
-MAX_RENEWALS = 8
-"""Unanswered renewals after which an event is created again."""
+MAX_RENEWALS = 8  # unanswered renewals after which an event is created again
 
 SETTLING = 1.0
 """Seconds after a confirmation in which nobody asks whether the provider knows the event."""
@@ -41,9 +37,7 @@ SETTLING = 1.0
 EVENT_HEADER = 8
 """Bytes before the report in an Event: code 2, event 1, sequence number 1, size of the report 4."""
 
-HALF_SEQUENCE = 128
-"""Sequence numbers from here on are older than the last one."""
-
+HALF_SEQUENCE = 128  # sequence numbers from here on are older than the last one
 _CREATE = CreateEvent.CODE.to_bytes(2, "little")
 
 

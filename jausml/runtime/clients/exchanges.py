@@ -23,20 +23,15 @@ if TYPE_CHECKING:
     from ..services.host import Host
     from ..wire.message import Message
 
-ATTEMPTS = 3
-"""How often a query is sent in the time that its answer has."""
-
-LATEST = 5
-"""How late an answer may be, in time-outs of its exchange."""
+ATTEMPTS = 3  # how often a query is sent in the time that its answer has
+LATEST = 5  # how late an answer may be, in time-outs of its exchange
 
 
 class Unanswered(Enum):
     """Why there is no answer."""
 
-    SILENT = "did not answer"
-    """The message was sent, and none came in time."""
-    UNSENT = "was not asked"
-    """Those that went before left no time; nothing was sent."""
+    SILENT = "did not answer"  # the message was sent, and none came in time
+    UNSENT = "was not asked"  # those that went before left no time; nothing was sent
 
 
 class Exchange:

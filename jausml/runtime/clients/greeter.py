@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
 
-GREETING_INTERVAL = 5.0
-"""Seconds between two greetings."""
+GREETING_INTERVAL = 5.0  # seconds between two greetings
 
 
 class Greeter:

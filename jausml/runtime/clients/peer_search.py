@@ -31,10 +31,8 @@ class PeerChoice(Enum):
 
     NEAREST = "nearest"
     """One: of the same node, else of the same subsystem, else any; then the lowest address."""
-    FIRST = "first"
-    """One: that which answers first."""
-    ALL = "all"
-    """Every one."""
+    FIRST = "first"  # one: that which answers first
+    ALL = "all"  # every one
 
 
 @dataclass(frozen=True)
@@ -111,8 +109,7 @@ def distance(own: JausAddress, address: JausAddress) -> int:
 CHECK_INTERVAL = 1.0
 """Seconds between two checks of a peer, and between two looks around at the fastest."""
 
-MISSED_CHECKS = 3
-"""Checks without acknowledgement after which a peer is taken for gone."""
+MISSED_CHECKS = 3  # checks without acknowledgement after which a peer is taken for gone
 
 COLLECTING_TIME = 0.3
 """Seconds from the first answer to the choice, in which further components may answer."""
@@ -120,8 +117,7 @@ COLLECTING_TIME = 0.3
 SLOWEST_SEARCH = 5.0
 """Longest time in seconds between two looks around while a search has found nobody."""
 
-STEADY_SEARCH = 15.0
-"""Seconds between two looks around of a search that takes all and has some."""
+STEADY_SEARCH = 15.0  # seconds between two looks around of a search that takes all and has some
 
 MAX_PROVIDERS = 1024
 """Components that are remembered; inventions of a peer must not fill the memory."""

@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
 
-SILENCE = 2.0
-"""Seconds without a message after which a component that speaks again has come back."""
+SILENCE = 2.0  # seconds without a message after which a component that speaks again has come back
 
 
 class Presence:

@@ -16,11 +16,8 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..services.host import Host
 
-EAGER_TRIES = 3
-"""Attempts in quick succession after the start."""
-
-EAGER_INTERVAL = 5.0
-"""Seconds between them."""
+EAGER_TRIES = 3  # attempts in quick succession after the start
+EAGER_INTERVAL = 5.0  # seconds between them
 
 STEADY_INTERVAL = 15.0
 """Seconds between two attempts later on; also renews the registration.

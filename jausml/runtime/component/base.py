@@ -39,8 +39,7 @@ if TYPE_CHECKING:
     from ..transports.transport import Transport
     from ..wire.message import Message
 
-COMPONENT_TYPE = 60001
-"""Type of a plain component (AS5710, ReportIdentification)."""
+COMPONENT_TYPE = 60001  # type of a plain component (AS5710, ReportIdentification)
 
 
 class Component(Host):

@@ -44,12 +44,10 @@ class Kind(Enum):
     their queries so: nobody means that a question stops what a state has started. A target that
     is the present state is a self transition.
     """
-    INTERNAL = "internal"
-    """Runs the actions alone."""
+    INTERNAL = "internal"  # runs the actions alone
     PUSH = "push"
     """Remembers the present state and enters the target; the oldest of many is forgotten."""
-    POP = "pop"
-    """Enters the state that the last push remembered."""
+    POP = "pop"  # enters the state that the last push remembered
 
 
 @dataclass(frozen=True)

@@ -71,8 +71,7 @@ def row_starts(count: int, columns: float) -> range:
     return range(count - int(columns), -1, -int(columns))
 
 
-_SIZES = {"mono8": 1, "mono16": 2, "rgb8": 3, "bgr8": 3}
-"""The octets of a pixel by encoding."""
+_SIZES = {"mono8": 1, "mono16": 2, "rgb8": 3, "bgr8": 3}  # the octets of a pixel by encoding
 _ENCODINGS = {(b"5", 255): "mono8", (b"5", 65535): "mono16", (b"6", 255): "rgb8"}
 _BETWEEN = rb"(?:\s|#[^\r\n]*[\r\n])"
 _HEADER = re.compile(

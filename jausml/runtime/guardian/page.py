@@ -13,11 +13,8 @@ if TYPE_CHECKING:
     import socket
     from collections.abc import Mapping
 
-MOST_STOPS = 1024
-"""Connections, and datagrams, that one page has room for."""
-
-MOST_OF_A_FRAME = 1 << 17
-"""Bytes of the longest frame; a longer one is no stop of a robot."""
+MOST_STOPS = 1024  # connections, and datagrams, that one page has room for
+MOST_OF_A_FRAME = 1 << 17  # bytes of the longest frame; a longer one is no stop of a robot
 
 # CLOCK_MONOTONIC rests while the computer is suspended, and the robot may not.
 _CLOCK = getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC)

@@ -20,18 +20,13 @@ if TYPE_CHECKING:
 
     from ..base.loop import Loop
 
-PERIOD = 0.1
-"""Seconds between two beats."""
-
-LEAST_PATIENCE = 0.5
-"""Seconds for which a bridge may be starved without a stop."""
+PERIOD = 0.1  # seconds between two beats
+LEAST_PATIENCE = 0.5  # seconds for which a bridge may be starved without a stop
 
 _REFRESH = 10
 """Beats after which what is handed over is looked at again, as endpoints of components change."""
 
-TOO_SOON = 10.0
-"""Seconds within which a second guardian that ends is one too many."""
-
+TOO_SOON = 10.0  # seconds within which a second guardian that ends is one too many
 _GOODBYE = 2.0
 # The guardian alone is imported, not jausml, which would take more memory and time.
 _MODULE = ".".join(process.__name__.split(".")[-2:])

@@ -29,11 +29,8 @@ if TYPE_CHECKING:
     from .host import Host
 
 
-LIMIT = 10
-"""Like refusals that a requester gets at once in each second."""
-
-PERIOD = 1.0
-"""Seconds in which they are counted."""
+LIMIT = 10  # like refusals that a requester gets at once in each second
+PERIOD = 1.0  # seconds in which they are counted
 
 MAX_REQUESTERS = 256
 """Requesters that are counted at a time; a flood of false ones must not fill the memory."""

@@ -31,11 +31,8 @@ if TYPE_CHECKING:
 
 RejectCode = RejectEventRequest.ResponseCode
 
-EVENT_IDS = 255
-"""Event ids are 0 to 254; peers take 255 for "no event"."""
-
-MAX_TEXT = 80
-"""Characters that an ErrorMessage holds."""
+EVENT_IDS = 255  # event ids are 0 to 254; peers take 255 for "no event"
+MAX_TEXT = 80  # characters that an ErrorMessage holds
 
 
 class RequestError(JausError):

@@ -13,14 +13,12 @@ if TYPE_CHECKING:
 
     from ..base.address import JausAddress
 
-CORE = "urn:jaus:jss:core:"
-"""Prefix of the identifiers of the core services (AS5710)."""
+CORE = "urn:jaus:jss:core:"  # prefix of the identifiers of the core services (AS5710)
 
 VERSION_1_1 = (1, 1)
 """Major and minor version of the core services of AS5710A; AS5710 is 1.0."""
 
-MAX_EVENT_RATE = 1092.0
-"""Upper limit of RequestedPeriodicRate in Hz (AS5710, CreateEvent)."""
+MAX_EVENT_RATE = 1092.0  # upper limit of RequestedPeriodicRate in Hz (AS5710, CreateEvent)
 
 
 @dataclass(frozen=True)
@@ -35,12 +33,9 @@ class ServiceIdentity:
 class Guard(Enum):
     """Who a component obeys an input message from (AS5710, AccessControl and Management)."""
 
-    ANY = "any"
-    """Every component."""
-    CONTROLLED = "controlled"
-    """The controller alone, in Standby or Ready."""
-    READY = "ready"
-    """The controller alone, in Ready."""
+    ANY = "any"  # every component
+    CONTROLLED = "controlled"  # the controller alone, in Standby or Ready
+    READY = "ready"  # the controller alone, in Ready
 
 
 class Status(IntEnum):

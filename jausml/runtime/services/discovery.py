@@ -38,8 +38,7 @@ Type = ReportIdentification.Type
 MAX_REGISTRATIONS = 1024
 """Components that are remembered; a flood of registrations must not fill the memory."""
 
-MAX_SUBSYSTEMS = MAX_LIST - 1
-"""Other subsystems that fit a ReportSubsystemList."""
+MAX_SUBSYSTEMS = MAX_LIST - 1  # other subsystems that fit a ReportSubsystemList
 
 
 class DiscoveryService:

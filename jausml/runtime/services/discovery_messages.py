@@ -26,8 +26,7 @@ if TYPE_CHECKING:
 
     Catalog = Mapping[JausAddress, Sequence[ServiceIdentity]]
 
-MAX_LIST = 255
-"""Entries that a list of a report holds."""
+MAX_LIST = 255  # entries that a list of a report holds
 
 INSTANCE_ID = 0
 """InstanceID of every component: old systems had several at one address, here there is one."""

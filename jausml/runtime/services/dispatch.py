@@ -20,19 +20,12 @@ if TYPE_CHECKING:
     from ..transports.delivery import Ordering
 
 _MOST_DROPS = 1024
-
-LONGEST_CALL = 0.5
-"""Seconds after which the log tells that user code blocks."""
-
+LONGEST_CALL = 0.5  # seconds after which the log tells that user code blocks
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
 R = TypeVar("R", bound=Message)
-
-Action = Callable[[Any, "JausAddress"], object]
-"""Takes a decoded message and its sender."""
-
-Take = Callable[[bytes, "JausAddress"], object]
-"""Takes an encoded message and its sender."""
+Action = Callable[[Any, "JausAddress"], object]  # takes a decoded message and its sender
+Take = Callable[[bytes, "JausAddress"], object]  # takes an encoded message and its sender
 
 Condition = Guard | Callable[[Any], Guard]
 """Whom to obey: always the same, or depending on the message."""

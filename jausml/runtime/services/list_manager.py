@@ -30,11 +30,8 @@ if TYPE_CHECKING:
 
 Reason = RejectElementRequest.ResponseCode
 
-NO_UID = 0
-"""Previous UID of the first element, next UID of the last one."""
-
-ALL_UIDS = 65535
-"""UID that means all elements in a DeleteElement; no element has it."""
+NO_UID = 0  # previous UID of the first element, next UID of the last one
+ALL_UIDS = 65535  # UID that means all elements in a DeleteElement; no element has it
 
 
 class ListError(JausError):

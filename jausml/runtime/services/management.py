@@ -27,8 +27,7 @@ if TYPE_CHECKING:
 
 
 # JAUS-DEVIATION: AS5710 lists 1 (STOP) alone; components made with the JAUS Tool Set send 0.
-EMERGENCY_CODES = (0, 1)
-"""Emergency codes that are taken for STOP; others are ignored."""
+EMERGENCY_CODES = (0, 1)  # emergency codes that are taken for STOP; others are ignored
 
 FINAL = (Status.FAILURE, Status.SHUTDOWN)
 """States that no message ends: an emergency on top of them leads back to them."""

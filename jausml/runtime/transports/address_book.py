@@ -39,9 +39,7 @@ class Claim:
 SOURCE_REFUSED = "transport.source_refused"
 """Packets in the name of a component that is heard from elsewhere."""
 
-MAX_PEERS = 1024
-"""Components that are remembered besides those that have a place of their own."""
-
+MAX_PEERS = 1024  # components that are remembered besides those that have a place of their own
 _PROOF_LIFE = 60.0
 _NOWHERE: Endpoint = ("", 0)
 _LONG_AGO = -sys.float_info.max
@@ -51,12 +49,9 @@ _SEARCH_INTERVAL = 1.0
 class Doubt(Enum):
     """What a sender does about the age of an address."""
 
-    NONE = auto()
-    """Nothing: the component was heard lately, or was asked a moment ago."""
-    ASK = auto()
-    """Ask for an acknowledgement, which tells whether the address is still right."""
-    SEARCH = auto()
-    """Look for the component by multicast as well: it did not answer."""
+    NONE = auto()  # nothing: the component was heard lately, or was asked a moment ago
+    ASK = auto()  # ask for an acknowledgement, which tells whether the address is still right
+    SEARCH = auto()  # look for the component by multicast as well: it did not answer
 
 
 @dataclass(slots=True, eq=False)
@@ -292,8 +287,7 @@ def resolve(
     return resolved
 
 
-NOT_ALLOWED = "transport.source_not_allowed"
-"""Packets of hosts that are not allowed."""
+NOT_ALLOWED = "transport.source_not_allowed"  # packets of hosts that are not allowed
 
 
 class AllowedHosts:

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from .packets.packet import Packet, Priority
 
-MESSAGE_CODE_SIZE = 2
-"""Bytes of the message code with which every payload begins."""
+MESSAGE_CODE_SIZE = 2  # bytes of the message code with which every payload begins
 
 
 class ReceivedMessage(NamedTuple):
@@ -113,9 +112,7 @@ def report(loop: Loop, on_result: OnResult | None, *, success: bool) -> None:
 LATEST = 2.0
 """Seconds by which a message may be late; a lower number after them is that of a new process."""
 
-FARTHEST = 1024
-"""Messages of its source that may have come before a late one."""
-
+FARTHEST = 1024  # messages of its source that may have come before a late one
 _MOST_SOURCES = 256
 
 

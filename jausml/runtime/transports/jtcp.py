@@ -33,8 +33,7 @@ if TYPE_CHECKING:
 _ACCEPTS_PER_WAKE_UP = 16
 _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 5.0
-_REST_S = 0.5
-"""Seconds without looking for connections, when the system could give none."""
+_REST_S = 0.5  # seconds without looking for connections, when the system could give none
 
 
 class _Line:

@@ -32,9 +32,7 @@ if TYPE_CHECKING:
     from .delivery import OnResult
 
 
-_OTHER_DESCRIPTORS = 64
-"""Descriptors for all but connections; a small bridge on ROS has 24."""
-
+_OTHER_DESCRIPTORS = 64  # descriptors for all but connections; a small bridge on ROS has 24
 _SIZE_END = 3
 _BACKLOG = 64
 
@@ -133,8 +131,7 @@ class TcpConnection:
         self._loop = loop
         self._buffer = buffer
         self._timeout = timeout
-        self.has_spoken = False
-        """Whether a whole message has come."""
+        self.has_spoken = False  # whether a whole message has come
         # Replaced with the first message, so that later ones are not asked whether they are it.
         self._on_packet: Callable[[Packet, TcpConnection], None] = self._take_first
         self._then = on_packet

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 RosType: TypeAlias = "type[Any] | str"
 """A message class of ROS, a light class, or the name of a type, e.g. `nav_msgs/msg/Odometry`."""
 
-MOST_KEPT = 5000
-"""Messages that a latched publisher with `keep_all` keeps."""
+MOST_KEPT = 5000  # messages that a latched publisher with `keep_all` keeps
 
 UNDEMANDING = Qos(reliability="best_effort")
 """What a subscription requests that takes whatever is offered."""

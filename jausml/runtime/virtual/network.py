@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.settings import Endpoint, TransportSettings
 
-LONGEST_HOLD = 1.0
-"""Seconds that something waits at most to be overtaken, where nothing follows."""
+LONGEST_HOLD = 1.0  # seconds that something waits at most to be overtaken, where nothing follows
 
 
 @dataclass(frozen=True)

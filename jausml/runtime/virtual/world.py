@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 Watch: TypeAlias = "Callable[[float, str, bytes], object]"
 """Told the time in seconds, where something arrives, and the bytes of it."""
 
-START = datetime(2026, 1, 1, tzinfo=timezone.utc)
-"""Time of day at which worlds begin."""
+START = datetime(2026, 1, 1, tzinfo=timezone.utc)  # time of day at which worlds begin
 
 MOST_AT_ONCE = 100_000
 """Turns of the loop without any time between them after which something goes round in circles."""

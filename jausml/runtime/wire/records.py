@@ -9,9 +9,7 @@ from collections.abc import MutableSequence, Sequence
 from typing import Any, NamedTuple, TypeVar, overload
 
 T = TypeVar("T")
-
-_MANY = 8
-"""Records from which on it costs less to leave them bytes than to make each."""
+_MANY = 8  # records from which on it costs less to leave them bytes than to make each
 
 
 class Octet(NamedTuple):

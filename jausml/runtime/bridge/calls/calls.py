@@ -109,9 +109,7 @@ def _encode(message: Message) -> bytes:
     return message.encode()
 
 
-MOST_CALLS = 64
-"""Calls of one connection that are under way at most; further ones are refused."""
-
+MOST_CALLS = 64  # calls of one connection that are under way at most; further ones are refused
 TOO_MANY = "too_many_calls"
 TIMED_OUT = "timed_out"
 NOT_ASKED = "not_asked"

@@ -40,8 +40,7 @@ NOT_READY = "not_ready"
 NO_PEER = "no_peer"
 
 
-_PLAIN = Shape()
-"""Everything passes when it comes."""
+_PLAIN = Shape()  # everything passes when it comes
 
 
 class Connection(Reporting, Generic[SourceT, TargetT]):

@@ -24,9 +24,7 @@ if TYPE_CHECKING:
     Drop = Callable[[str, str], None]
 
 
-OVER_RATE = "over_rate"
-"""Messages of a source that sends more than its connection takes."""
-
+OVER_RATE = "over_rate"  # messages of a source that sends more than its connection takes
 _BURST_S = 1.0
 _MOST_SOURCES = 256
 _EVERYBODY_ELSE = "everybody else"

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ..ends.ends import Ends
     from ..reports.states import Standing
 
-_LOG_INTERVAL = 5.0
-"""Seconds between two lines of the log about the silence of one connection."""
+_LOG_INTERVAL = 5.0  # seconds between two lines of the log about the silence of one connection
 
 
 class Stopping(Limiting):

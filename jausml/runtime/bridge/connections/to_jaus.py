@@ -28,8 +28,7 @@ SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
 
 
-_BUSY = 3.0
-"""Seconds after a message in which its receivers should be heard, if nothing was before."""
+_BUSY = 3.0  # seconds after a message in which its receivers should be heard, if nothing was before
 
 
 class TopicsToMessage(FromTopics[SourceT, TargetT]):

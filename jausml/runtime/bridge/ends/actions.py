@@ -18,11 +18,8 @@ LONGEST_GOAL = 1024
 class Progress(Enum):
     """What a number in the feedback says of the list."""
 
-    INDEX = "index"
-    """Which element is under way, from 0."""
-
-    REMAINING = "remaining"
-    """How many elements remain, with the one that is under way."""
+    INDEX = "index"  # which element is under way, from 0
+    REMAINING = "remaining"  # how many elements remain, with the one that is under way
 
     DISTANCE = "distance"
     """How many metres remain along the elements; whoever reads the feedback makes an index of it,

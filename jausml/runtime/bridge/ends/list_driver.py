@@ -38,8 +38,7 @@ class ListMessages:
         return ListDriver(component, self)
 
 
-Answer = tuple["type[Message]", "type[Message]"]
-"""A query and its report."""
+Answer = tuple["type[Message]", "type[Message]"]  # a query and its report
 
 
 @dataclass(frozen=True)

@@ -22,35 +22,19 @@ if TYPE_CHECKING:
     from .ros_side import RosSide
     from .topics import Topic
 
-LEAST = 1e-9
-"""Least value of a number that is above 0."""
-
-GREATEST = 1.7976931348623157e308
-"""Greatest number."""
-
-GREATEST_SPEED = 327.67
-"""Metres per second that a speed of AS6009 can say."""
-
-LONGEST_TIME = 3600.0
-"""Longest time in seconds that a parameter takes."""
+LEAST = 1e-9  # least value of a number that is above 0
+GREATEST = 1.7976931348623157e308  # greatest number
+GREATEST_SPEED = 327.67  # metres per second that a speed of AS6009 can say
+LONGEST_TIME = 3600.0  # longest time in seconds that a parameter takes
 
 LONGEST_FRESHNESS = 1e9
 """Longest time in seconds in which a joined message is fresh: for ever, where it holds a state."""
 
-SHORTEST_TIME = 0.001
-"""Shortest freshness, and shortest time of a call, in seconds."""
-
-LEAST_RATE = 0.02
-"""Least rate in hertz of an event or a query."""
-
-LEAST_MAX_RATE = 0.001
-"""Least rate in hertz above which messages are thinned out, besides 0."""
-
-GREATEST_DECIMATION = 1_000_000
-"""Most messages of which one passes."""
-
-LEAST_DIAGNOSTICS = 0.01
-"""Least number of diagnostics each second."""
+SHORTEST_TIME = 0.001  # shortest freshness, and shortest time of a call, in seconds
+LEAST_RATE = 0.02  # least rate in hertz of an event or a query
+LEAST_MAX_RATE = 0.001  # least rate in hertz above which messages are thinned out, besides 0
+GREATEST_DECIMATION = 1_000_000  # most messages of which one passes
+LEAST_DIAGNOSTICS = 0.01  # least number of diagnostics each second
 
 QUEUE_AGE_LIMIT = 2.0
 """Seconds that a ROS message may have waited in the queue of the bridge.
@@ -91,8 +75,7 @@ def network(model: BridgeSettings) -> tuple[Parameter, ...]:
     )
 
 
-_OF_COMMAND_LINES = ("peer", "node_manager_directory")
-"""Options that are no parameters."""
+_OF_COMMAND_LINES = ("peer", "node_manager_directory")  # options that are no parameters
 
 
 def _begun(option: Mapping[str, Any]) -> str:

@@ -171,8 +171,7 @@ SEVERAL = "several_publishers"
 _UNKNOWN = "_NODE_NAME_UNKNOWN_"
 """What rclpy calls a node whose end was found before the node itself."""
 
-LATELY = 10.0
-"""Seconds for which a loss is told."""
+LATELY = 10.0  # seconds for which a loss is told
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
     from ...services.host import Host
     from ...wire.message import Message
 
-ONLY = 1
-"""UID of the waypoint, while the robot goes there."""
+ONLY = 1  # UID of the waypoint, while the robot goes there
 
 
 @dataclass(frozen=True)

@@ -35,9 +35,7 @@ TargetT = TypeVar("TargetT", bound="Message")
 EMPTY = "empty_goal"
 NO_SPEED = "no_speed"
 TOO_LONG = "too_long"
-
-_UIDS = 60000
-"""UIDs that are used before they begin anew."""
+_UIDS = 60000  # UIDs that are used before they begin anew
 
 
 class ActionToList(ListConnection[SourceT, TargetT]):

@@ -33,14 +33,12 @@ if TYPE_CHECKING:
     from ..ends.list_driver import ListMessages
 
 
-RETRIES = 3
-"""Repetitions of a request without an answer; all of them fit into the timeout."""
+RETRIES = 3  # repetitions of a request without an answer; all of them fit into the timeout
 
 ASKED_AGAIN = 7
 """Repetitions of the question how it goes. Of eight, one comes through where a fifth is lost."""
 
-PATIENCE = 3
-"""Timeouts in which a peer must begin."""
+PATIENCE = 3  # timeouts in which a peer must begin
 
 
 class Settled(Protocol):

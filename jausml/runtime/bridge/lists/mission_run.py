@@ -26,12 +26,8 @@ if TYPE_CHECKING:
     from ..ends.mission_driver import MissionMessages
     from .list_run import RunWatcher, Settled
 
-_TASK = 1
-"""The one task of a mission: elements of a list have no tree."""
-
-_BLOCKING = 1
-"""Each message waits for the end of the one before, as elements of a list do."""
-
+_TASK = 1  # the one task of a mission: elements of a list have no tree
+_BLOCKING = 1  # each message waits for the end of the one before, as elements of a list do
 _UNDER_WAY = (State.RUNNING, State.BLOCKED)
 _OVER = (State.ABORTED, State.FINISHED)
 

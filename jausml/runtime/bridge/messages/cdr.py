@@ -19,28 +19,14 @@ from ...wire.message import DecodeError, EncodeError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-Append: TypeAlias = Callable[[bytes], object]
-"""Takes the next bytes of a message."""
-
-Reals: TypeAlias = MutableSequence[float]
-"""Array or sequence of real numbers."""
-
-Integers: TypeAlias = MutableSequence[int]
-"""Array or sequence of integers."""
-
-Truths: TypeAlias = MutableSequence[bool]
-"""Array or sequence of truth values."""
-
+Append: TypeAlias = Callable[[bytes], object]  # takes the next bytes of a message
+Reals: TypeAlias = MutableSequence[float]  # array or sequence of real numbers
+Integers: TypeAlias = MutableSequence[int]  # array or sequence of integers
+Truths: TypeAlias = MutableSequence[bool]  # array or sequence of truth values
 T = TypeVar("T")
-
-Messages: TypeAlias = MutableSequence[T]
-"""Array or sequence of messages."""
-
-HEADER = b"\0\1\0\0"
-"""What stands before a message in little-endian order."""
-
-LITTLE, BIG = 0, 8
-"""Byte orders, as they are added to an index of a run."""
+Messages: TypeAlias = MutableSequence[T]  # array or sequence of messages
+HEADER = b"\0\1\0\0"  # what stands before a message in little-endian order
+LITTLE, BIG = 0, 8  # byte orders, as they are added to an index of a run
 
 ORDERS = {b"\0\1": LITTLE, b"\0\0": BIG}
 """Byte orders by the two bytes that a serialized message begins with."""

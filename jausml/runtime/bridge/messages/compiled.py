@@ -21,9 +21,7 @@ MethodT = TypeVar("MethodT", bound="Callable[..., Any]")
 Function: TypeAlias = "Callable[..., bytes | None]"
 """Makes bytes of bytes and of those of joins, or gives way with None."""
 
-LIBRARIES = "_core*.so"
-"""Names of the libraries beside the module of a bridge."""
-
+LIBRARIES = "_core*.so"  # names of the libraries beside the module of a bridge
 _DIGEST = "jausml_digest"
 _DIGEST_SIZE = 32
 

@@ -29,8 +29,7 @@ if TYPE_CHECKING:
 LOST_IN_QUEUE = "lost_in_queue"
 """Messages of a topic that the queue of its subscription had no room for."""
 
-MISSED = "missed"
-"""Messages of a topic that were published and never arrived."""
+MISSED = "missed"  # messages of a topic that were published and never arrived
 
 TOO_OLD = "too_old"
 """Messages that waited too long in the queue of their subscription, or came too late."""
@@ -38,14 +37,9 @@ TOO_OLD = "too_old"
 LOST_ON_THE_WAY = "lost_on_the_way"
 """Reports of an event that never arrived, by the gaps between sequence numbers."""
 
-OUT_OF_ORDER = "out_of_order"
-"""Reports of an event that arrived after newer ones, and were dropped."""
-
-UNHEARD = "unheard"
-"""Messages that were published while nobody subscribed to their topic."""
-
-THINNED = "thinned"
-"""Messages that gave way to others, because fewer were wanted."""
+OUT_OF_ORDER = "out_of_order"  # reports of an event that arrived after newer ones, and were dropped
+UNHEARD = "unheard"  # messages that were published while nobody subscribed to their topic
+THINNED = "thinned"  # messages that gave way to others, because fewer were wanted
 
 NOT_LOST = frozenset([UNHEARD, THINNED])
 """Counts that tell of no loss: of what nobody is there for, and of what nobody wants."""
@@ -147,8 +141,7 @@ def socket_status(drops: int, hardware_id: str, *, is_new: bool) -> ConnectionSt
     return ConnectionStatus("jaus socket", level, message, hardware_id, values)
 
 
-WINDOW = 1000
-"""Latest messages of which percentiles are told."""
+WINDOW = 1000  # latest messages of which percentiles are told
 
 
 class Latency:

@@ -85,17 +85,12 @@ class Standing:
 class ConnectionPhase(Enum):
     """How it stands with a connection; the value is what diagnostics and logs say."""
 
-    WAITING = "waiting"
-    """Nothing came yet, or the other end is not there."""
+    WAITING = "waiting"  # nothing came yet, or the other end is not there
     ACTIVE = "active"
-    DEGRADED = "degraded"
-    """Messages pass, but not as they should."""
-    SILENT = "silent"
-    """The source says nothing usable any more; its stop stands, if it has one."""
-    REFUSED = "refused"
-    """It may not pass anything on, or nobody obeys."""
-    FAILED = "failed"
-    """What comes cannot be passed on."""
+    DEGRADED = "degraded"  # messages pass, but not as they should
+    SILENT = "silent"  # the source says nothing usable any more; its stop stands, if it has one
+    REFUSED = "refused"  # it may not pass anything on, or nobody obeys
+    FAILED = "failed"  # what comes cannot be passed on
 
 
 LEVELS = {
@@ -184,8 +179,7 @@ def _stopped(facts: Facts, reason: StopReason) -> Judgement:
     return Judgement(ConnectionPhase.WAITING, f"no message since the stop: {reason.value}")
 
 
-INTERVAL = 10.0
-"""Least seconds between two lines about one connection: its state may come and go."""
+INTERVAL = 10.0  # least seconds between two lines about one connection: its state may come and go
 
 PATIENCE = 3.0
 """Seconds after which the log tells for whom a connection waits that has had no message yet."""

@@ -9,11 +9,8 @@ from pathlib import Path
 from ...base.counters import LOGGER
 from ...base.process import configure_log
 
-LARGEST_DOMAIN = 232
-"""Largest ROS_DOMAIN_ID: the ports of greater ones would be above 65535."""
-
-LARGEST_SAFE_DOMAIN = 101
-"""Largest ROS_DOMAIN_ID whose ports Linux does not give away."""
+LARGEST_DOMAIN = 232  # largest ROS_DOMAIN_ID: the ports of greater ones would be above 65535
+LARGEST_SAFE_DOMAIN = 101  # largest ROS_DOMAIN_ID whose ports Linux does not give away
 
 
 def domain_fault() -> tuple[str, str] | None:

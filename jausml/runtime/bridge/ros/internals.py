@@ -26,9 +26,7 @@ from ..light_message import installed, installed_class, is_light
 from ..messages.limits import RosLostError
 from .values import checked
 
-internals: Any = rclpy_implementation
-"""The extension module of rclpy."""
-
+internals: Any = rclpy_implementation  # the extension module of rclpy
 _HANDLE = ("destroy_when_not_in_use", "pointer")
 
 NEEDED: dict[str, tuple[str, ...]] = {

@@ -74,8 +74,7 @@ class NodePart:
         """Leaves ROS; on the thread of the executor, or when it is over."""
 
 
-LAST_WORDS = 1.0
-"""Longest time in seconds that a node which ends waits for slow subscribers."""
+LAST_WORDS = 1.0  # longest time in seconds that a node which ends waits for slow subscribers
 
 
 class RosNode:

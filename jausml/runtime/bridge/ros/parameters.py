@@ -261,8 +261,7 @@ Fast DDS keeps as many. Then each `publish` waits a tenth of a second for that r
 with it: one reader that stands still would hold up all topics.
 """
 
-_UNLIMITED = 2**63 - 1
-"""Nanoseconds that ROS reports for a time that nobody limits."""
+_UNLIMITED = 2**63 - 1  # nanoseconds that ROS reports for a time that nobody limits
 
 
 def overridden(

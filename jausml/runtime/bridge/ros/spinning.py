@@ -24,8 +24,7 @@ if TYPE_CHECKING:
 # ROS is typed in parts; whoever checks generated code reads this module too.
 # mypy: disable-error-code="import-not-found, import-untyped, no-untyped-call"
 
-WAKE_UP_PERIOD = 1.0
-"""Longest time in seconds until a node that spins notices a shutdown."""
+WAKE_UP_PERIOD = 1.0  # longest time in seconds until a node that spins notices a shutdown
 
 
 def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:

@@ -19,8 +19,7 @@ if TYPE_CHECKING:
 AT_ONCE = 16
 """Messages of a topic that are taken in one turn of the loop, so that others have theirs."""
 
-_NOT_TOLD = -1
-"""Stands for the next number of a middleware that does not number messages."""
+_NOT_TOLD = -1  # stands for the next number of a middleware that does not number messages
 
 _KEPT_BY_ALL = 5000
 """Messages that a subscription with the history `keep_all` is taken to have kept."""

@@ -22,8 +22,7 @@ SPAN = 4096
 """Numbers by which a sender may go on between two messages that arrive, and within which a late one
 is told from the first of a new life."""
 
-NEAR = 2.0
-"""Seconds between two packets in which no sender numbers ``SPAN`` of them."""
+NEAR = 2.0  # seconds between two packets in which no sender numbers ``SPAN`` of them
 
 # How far before the first packet that came others of the same life may still come.
 _EARLY = 64

@@ -108,13 +108,11 @@ class Inbox(Generic[Origin]):
             settings.reassembly_timeout, settings.reassembly_limit, loop.counters
         )
         self._flagless = FlaglessMessages(settings.reassembly_timeout)
-        self._expiry = Alarm(loop)
-        """Set while incomplete messages are watched."""
+        self._expiry = Alarm(loop)  # set while incomplete messages are watched
         self._doubles: dict[JausAddress, Double] = {}
         self.receivers: dict[JausAddress, Receive] = {}
         """Components of this process; replaced when it changes, so any thread may read it."""
-        self.takers: dict[int, Take] = {}
-        """Those of them that want payload and sender alone."""
+        self.takers: dict[int, Take] = {}  # those of them that want payload and sender alone
         self.proves: Callable[[int, int], bool] = lambda _by, _sequence: False
         """Told of an acknowledgement that no packet waits for; returns whether it proves who is
         where."""

@@ -25,12 +25,8 @@ if TYPE_CHECKING:
     from ..delivery import OnResult
 
 
-AT_ONCE = 10
-"""Packets that a receiver takes in one go."""
-
-PER_SECOND = 8000
-"""Packets that it takes in a second."""
-
+AT_ONCE = 10  # packets that a receiver takes in one go
+PER_SECOND = 8000  # packets that it takes in a second
 _MAX_DESTINATIONS = 256
 
 
@@ -57,8 +53,7 @@ class Bursts:
         return True
 
 
-HELD_BY_PEERS = 50
-"""Packets of an unfinished message that Junior and the JAUS Tool Set hold."""
+HELD_BY_PEERS = 50  # packets of an unfinished message that Junior and the JAUS Tool Set hold
 
 
 OFTEN_ANEW = 2

@@ -25,8 +25,7 @@ _MOST_PAIRS = 4096
 _PLACES = tuple(DataFlags)
 # Shifted to where they stand in the flags (bits 6-7).
 _FIRST, _MIDDLE, _LAST = (place << 6 for place in _PLACES[1:])
-MOST_SMALL_FRAGMENTS = 40
-"""Packets of a message from which on they are larger than wished for."""
+MOST_SMALL_FRAGMENTS = 40  # packets of a message from which on they are larger than wished for
 
 FIRST_WINDOW = 8
 """Packets of a large message that are under way at once to a peer of which nothing is known."""

@@ -11,14 +11,12 @@ from ...base.address import JausAddress, address_of
 if TYPE_CHECKING:
     from ...base.counters import Counters
 
-JUDP_VERSION = 2
-"""First byte of every datagram (AS5669A)."""
+JUDP_VERSION = 2  # first byte of every datagram (AS5669A)
 
 PLACE_MASK = 0xC0
 """Bits of the flags that tell the place of a packet in a message of several packets."""
 
-EMPTY_MESSAGE_SIZE = 14
-"""Bytes of a message without payload: header 12, sequence number 2."""
+EMPTY_MESSAGE_SIZE = 14  # bytes of a message without payload: header 12, sequence number 2
 
 MAX_PAYLOAD = 65507 - 1 - EMPTY_MESSAGE_SIZE
 """Payload bytes of the largest message that one UDP datagram carries."""

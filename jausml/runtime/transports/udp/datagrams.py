@@ -23,11 +23,8 @@ if TYPE_CHECKING:
     from ..delivery import Receive, Take
     from .sender import Port
 
-LOOPBACK = "127."
-"""What the addresses of this host alone begin with."""
-
-_TIME_TO_ANSWER = 2.0
-"""Seconds that a component has to answer the first message after a silence."""
+LOOPBACK = "127."  # what the addresses of this host alone begin with
+_TIME_TO_ANSWER = 2.0  # seconds that a component has to answer the first message after a silence
 
 
 class DatagramTransport(Transport):

@@ -30,17 +30,13 @@ if TYPE_CHECKING:
     from ..packets.inbox import Inbox
     from ..packets.packet import Priority
 
-PROVED = "transport.address_proved"
-"""Components that have acknowledged a question."""
-
-HELD = "transport.unproved_held"
-"""Datagrams that wait for the proof of their destination."""
+PROVED = "transport.address_proved"  # components that have acknowledged a question
+HELD = "transport.unproved_held"  # datagrams that wait for the proof of their destination
 
 DROPPED = "transport.unproved_dropped"
 """Datagrams to a component without proof that nothing was left for."""
 
-NEVER = "transport.never_acknowledges"
-"""Questions to a component that has left many unanswered."""
+NEVER = "transport.never_acknowledges"  # questions to a component that has left many unanswered
 
 _QUESTION = b"\x02\x42"
 """ReportHeartbeatPulse (AS5710): asks for an acknowledgement, and for nothing else."""
