@@ -99,11 +99,7 @@ class DiagnosticArray:
         """Adds a status."""
         texts = [f"{self._node}: {status.name}", status.message, status.hardware_id]
         pairs = [text for pair in status.values for text in pair]
-        written = [
-            *map(_written, texts),
-            _LENGTH.pack(len(status.values)),
-            *map(_written, pairs),
-        ]
+        written = [*map(_written, texts), _LENGTH.pack(len(status.values)), *map(_written, pairs)]
         data = self._data
         data.append(_LEVELS[status.level])
         data += _PADDING[len(data) & 3]

@@ -59,11 +59,7 @@ class ManagedBridge:
     """
 
     def __init__(
-        self,
-        bridge: Bridge,
-        ros: RosNode,
-        transport: Transport,
-        end: Callable[[str], None],
+        self, bridge: Bridge, ros: RosNode, transport: Transport, end: Callable[[str], None]
     ) -> None:
         self._bridge = bridge
         self._ros = ros

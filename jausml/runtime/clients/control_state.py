@@ -163,10 +163,7 @@ class TargetWatch:
     """
 
     def __init__(
-        self,
-        component: Host,
-        target: JausAddress,
-        take: Callable[[Message], None],
+        self, component: Host, target: JausAddress, take: Callable[[Message], None]
     ) -> None:
         """Prepare; nothing is asked before ``start``."""
         self._component = component

@@ -61,11 +61,7 @@ class EventStream:
     """
 
     def __init__(
-        self,
-        client: EventClient,
-        component: Host,
-        provider: JausAddress,
-        payload: bytes,
+        self, client: EventClient, component: Host, provider: JausAddress, payload: bytes
     ) -> None:
         self.component = component
         self.provider = provider

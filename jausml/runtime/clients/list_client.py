@@ -141,13 +141,7 @@ class ListClient:
 
         def ask(query: Message, report: type[Message], take: Callable[..., None]) -> None:
             self._queries.ask(
-                target,
-                query,
-                report,
-                take,
-                on_failure=on_failure,
-                timeout=timeout,
-                retries=retries,
+                target, query, report, take, on_failure=on_failure, timeout=timeout, retries=retries
             )
 
         def take_list(report: ReportElementList, _sender: JausAddress) -> None:

@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..base.address import (
-    WILDCARD_COMPONENT,
-    WILDCARD_NODE,
-    WILDCARD_SUBSYSTEM,
-    JausAddress,
-)
+from ..base.address import WILDCARD_COMPONENT, WILDCARD_NODE, WILDCARD_SUBSYSTEM, JausAddress
 from ..messages import (
     QueryServiceList,
     QueryServices,

@@ -21,12 +21,7 @@ if TYPE_CHECKING:
     from ..base.fast_path import FastPath
     from ..base.loop import Loop
     from ..transports.transport import Transport
-    from .definitions import (
-        Completion,
-        ComponentSettings,
-        HandoffRequest,
-        ServiceIdentity,
-    )
+    from .definitions import Completion, ComponentSettings, HandoffRequest, ServiceIdentity
     from .dispatch import Handler, Router
 
 M = TypeVar("M", bound=Message)
@@ -309,11 +304,7 @@ class Host(Hooks):
             EncodeError: A value does not fit its field.
         """
         self.transport.send(
-            self.address,
-            destination,
-            message.encode(),
-            priority=priority,
-            acknowledge=acknowledge,
+            self.address, destination, message.encode(), priority=priority, acknowledge=acknowledge
         )
 
     def _jaus_answer(

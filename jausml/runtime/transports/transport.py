@@ -197,10 +197,7 @@ class Transport(ABC):
             )
 
     def sender(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        priority: Priority = Priority.STANDARD,
+        self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
         """Return what sends payloads without acknowledgement, as ``send`` does.
 

@@ -43,10 +43,7 @@ class VirtualActionClient:
         self._way = way
 
     def send(
-        self,
-        elements: Sequence[bytes],
-        fill: Callable[[Any], object] | None,
-        watcher: GoalWatcher,
+        self, elements: Sequence[bytes], fill: Callable[[Any], object] | None, watcher: GoalWatcher
     ) -> VirtualGoal:
         """Sends a goal; it waits for a server where there is none."""
         goal = VirtualGoal(self._action, self._way, elements, watcher)

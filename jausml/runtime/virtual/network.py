@@ -280,11 +280,7 @@ class VirtualTransport(DatagramTransport):
     """
 
     def __init__(
-        self,
-        settings: TransportSettings,
-        loop: Loop,
-        station: Station,
-        draw: Callable[[int], int],
+        self, settings: TransportSettings, loop: Loop, station: Station, draw: Callable[[int], int]
     ) -> None:
         """Prepare a transport; ``VirtualWorld.transport`` makes it and opens it."""
         # There are no strangers in a world, so that nobody has to prove where it is.

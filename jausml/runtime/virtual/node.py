@@ -17,13 +17,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..bridge.ends.actions import ActionClient, GoalTaker, ListAction
     from ..bridge.ends.ros_side import RosCodec, RosPublisher
-    from ..bridge.ends.topics import (
-        EndpointHealth,
-        Parameter,
-        RosService,
-        TopicCounts,
-        TopicFault,
-    )
+    from ..bridge.ends.topics import EndpointHealth, Parameter, RosService, TopicCounts, TopicFault
     from .graph import GraphPublisher, RosGraph
     from .network import Link
 

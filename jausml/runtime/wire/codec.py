@@ -329,11 +329,7 @@ class TimeStamp:
     def from_integer(cls, bits: int) -> TimeStamp:
         """Returns what the 32 bits of an integer say, legal or not."""
         return cls(
-            bits & 0x3FF,
-            bits >> 10 & 0x3F,
-            bits >> 16 & 0x3F,
-            bits >> 22 & 0x1F,
-            bits >> 27 & 0x1F,
+            bits & 0x3FF, bits >> 10 & 0x3F, bits >> 16 & 0x3F, bits >> 22 & 0x1F, bits >> 27 & 0x1F
         )
 
 

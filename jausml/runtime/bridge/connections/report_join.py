@@ -55,11 +55,7 @@ class ReportJoin(JoinedReports):
         self._own_peers = tuple(peers)
 
     def open(
-        self,
-        ends: Ends,
-        connection: str,
-        peers: PeerBinding,
-        refuse: Callable[[bytes, Any], None],
+        self, ends: Ends, connection: str, peers: PeerBinding, refuse: Callable[[bytes, Any], None]
     ) -> None:
         """Asks for the reports, or listens."""
         owner, message = f"{connection}.{self.name}", self._message

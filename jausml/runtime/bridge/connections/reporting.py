@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ..reports.diagnostics import (
-    FAILURES,
-    FILTERED,
-    NOT_LOST,
-    THINNED,
-    ConnectionStatus,
-    Latency,
-)
+from ..reports.diagnostics import FAILURES, FILTERED, NOT_LOST, THINNED, ConnectionStatus, Latency
 from ..reports.states import Facts, StateLog, StopReason, judge
 from .stopping import Stopping
 

@@ -98,10 +98,7 @@ class ActionClient(Protocol):
     """Sends goals of one action."""
 
     def send(
-        self,
-        elements: Sequence[bytes],
-        fill: Callable[[Any], object] | None,
-        watcher: GoalWatcher,
+        self, elements: Sequence[bytes], fill: Callable[[Any], object] | None, watcher: GoalWatcher
     ) -> SentGoal:
         """Sends a goal; `fill` sets what else it has, of rclpy and with the lock of the loop."""
 

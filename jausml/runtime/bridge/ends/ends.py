@@ -234,10 +234,7 @@ class SharedMessages:
                 self._component.part(ManagementService).watch_emergency(message, listeners.taking())
                 continue
             self._component.on_payload(
-                message,
-                listeners.taking(),
-                is_robust=True,
-                counts_each=not listeners.are_commands,
+                message, listeners.taking(), is_robust=True, counts_each=not listeners.are_commands
             )
         for message, noting in self._unasked.items():
             self._component.watch_unwanted(message, noting.taking())

@@ -10,13 +10,7 @@ if TYPE_CHECKING:
 
     from ...base.loop import Loop
     from ...conversions import Time
-    from .topics import (
-        Parameter,
-        Published,
-        Topic,
-        TopicCounts,
-        TopicFault,
-    )
+    from .topics import Parameter, Published, Topic, TopicCounts, TopicFault
 
 PartT = TypeVar("PartT")
 

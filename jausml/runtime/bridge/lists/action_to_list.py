@@ -96,11 +96,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
             parameters.SPEED.of(self.speed, self.name), partial(setattr, self, "speed")
         )
         self._peers.open(
-            ends,
-            self.name,
-            join=lambda _: None,
-            leave=self._leave,
-            changed=self._control_changed,
+            ends, self.name, join=lambda _: None, leave=self._leave, changed=self._control_changed
         )
         if self._has_missions:
             ends.component.on_message(self._messages.report, self._heard)
@@ -158,11 +154,7 @@ class ActionToList(ListConnection[SourceT, TargetT]):
     def describe_peers(self) -> list[tuple[str, str]]:
         """The JAUS components, the state of their control, and how the last goal ended."""
         under_way = "none" if self._run is None else f"executed by {self._run.peer}"
-        return [
-            *self._peers.describe(),
-            ("goal", under_way),
-            ("last goal", self._result),
-        ]
+        return [*self._peers.describe(), ("goal", under_way), ("last goal", self._result)]
 
     # ------------------------------------------------------------------ peers
 

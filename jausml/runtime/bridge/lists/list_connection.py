@@ -27,11 +27,7 @@ class ListConnection(Connection[SourceT, TargetT]):
     """A connection whose messages are elements of lists, which pass together or not at all."""
 
     def __init__(
-        self,
-        name: str,
-        translate: Callable[[SourceT], TargetT | None],
-        *,
-        action: ListAction,
+        self, name: str, translate: Callable[[SourceT], TargetT | None], *, action: ListAction
     ) -> None:
         super().__init__(name, translate, is_command=True)
         self._action = action

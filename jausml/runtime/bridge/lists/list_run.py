@@ -287,10 +287,7 @@ class ListRun(Run):
         component, messages = self._component, self._messages
         self._is_followed = True
         self._events = component.part(EventClient).subscribe(
-            self.peer,
-            messages.query(),
-            messages.report,
-            lambda report, _sender: self.heard(report),
+            self.peer, messages.query(), messages.report, lambda report, _sender: self.heard(report)
         )
         self._begun = component.loop.now()
         # A peer of core v1.0 knows no command events, and executes the plain command.

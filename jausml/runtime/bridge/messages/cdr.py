@@ -207,11 +207,7 @@ def wide_texts(data: bytes, offset: int, count: int, order: int) -> tuple[list[s
 
 
 def _several(
-    data: bytes,
-    offset: int,
-    count: int,
-    order: int,
-    read: Callable[[int, int], tuple[str, int]],
+    data: bytes, offset: int, count: int, order: int, read: Callable[[int, int], tuple[str, int]]
 ) -> tuple[list[str], int]:
     check_count(data, offset, count, 4)
     strings = []

@@ -116,10 +116,7 @@ class NodeActionClient:
         self.former = FormerGoals(work, name, self.cancelling)
 
     def send(
-        self,
-        elements: Sequence[bytes],
-        fill: Callable[[Any], object] | None,
-        watcher: GoalWatcher,
+        self, elements: Sequence[bytes], fill: Callable[[Any], object] | None, watcher: GoalWatcher
     ) -> NodeGoal:
         """Sends a goal; see `ActionClient` of ends/actions.py."""
         goal = NodeGoal(self, watcher)

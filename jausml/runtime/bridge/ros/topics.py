@@ -177,10 +177,7 @@ class NodeTopics:
         self._waiting = self._chosen(waiting, context, loop)
 
     def publisher(
-        self,
-        ros_type: type[Any],
-        topic: Topic,
-        greet: Callable[[], None] | None = None,
+        self, ros_type: type[Any], topic: Topic, greet: Callable[[], None] | None = None
     ) -> NodePublisher:
         """Makes a publisher of a class of rclpy, or of a light one, whose `TYPE` names the type."""
         rclpy_class = message_class(ros_type)

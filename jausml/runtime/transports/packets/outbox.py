@@ -63,11 +63,7 @@ class Outbox:
     """
 
     def __init__(
-        self,
-        settings: TransportSettings,
-        loop: Loop,
-        carrier: Carrier[Any],
-        quirks: Quirks,
+        self, settings: TransportSettings, loop: Loop, carrier: Carrier[Any], quirks: Quirks
     ) -> None:
         """Start with nothing to wait for; the carrier may search for a destination in the end."""
         self._timeout = settings.acknowledge_timeout

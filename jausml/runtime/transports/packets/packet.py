@@ -117,12 +117,7 @@ _COMPRESSED = 3
 _TYPE_MASK = 0x3F
 # Worked out once: to make four enumerations for each packet is slow.
 FLAGS = tuple(
-    (
-        Priority(flags & 3),
-        Broadcast(flags >> 2 & 3),
-        AckNak(flags >> 4 & 3),
-        DataFlags(flags >> 6),
-    )
+    (Priority(flags & 3), Broadcast(flags >> 2 & 3), AckNak(flags >> 4 & 3), DataFlags(flags >> 6))
     for flags in range(256)
 )
 """By value of the flags what they say: priority, broadcast, acknowledge, data flags."""

@@ -59,10 +59,7 @@ class DatagramTransport(Transport):
         self.inbox.proves = self._sender.prover.acknowledged
 
     def sender(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        priority: Priority = Priority.STANDARD,
+        self, source: JausAddress, destination: JausAddress, priority: Priority = Priority.STANDARD
     ) -> Callable[[bytes], None]:
         """Return what sends one payload after the other; see ``Transport.sender``."""
         messenger = self._messenger

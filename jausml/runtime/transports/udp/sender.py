@@ -54,11 +54,7 @@ class Prover:
     """Asks for the proofs of one process, and keeps what goes to an endpoint within its credit."""
 
     def __init__(
-        self,
-        book: AddressBook,
-        loop: Loop,
-        limit: int,
-        put: Callable[[bytes, Endpoint], bool],
+        self, book: AddressBook, loop: Loop, limit: int, put: Callable[[bytes, Endpoint], bool]
     ) -> None:
         """Send to an endpoint without proof at most `limit` bytes for each byte from it."""
         self._book = book
