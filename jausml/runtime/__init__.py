@@ -43,6 +43,7 @@ from .bridge.ends.ros_side import RosSide
 from .bridge.ends.topics import Qos, RosService, Topic
 from .bridge.ends.waypoint_driver import WaypointMessages
 from .bridge.forms import differing_forms
+from .bridge.guardian import Guardian
 from .bridge.handoff_bridge import HandoffBridge
 from .bridge.lists.action_to_list import ActionToList
 from .bridge.lists.list_to_action import ListToAction
@@ -144,6 +145,7 @@ __all__ = [
     "FoundComponent",
     "Greeter",
     "Guard",
+    "Guardian",
     "HandoffAnswer",
     "HandoffBridge",
     "HandoffClient",

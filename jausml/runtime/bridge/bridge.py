@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from ..base.clocks import Timing
     from ..base.fast_path import FastSending
     from ..base.loop import Loop
-    from ..guardian.ward import Ward
     from ..services.definitions import HandoffRequest
     from ..services.host import CoreService, Host
     from ..transports.transport import Transport
@@ -69,7 +68,7 @@ class Bridge:
     component: Component
     clock: Timing
     simulation: Simulation | None = None
-    ward: Ward | None = None
+    ward: Any = None  # the `Guardian`, where the settings ask for one
     core: Core | None = None
     core_services: Sequence[Callable[[Host], CoreService]] = Component.core_services
     clients: Sequence[Callable[[Host], object]] = ()

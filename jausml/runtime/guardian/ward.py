@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 from ..base.clocks import Alarm
 from ..base.counters import LOGGER
+from ..conversions import Time
 from . import process
 from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame, steady_ns
 from .slots import Slots
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from ..base.loop import Loop
 
 PERIOD = 0.1  # seconds between two beats
-LEAST_PATIENCE = 0.5  # seconds for which a bridge may be starved without a stop
 
 _REFRESH = 10
 """Beats after which what is handed over is looked at again, as endpoints of components change."""
@@ -75,6 +75,9 @@ class Ward:
     The guardian is started with the first thing that there is to guard: a bridge that only reports
     has none.
     """
+
+    # That stops are made for: where it stands in them, the guardian puts the present.
+    moment = Time(0x01020304, 0x05060708)
 
     def __init__(
         self,
@@ -355,11 +358,3 @@ class Ward:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-
-
-def stops(
-    patience: float, topics: Sequence[Content] = (), datagrams: Sequence[Content] = ()
-) -> Content:
-    """Returns stops as they are handed over, which are due after seconds of silence."""
-    due = max(LEAST_PATIENCE, patience)
-    return {"patience": due, "topics": list(topics), "datagrams": list(datagrams)}

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ...base.counters import LOGGER
-from ...guardian.ward import stops
 from ..ends import parameters
-from ..ends.guarding import MARK
 from ..reports.diagnostics import Limiting, Statistics
 from ..reports.states import StopReason
 
@@ -15,10 +13,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from ...base.loop import Timer
-    from ...guardian.ward import Content, Guarded
     from ..ends.ends import Ends
     from ..reports.states import Standing
 
+_LEAST_PATIENCE = 0.5  # seconds for which a bridge may be starved without a stop
 _LOG_INTERVAL = 5.0  # seconds between two lines of the log about the silence of one connection
 
 
@@ -60,7 +58,7 @@ class Stopping(Limiting):
         self._safe_value = safe_value
         self._next_log = 0.0
         self._watch: Timer | None = None
-        self._guarded: Guarded | None = None
+        self._guarded: Any = None  # what arms the stop, where there is a guardian
         self._ends: Ends
 
     def open(self, ends: Ends) -> None:
@@ -86,8 +84,8 @@ class Stopping(Limiting):
         """Hands the safe value to the target side; False when nobody is there."""
         return self.deliver(payload)
 
-    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
-        """Returns what the guardian says to topics and components by a stop made for `MARK`."""
+    def guarded_stops(self, payload: bytes) -> dict[str, Any]:
+        """Returns what the guardian says to topics and components of a stop for its moment."""
         raise NotImplementedError
 
     def encode(self, target: Any) -> bytes:
@@ -200,17 +198,18 @@ class Stopping(Limiting):
         if ward is not None and self.is_command and self._safe_value is not None:
             self._guarded = ward.guard(self._handed_over)
 
-    def _handed_over(self) -> Content:
+    def _handed_over(self) -> dict[str, Any]:
         """Returns what the guardian is to say, and after which silence."""
+        patience = max(_LEAST_PATIENCE, self.silence_timeout)
+        content: dict[str, Any] = {"patience": patience, "topics": [], "datagrams": []}
         try:
             # At a moment that is found again in the octets, where the guardian puts the present.
-            with self._ends.at(MARK):
+            with self._ends.at(self._ends.ward.moment):
                 payload = self.encode(self._safe_value() if self._safe_value else None)
-            topics, datagrams = self.guarded_stops(payload)
+            content |= self.guarded_stops(payload)
         except Exception as error:  # of what the user has overridden
             self.fail(error)
-            topics, datagrams = [], []
-        return stops(self.silence_timeout, topics, datagrams)
+        return content
 
     def send_safe_value(self, deliver: Callable[[bytes], bool]) -> None:
         """Hands the modelled safe value to the target side; nothing when there is none."""

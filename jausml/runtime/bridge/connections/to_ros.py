@@ -11,7 +11,6 @@ from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
 from ..ends.ends import Taker
-from ..ends.guarding import topic_stops
 from ..light_message import is_light
 from ..reports.diagnostics import FILTERED, UNHEARD, age_of_stamp
 from ..reports.states import StopReason
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
 
     from ...base.address import JausAddress
     from ...clients.peer_binding import Search
-    from ...guardian.ward import Content
     from ...wire.message import Message
     from ..ends.ends import Ends
     from ..ends.ros_side import RosPublisher
@@ -222,9 +220,9 @@ class ToTopics(Connection[SourceT, TargetT]):
             if self.stopped is StopReason.START and is_new:
                 self.send_safe_value(self.deliver)
 
-    def guarded_stops(self, payload: bytes) -> tuple[list[Content], list[Content]]:
+    def guarded_stops(self, payload: bytes) -> dict[str, Any]:
         """Returns the stop for each topic."""
-        return topic_stops(self._publishers, payload), []
+        return {"topics": self._ends.ward.topic_stops(self._publishers, payload)}
 
     def deliver(self, payload: bytes) -> bool:
         """Publishes on every topic; False when ROS refuses."""

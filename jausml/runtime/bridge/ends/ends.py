@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from ...clients.peer_binding import PeerBinding
     from ...component.base import Component
     from ...conversions import Time
-    from ...guardian.ward import Ward
     from ...wire.message import Message
     from ..messages.compiled import Compiled, Function
     from .ros_side import RosPublisher, RosSide
@@ -51,7 +50,7 @@ class BridgeSettings:
             rate too, but not more often than once a second.
         services: Services that the bridge provides, inherited ones included.
         authority: Authority code that control is requested with, 0 to 255.
-        guardian: Whether a small process beside the bridge says its stops when the bridge cannot.
+        guardian: What has a small process beside the bridge say its stops when the bridge cannot.
     """
 
     name: str
@@ -64,7 +63,7 @@ class BridgeSettings:
     authority: int = 127
     component: ComponentSettings = field(default_factory=ComponentSettings)
     transport: TransportSettings = field(default_factory=TransportSettings)
-    guardian: bool = True
+    guardian: Callable[..., Any] | None = None
 
 
 @dataclass(slots=True)
@@ -273,7 +272,7 @@ class Ends(Protocol):
     settings: BridgeSettings
     clock: Timing  # by which messages are late: that of the loop, or of a simulation
     simulation: Simulation | None
-    ward: Ward | None  # what tells the guardian, if there is one
+    ward: Any  # the `Guardian`, where the model asks for one
     ros: RosSide
     component: Component
     shared_topics: SharedTopics

@@ -22,7 +22,6 @@ from rclpy.qos import qos_profile_action_status_default
 
 from ...base.counters import LOGGER
 from ..ends.actions import Outcome
-from ..ends.guarding import type_library
 from ..ends.topics import TopicFault
 from .action_work import ActionMessages, ActionWork
 from .introspection import introspection
@@ -197,8 +196,7 @@ class NodeGoal:
         """Hands the goal to the guardian before it is sent: none is unknown to it."""
         work = self._client.work
         if work.ward is not None:
-            library = type_library("action_msgs")
-            work.ward.open_goal(self._id, self._client.cancelling, library)
+            work.ward.guard_goal(self._id, self._client.cancelling)
 
     def _guarded(self, callback: Callable[[Any], None]) -> Callable[[Any], None]:
         return partial(self._client.work.guarded, callback)

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from ...base.loop import Loop
-    from ...guardian.ward import Ward
     from .topics import WaitingName
 
 PartT = TypeVar("PartT")
@@ -113,7 +112,7 @@ class RosNode:
         self._thread: threading.Thread | None = None
         self._fail: Callable[[BaseException], None] | None = None
         self._is_closing = False
-        self.ward: Ward | None = None
+        self.ward: Any = None
         self._log = RosLogHandler(self.node)
         self._diagnostics = self.node.create_publisher(DiagnosticArray, "/diagnostics", 10)
         self._waiting_name = waiting
