@@ -101,6 +101,7 @@ from .services.definitions import (
     Status,
 )
 from .services.digital_resources import DigitalResourceService
+from .services.directory import Directory
 from .services.handoff import HandoffService
 from .services.list_elements import ListElement
 from .services.list_manager import ElementList, ListHolder, ListManagerService, chain
@@ -137,6 +138,7 @@ __all__ = [
     "Core",
     "DecodeError",
     "DigitalResourceService",
+    "Directory",
     "ElementList",
     "EncodeError",
     "EventSubscriber",

@@ -76,13 +76,23 @@ def test_a_component_has_the_parts_that_its_model_asks_for(tmp_path: Path) -> No
     assert modules(tmp_path) - alone == {f"clients/{name}.py" for name in added}
 
 
-def test_who_asks_for_another_transport_than_the_model_is_told_the_word(tmp_path: Path) -> None:
-    generate(tmp_path, TALKER, "talk")
-    workspace = tmp_path / "src"
-    line = ("-m", "talker.main", "--jaus-transport", "jtcp")
-    done = run(*line, PYTHONPATH=python_path(workspace))
+@pytest.mark.parametrize(
+    ("option", "word", "part"),
+    [
+        ("--jaus-transport", "jtcp", "JtcpTransport"),
+        ("--discovery-scope", "subsystem", "Directory"),
+    ],
+)
+def test_who_asks_for_more_than_the_model_is_told_the_word(
+    tmp_path: Path, option: str, word: str, part: str
+) -> None:
+    # Of a subsystem with external components one of them is the server.
+    boss = "component boss { address: 1.1.3  external: true  provides: VelocityStateSensor }\n"
+    generate(tmp_path, TALKER.replace("1.1.1", "1.1.2") + boss, "talk")
+    line = ("-m", "talker.main", option, word)
+    done = run(*line, PYTHONPATH=python_path(tmp_path / "src"))
     assert done.returncode == 1
-    assert "this workspace has no JtcpTransport" in done.stderr
+    assert f"this workspace has no {part}" in done.stderr
     assert "`jausml generate --all` brings it" in done.stderr
     assert "Traceback" not in done.stderr
 

@@ -247,7 +247,7 @@ class BridgeView(ProgramView):
     @property
     def clients(self) -> tuple[str, ...]:
         """Classes of clients of others that it has from the start."""
-        return clients(self.system)
+        return clients(self.system, self.bridge)
 
     @functools.cached_property
     def services(self) -> tuple[str, ...]:

@@ -9,10 +9,8 @@ from ..messages import (
     QueryServiceList,
     QueryServices,
     RegisterServices,
-    ReportConfiguration,
     ReportServiceList,
     ReportServices,
-    ReportSubsystemList,
 )
 from .definitions import ServiceIdentity
 
@@ -84,32 +82,7 @@ def report_service_list(query: QueryServiceList, catalog: Catalog) -> ReportServ
                 subsystem_rec=ReportServiceList.SubsystemRec(subsystem_id=subsystem),
                 node_list=_nodes(members, matches),
             )
-            for subsystem, members in _grouped(matches, lambda address: address.subsystem)
-        ]
-    )
-
-
-def report_configuration(addresses: Iterable[JausAddress]) -> ReportConfiguration:
-    """Return the nodes and components of a subsystem or node."""
-    return ReportConfiguration(
-        node_list=[
-            ReportConfiguration.NodeSeq(
-                node_rec=ReportConfiguration.NodeRec(node_id=node),
-                component_list=[_component(address) for address in members],
-            )
-            for node, members in _grouped(addresses, lambda address: address.node)
-        ]
-    )
-
-
-def report_subsystem_list(servers: Iterable[JausAddress]) -> ReportSubsystemList:
-    """Return the subsystems, each with the component that answers for it."""
-    return ReportSubsystemList(
-        subsystem_list=[
-            ReportSubsystemList.SubsystemRec(
-                subsystem_id=server.subsystem, node_id=server.node, component_id=server.component
-            )
-            for server in servers
+            for subsystem, members in grouped(matches, lambda address: address.subsystem)
         ]
     )
 
@@ -121,16 +94,17 @@ def _nodes(addresses: Iterable[JausAddress], catalog: Catalog) -> list[ReportSer
             node_rec=ReportServices.NodeRec(node_id=node),
             component_list=[
                 ReportServices.ComponentSeq(
-                    component_rec=_component(address), service_list=_records(catalog[address])
+                    component_rec=component_record(address), service_list=_records(catalog[address])
                 )
                 for address in members
             ],
         )
-        for node, members in _grouped(addresses, lambda address: address.node)
+        for node, members in grouped(addresses, lambda address: address.node)
     ]
 
 
-def _component(address: JausAddress) -> ReportServices.ComponentRec:
+def component_record(address: JausAddress) -> ReportServices.ComponentRec:
+    """Return what stands for a component."""
     return ReportServices.ComponentRec(component_id=address.component, instance_id=INSTANCE_ID)
 
 
@@ -164,7 +138,7 @@ def _matching_patterns(address: JausAddress) -> list[JausAddress]:
     ]
 
 
-def _grouped(
+def grouped(
     addresses: Iterable[JausAddress], key: Callable[[JausAddress], int]
 ) -> list[tuple[int, list[JausAddress]]]:
     """Group addresses by one of their parts.

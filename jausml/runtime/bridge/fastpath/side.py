@@ -210,7 +210,7 @@ class FastSide:
         """Waits as `epoll.poll` does, and returns what it does, while usual messages pass."""
         library, receiver = self._library, self._receiver
         self._has_passed = False
-        if receiver.has_others:  # what comes behind them must not pass before them
+        if receiver.has_left_datagrams:  # what comes behind them must not pass before them
             return [(receiver.descriptor, EPOLLIN)]
         # Opened before the revision is read: whoever changes it from here on stops the core again.
         library.core_start(self._core)
