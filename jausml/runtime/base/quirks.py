@@ -62,7 +62,6 @@ class Learnt(NamedTuple):
     how: str
 
     def __str__(self) -> str:
-        """Return it in a sentence without its subject."""
         return f"{self.quirk.does} ({self.how}): {self.quirk.instead}"
 
 

@@ -137,7 +137,6 @@ class TransportSettings:
     idle_timeout: float = 60.0
 
     def __post_init__(self) -> None:
-        """Refuse values with which nothing could be exchanged."""
         interface = _ipv4("interface", self.interface)
         if interface.is_unspecified or interface.is_multicast:
             raise ValueError(

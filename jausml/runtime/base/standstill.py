@@ -81,7 +81,6 @@ class Standstill:
     )
 
     def __init__(self, loop: Loop) -> None:
-        """Notice nothing before ``watch``."""
         self.due = self._limit = math.inf
         self._loop = loop
         self._turned = self._relayed = loop.now()

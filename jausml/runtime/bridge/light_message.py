@@ -51,14 +51,7 @@ class LightMessage:
 
     @classmethod
     def from_cdr(cls: type[MessageT], data: bytes) -> MessageT:
-        """Returns the message that a serialized one is.
-
-        Args:
-            data: The serialized message, in either byte order.
-
-        Raises:
-            DecodeError: It is none.
-        """
+        """Returns the message that a serialized one, in either byte order, is; or a DecodeError."""
         order = cdr.ORDERS.get(data[:2])
         if order is None or len(data) < len(cdr.HEADER):
             raise DecodeError(cls.TYPE, "no XCDR1 encapsulation")
@@ -68,11 +61,7 @@ class LightMessage:
             raise DecodeError(cls.TYPE, str(error)) from error
 
     def to_cdr(self) -> bytes:
-        """Returns the serialized message, in little-endian order.
-
-        Raises:
-            EncodeError: A value does not fit its field.
-        """
+        """Returns the serialized message, little-endian; EncodeError where a value is unfit."""
         parts = [cdr.HEADER]
         try:
             self._write(parts.append, len(cdr.HEADER))
@@ -138,21 +127,13 @@ def is_light(message_type: type[Any]) -> TypeGuard[type[LightMessage]]:
 def differences(light: type[LightMessage], real: Any) -> list[str]:
     """Returns how a type of the model differs from the installed one; nothing when it does not.
 
-    Args:
-        real: Class of the installed type, which messages are exchanged with.
-
-    Returns:
-        Sentences that name type, field and both types, those of the messages inside it included.
+    Each sentence names type, field and both types, those of the messages inside it included.
     """
     return list(_differences(light, real, set()))
 
 
 def installed_class(light: type[LightMessage]) -> Any:
-    """Returns the class of the installed type that a light class is of.
-
-    Raises:
-        RosTypeError: Its package is not installed, or the type is another there.
-    """
+    """Returns the installed class of a light one; RosTypeError where there is no such type."""
     try:
         real = installed(light.TYPE)
     except ImportError as error:
@@ -170,11 +151,7 @@ def installed_class(light: type[LightMessage]) -> Any:
 
 
 def installed(name: str) -> Any:
-    """Returns the class of an installed type by its name, such as `nav_msgs/msg/Odometry`.
-
-    Raises:
-        ImportError: Its package is not installed, or has no such type.
-    """
+    """Returns the class of an installed type, such as `nav_msgs/msg/Odometry`; ImportError else."""
     package, kind, own = name.split("/")
     module = importlib.import_module(f"{package}.{kind}")
     # The parts of services are SetBool_Request in ROS, and SetBool.Request in rclpy.

@@ -165,7 +165,6 @@ class TargetWatch:
     def __init__(
         self, component: Host, target: JausAddress, take: Callable[[Message], None]
     ) -> None:
-        """Prepare; nothing is asked before ``start``."""
         self._component = component
         self._events = component.part(EventClient)
         self._target = target

@@ -216,11 +216,9 @@ class Subscribers:
         self._classes: dict[EventSubscription, type[Message]] = {}
 
     def __len__(self) -> int:
-        """Return how many they are."""
         return len(self._classes)
 
     def __iter__(self) -> Iterator[EventSubscription]:
-        """Iterate over those that there are now."""
         return iter(tuple(self._classes))
 
     def items(self) -> tuple[tuple[EventSubscription, type[Message]], ...]:

@@ -58,7 +58,6 @@ class PeerSearch:
     choice: PeerChoice = PeerChoice.NEAREST
 
     def __post_init__(self) -> None:
-        """Refuse what no address can meet."""
         if not (
             0 <= self.subsystem < WILDCARD_SUBSYSTEM
             and 0 <= self.node < WILDCARD_NODE
@@ -89,7 +88,6 @@ class PeerSearch:
         component.part(PeerClient).find(self, on_change)
 
     def __str__(self) -> str:
-        """Return what is searched for, for people."""
         places = [
             f"on node {self.node}" if self.node else "",
             f"in subsystem {self.subsystem}" if self.subsystem else "",

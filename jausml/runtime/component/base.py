@@ -223,9 +223,8 @@ class Component(Host):
     def start(self) -> None:
         """Receive messages, initialise, and begin subscriptions and sessions.
 
-        Raises:
-            RuntimeError: The component runs already.
-            ValueError: Another component of this process has the address.
+        A RuntimeError says that the component runs already, a ValueError that another one of this
+        process has the address.
         """
         with self.loop.lock:
             if self._jaus_running:

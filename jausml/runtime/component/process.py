@@ -82,11 +82,7 @@ def component_settings(
 
 @contextmanager
 def running_transport(settings: TransportSettings) -> Iterator[Transport]:
-    """Open a transport on a loop of its own for the duration of a block.
-
-    Raises:
-        OSError: The network cannot be used as the settings say.
-    """
+    """Open a transport on a loop of its own for a block; OSError where the network refuses."""
     with Loop() as loop:
         transport = create_transport(settings, loop)
         transport.open()
@@ -127,11 +123,7 @@ _OPTIONAL_TRANSPORTS = {
 
 
 def create_transport(settings: TransportSettings, loop: Loop) -> Transport:
-    """Return the transport that the settings name, not yet open.
-
-    Raises:
-        JausError: The workspace was generated without this transport.
-    """
+    """Return the transport of settings, not yet open; JausError where the workspace has none."""
     if settings.transport is TransportKind.JUDP:
         return JudpTransport(settings, loop)
     kind: Callable[[TransportSettings, Loop], Transport] = part_of_whole(

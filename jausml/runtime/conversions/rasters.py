@@ -59,11 +59,7 @@ def reverse_rows(cells: Sequence[Cell], columns: float) -> list[Cell]:
 
 
 def row_starts(count: int, columns: float) -> range:
-    """Returns where the rows of a grid begin, the last row first.
-
-    Raises:
-        ConversionError: The cells do not fill rows of `columns` cells.
-    """
+    """Returns where rows of a grid begin, the last first; ConversionError where cells fill none."""
     if not count:
         return range(0)
     if not (columns >= 1.0 and columns % 1.0 == 0.0 and count % columns == 0.0):

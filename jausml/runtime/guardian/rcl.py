@@ -197,14 +197,7 @@ class Rcl:
         return handle
 
     def cancel(self, canceller: Any, goal: bytes) -> bool:
-        """Asks that a goal ends.
-
-        Args:
-            goal: Its id, 16 octets.
-
-        Returns:
-            False while the server has not been found: to be tried again.
-        """
+        """Asks that a goal, of 16 octets, ends; False while the server has not been found."""
         ready = ctypes.c_bool()
         self._call(
             "rcl_service_server_is_available",

@@ -33,7 +33,6 @@ class Slots:
     """
 
     def __init__(self) -> None:
-        """Has all places to give."""
         self._slots: dict[Route, _Slot] = {}
         self._refused: set[Route] = set()
 
@@ -43,14 +42,9 @@ class Slots:
         return len(self._refused)
 
     def take(self, user: object, route: Route, sequence: Callable[[], int]) -> int | None:
-        """Returns the place of a route, which it keeps until all who use it have given it back.
+        """Returns the place of a route until all users have given it back; None without room.
 
-        Args:
-            user: Who sends on the route.
-            sequence: Returns the number that the next datagram should have.
-
-        Returns:
-            The place; None where there is none left.
+        The sequence returns the number that the next datagram should have.
         """
         slot = self._slots.get(route)
         if slot is None:

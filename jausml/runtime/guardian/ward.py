@@ -117,13 +117,9 @@ class Ward:
     # ------------------------------------------------------------------ for connections
 
     def guard(self, stops: Callable[[], Content]) -> Guarded | None:
-        """Guards a connection from now on.
+        """Guards a connection from now on, whose stops it returns with a patience in seconds.
 
-        Args:
-            stops: Returns its patience and its stops for topics and components.
-
-        Returns:
-            What arms the stops; None where there are too many.
+        What is returned arms them; None where there are too many.
         """
         if len(self._guarded) >= MOST_STOPS:
             self._left_out += 1

@@ -158,7 +158,6 @@ class ComponentSettings:
     check_interval: float = 10.0
 
     def __post_init__(self) -> None:
-        """Refuse values that the wire cannot carry or that would flood it."""
         check_range("default_authority", self.default_authority, 0, 255)
         check_range("control_timeout", self.control_timeout, 0, 255)
         check_range("handoff_timeout", self.handoff_timeout, 0, 255)
@@ -249,11 +248,7 @@ _LONGEST_URL = 255
 
 
 def server_type(url: str) -> int:
-    """Returns the kind of server that a URL leads to.
-
-    Raises:
-        ValueError: It has a scheme that the IOP does not know, or is too long to be told.
-    """
+    """Returns the kind of server of a URL; ValueError where the IOP has none, or it is too long."""
     scheme = url.partition("://")[0].lower()
     if scheme not in _SERVER_TYPES or "://" not in url:
         known = ", ".join(_SERVER_TYPES)

@@ -295,14 +295,7 @@ class Host(Hooks):
         priority: Priority = Priority.STANDARD,
         acknowledge: bool = False,
     ) -> None:
-        """Send one message.
-
-        Args:
-            destination: A component, or a wildcard address.
-
-        Raises:
-            EncodeError: A value does not fit its field.
-        """
+        """Send a message to a component or a wildcard; EncodeError where a value does not fit."""
         self.transport.send(
             self.address, destination, message.encode(), priority=priority, acknowledge=acknowledge
         )

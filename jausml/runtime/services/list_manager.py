@@ -70,15 +70,12 @@ class ElementList:
         self._elements: dict[int, ListElement] = {}
 
     def __len__(self) -> int:
-        """Return the number of elements."""
         return len(self._elements)
 
     def __iter__(self) -> Iterator[ListElement]:
-        """Iterate over the elements in order, each once."""
         return iter(tuple(self._elements.values()))
 
     def __contains__(self, uid: object) -> bool:
-        """Whether there is an element of a UID."""
         return uid in self._elements
 
     def get(self, uid: int) -> ListElement | None:

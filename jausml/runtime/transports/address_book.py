@@ -120,7 +120,6 @@ class AddressBook:
         self.learnt: OrderedDict[int, Entry] = OrderedDict()  # the one silent longest first
 
     def __len__(self) -> int:
-        """Return how many components were learnt."""
         return len(self.learnt)
 
     def configure(self, entries: Mapping[JausAddress, Endpoint]) -> None:

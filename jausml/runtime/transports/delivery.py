@@ -86,7 +86,6 @@ class Double(NamedTuple):
     last_heard: float  # by the clock of the loop
 
     def __str__(self) -> str:
-        """Return what is wrong, for people."""
         since = f"{self.first_heard:%Y-%m-%d %H:%M:%S} UTC"
         return (
             f"another component has your id: {self.address} at {self.place} (first heard {since})"

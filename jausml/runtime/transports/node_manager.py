@@ -68,7 +68,6 @@ class NodeManagerClient(Carrier[str]):
         address: JausAddress,
         quirks: Quirks,
     ) -> None:
-        """Prepare a client; ``open`` attaches it."""
         self.address = address
         self._loop = loop
         self._counters = loop.counters

@@ -36,7 +36,6 @@ class Holder(NamedTuple):
     process: int
 
     def __str__(self) -> str:
-        """Return both, for a message."""
         return f"{self.name} (process {self.process})"
 
 

@@ -61,10 +61,8 @@ class StreamReader:
     def feed(self, data: bytes) -> Iterator[Packet | None]:
         """Yield the messages that are complete now; None for each that cannot be read.
 
-        To be iterated to its end, or never fed again.
-
-        Raises:
-            StreamError: The version is another one, or a message is too small to be one.
+        To be iterated to its end, or never fed again. It raises StreamError where the version is
+        another one, or a message too small to be one.
         """
         data, offset = self._data + data, 0
         if data and not self._is_version_known:
@@ -153,7 +151,6 @@ class TcpConnection:
         self._guard()
 
     def __str__(self) -> str:
-        """Return the endpoint of the peer."""
         return f"{self.peer[0]}:{self.peer[1]}"
 
     def write(self, data: bytes, on_result: OnResult | None = None) -> bool:
@@ -289,11 +286,7 @@ class TcpConnection:
 
 
 def connect(endpoint: Endpoint) -> socket.socket:
-    """Return a socket on its way to an endpoint.
-
-    Raises:
-        OSError: The system has no way there.
-    """
+    """Return a socket on its way to an endpoint; OSError where there is no way."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     sock.settimeout(0)
     try:
@@ -342,11 +335,7 @@ def octets_of(packet: Packet) -> bytes:
 
 
 def listen(endpoint: Endpoint) -> socket.socket:
-    """A socket that takes connections.
-
-    Raises:
-        OSError: The port is taken, or no address of this computer.
-    """
+    """A socket that takes connections; OSError where the port or the address is not to be had."""
     sock = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
         # Connections of a former owner that still time out must not keep the port.

@@ -40,11 +40,7 @@ class Transport(ABC):
 
     @abstractmethod
     def open(self) -> None:
-        """Begin to send and receive.
-
-        Raises:
-            OSError: The network cannot be used as the settings say.
-        """
+        """Begin to send and receive; OSError where the network cannot be used like this."""
 
     @abstractmethod
     def close(self) -> None:
@@ -272,7 +268,6 @@ class PeerAccount(NamedTuple):
         return [*counts, numbered, *quirks]
 
     def __str__(self) -> str:
-        """Return the counts that are not 0 and the quirks, for a line of the log."""
         counts = [f"{name} {count}" for name, count in self.counts().items() if count]
         description = "; ".join([*counts, *map(str, self.quirks)])
         return f"account of {self.traffic.peer}: {description or 'nothing'}"

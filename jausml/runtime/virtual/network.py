@@ -53,7 +53,6 @@ class Link:
     reorder: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what no way can do."""
         for name in ("delay", "jitter", "exponential"):
             if not 0 <= getattr(self, name) < float("inf"):
                 raise ValueError(f"{name} is {getattr(self, name)}; it must be 0 s or more")
@@ -90,14 +89,7 @@ class Way:
         self._hold = Alarm(loop)
 
     def carry(self, arrive: Callable[[], None]) -> bool:
-        """Let something pass, in a later turn of the loop.
-
-        Args:
-            arrive: Run at the other end, once for each copy.
-
-        Returns:
-            Whether it gets there.
-        """
+        """Let copies of something arrive in later turns; return whether it gets there."""
         link = self.link
         # Draws only what the link asks for: a plain one leaves the chances of others as they are.
         if self.is_cut or (link.loss and self._loses(link)):

@@ -51,11 +51,7 @@ class VirtualRosNode:
         self.publish_diagnostics: Callable[[bytes], None] = diagnostics.publish
 
     def attach(self, loop: Loop) -> None:
-        """Checks that a bridge has the time of the world.
-
-        Raises:
-            ValueError: It has another loop.
-        """
+        """Checks that a bridge has the loop of the world; ValueError where it has another one."""
         if loop is not self._graph.loop:
             raise ValueError(f"{self.name} is of another world than the transport of its bridge")
         # By then the bridge has declared all that it has.
@@ -125,11 +121,7 @@ class VirtualRosNode:
     # ------------------------------------------------------------------ topics
 
     def codec(self, ros_type: type[Any]) -> RosCodec:
-        """Returns what makes objects of rclpy of serialized messages, and the reverse.
-
-        Raises:
-            RosTypeError: rclpy or the type is not installed: light classes do without.
-        """
+        """Returns what makes objects of rclpy of messages; RosTypeError without rclpy."""
         try:
             from ..bridge.ros.internals import Codec  # noqa: PLC0415 - light classes do without
 
@@ -216,11 +208,7 @@ def _needs_ros(what: str) -> NotImplementedError:
 
 
 def _taken(parameter: Parameter, value: Any) -> Any:
-    """Returns a value that a parameter can have, as it takes it.
-
-    Raises:
-        ParameterError: It is of another type, out of its range, or does not do.
-    """
+    """Returns a value as a parameter takes it; ParameterError where it does not do."""
     try:
         return parameter.taken(value)
     except ValueError as error:

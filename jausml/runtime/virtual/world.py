@@ -69,11 +69,9 @@ class VirtualWorld:
         self.ros = RosGraph(self.loop, self.random, self._tell)
 
     def __enter__(self) -> VirtualWorld:
-        """Return the world; it is closed when the block ends."""
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Close the world."""
         self.close()
 
     def close(self) -> None:

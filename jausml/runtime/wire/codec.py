@@ -132,11 +132,7 @@ def latin1(value: str, field: str) -> bytes:
 
 
 def padded(value: str, length: int, field: str) -> bytes:
-    """Returns a string of fixed length as bytes, padded with zeros.
-
-    Raises:
-        EncodeError: The string is too long, has characters beyond Latin-1 or a NUL, which ends it.
-    """
+    """Returns a string of fixed length as bytes with zeros; EncodeError where it does not fit."""
     text = latin1(value, field)
     sized(text, 0, length, field)
     if b"\0" in text:

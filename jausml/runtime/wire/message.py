@@ -64,24 +64,18 @@ class Message:
     __hash__ = None  # type: ignore[assignment]  # its fields can be changed
 
     def __eq__(self, other: object) -> bool:
-        """Tells whether another message is of the same class and has the same fields."""
         if other.__class__ is not self.__class__:
             return NotImplemented
         return _values(self) == _values(other)
 
     @recursive_repr()
     def __repr__(self) -> str:
-        """Returns the class with its fields, as dataclasses show them."""
         shown = zip(_names(self), _values(self), strict=True)
         values = ", ".join(f"{name}={value!r}" for name, value in shown)
         return f"{self.__class__.__qualname__}({values})"
 
     def encode(self) -> bytes:
-        """Returns the message code and the body as bytes.
-
-        Raises:
-            EncodeError: A field is out of range, too long or of another type.
-        """
+        """Returns message code and body as bytes; EncodeError where a field does not fit."""
         out = bytearray(_CODE.pack(self.CODE))
         try:
             self.write_to(out)
@@ -91,13 +85,10 @@ class Message:
 
     @classmethod
     def decode(cls: type[MessageT], payload: bytes) -> MessageT:
-        """Returns the message that the bytes hold.
+        """Returns the message that the bytes hold, or a DecodeError.
 
         Bytes after the body are refused: a body that is longer than its definition is of another
         definition, and what was read of it cannot be trusted.
-
-        Raises:
-            DecodeError: The bytes are no such message.
         """
         if payload[:2] != _CODE.pack(cls.CODE):
             cls.check_code(payload)

@@ -54,7 +54,6 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         shape: Shape = _PLAIN,
         **when_lost: Any,
     ) -> None:
-        """Prepares a connection; nothing is exchanged before `open`."""
         super().__init__(name, **when_lost)
         self._shaping = Shaping(shape, self.statistics, self.drop)
         self._backlog = Backlog(self.statistics, self.drop, self.waited)

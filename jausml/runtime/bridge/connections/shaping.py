@@ -119,7 +119,6 @@ class Shaping:
     """
 
     def __init__(self, shape: Shape, counts: Statistics, drop: Drop) -> None:
-        """Shapes nothing before `open`."""
         self._shape = shape
         self._counts = counts
         self._drop = drop

@@ -224,11 +224,8 @@ class Stopping(Limiting):
     def follow(self, standing: Standing, lost: StopReason | None) -> bool:  # noqa: ARG002
         """Stops what must not go on as the bridge stands; here, whatever passes while inactive.
 
-        Args:
-            lost: Why what the former controller commanded must not stand.
-
-        Returns:
-            Whether something was stopped.
+        What the former controller commanded may be lost for a reason. Returns whether something was
+        stopped.
         """
         return self.halt(None if standing.is_active else StopReason.INACTIVE)
 

@@ -197,9 +197,8 @@ class Joined:
     def fresh(self) -> Any:
         """Returns the latest message, or None when it is stale or there is none.
 
-        Raises:
-            StaleJoinError: There is nothing fresh, and the main message is dropped.
-            DecodeError: The latest message cannot be read.
+        Where the main message is dropped then, that is a StaleJoinError; a DecodeError, where it
+        cannot be read.
         """
         if not self.is_stale:
             if self._latest is None and self._data is not None:
@@ -212,11 +211,7 @@ class Joined:
         return None
 
     def fresh_data(self) -> bytes | None:
-        """Returns the latest message as it came, or None when it is stale or there is none.
-
-        Raises:
-            StaleJoinError: There is nothing fresh, and the main message is dropped.
-        """
+        """Returns the latest message as it came; of what is not fresh, as `fresh` does."""
         # When it is stale: that raises an error, or says None.
         return self._data if not self.is_stale else self.fresh()
 

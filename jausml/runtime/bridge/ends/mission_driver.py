@@ -102,7 +102,6 @@ class Mission:
     tasks: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Notes the last place of each task."""
         self.tasks = {task: at for at, (task, _) in enumerate(self.names, 1)}
 
     def place(self, task: int | None, uid: int | None) -> int:

@@ -230,11 +230,7 @@ def peers(ros: RosSide, connection: str, modelled: PeerBinding) -> PeerBinding:
 
 
 def address(text: str) -> JausAddress:
-    """Returns the address of one component.
-
-    Raises:
-        ValueError: The text names no component, or several.
-    """
+    """Returns the address of one component; ValueError where a text names none or several."""
     component_address = JausAddress.parse(text)
     if not component_address.is_concrete:
         raise ValueError(f"{text} does not name one component")
@@ -242,9 +238,5 @@ def address(text: str) -> JausAddress:
 
 
 def addresses(texts: Iterable[str]) -> tuple[JausAddress, ...]:
-    """Returns the addresses of several components.
-
-    Raises:
-        ValueError: A text names no component, or several.
-    """
+    """Returns the addresses of several components, as `address` does."""
     return tuple(map(address, texts))

@@ -174,13 +174,8 @@ class Simulation:
 
 
 def real_rate(rate: float, ratio: float) -> float:
-    """Returns the rate in real time of events that a simulation shall see at a rate.
+    """Returns the real rate of events, within AS5710, that are to come at a simulated one.
 
-    Args:
-        rate: Events in each simulated second.
-        ratio: Simulated seconds in each real one.
-
-    Returns:
-        Events in each real second, within what AS5710 can ask for.
+    The ratio is of simulated seconds to real ones.
     """
     return min(max(rate * ratio, _LEAST_RATE), _GREATEST_RATE)

@@ -118,11 +118,8 @@ class Parameter:
     def taken(self, value: Any) -> Any:
         """Returns what the parameter becomes by a value that somebody gives: 10 is 10.0.
 
-        Args:
-            value: As rclpy has it: None for an empty list.
-
-        Raises:
-            ValueError: It does not do; the text names the parameter, the value and the cure.
+        One that does not do, as None of rclpy for an empty list, is a ValueError, whose text names
+        parameter, value and cure.
         """
         if isinstance(self.default, float) and type(value) is int:
             value = float(value)

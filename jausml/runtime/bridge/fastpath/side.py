@@ -43,16 +43,13 @@ class SharedNumbers:
         self._next = partial(library.next_number, ctypes.byref(self.cell))
 
     def __iter__(self) -> Iterator[int]:
-        """Returns itself."""
         return self
 
     def __next__(self) -> int:
-        """Returns the next number, in one call that no thread comes between."""
         number: int = self._next()
         return number
 
     def __repr__(self) -> str:
-        """Returns what `itertools.count` says of where it is."""
         # The packetizer reads from it how many numbers are taken.
         return f"count({self.cell.value})"
 
@@ -63,14 +60,7 @@ class FastSubscriber:
     def __init__(
         self, library: Library, core: int, feed: Feed, path: FastSending, index: int
     ) -> None:
-        """Begins.
-
-        Args:
-            index: By which the core tells of what it has sent.
-
-        Raises:
-            LookupError: The messages cannot go out alone now.
-        """
+        """Begins; raises LookupError where the messages cannot go out alone now."""
         self.is_current = True  # whether the core still does
         self._path, self._feed = path, feed
         outlet = path.outlet

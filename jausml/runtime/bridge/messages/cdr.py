@@ -81,14 +81,7 @@ def zeros(code: str, count: int) -> MutableSequence[Any]:
 
 
 def elements(code: str, raw: bytes, order: int) -> MutableSequence[Any]:
-    """Returns the elements of an array.
-
-    Args:
-        order: Their order.
-
-    Returns:
-        A bytearray for octets, a list for truth values, else an array.
-    """
+    """Returns the elements of an array: octets as a bytearray, truth values as a list."""
     if code == "B":
         return bytearray(raw)
     if code == "?":

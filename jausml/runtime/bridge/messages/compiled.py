@@ -70,11 +70,7 @@ class Core:
         return mark
 
     def load(self) -> ctypes.CDLL:
-        """Returns the library.
-
-        Raises:
-            NoCoreError: There is none of this text, or it cannot be loaded.
-        """
+        """Returns the library; raises NoCoreError where none of this text can be loaded."""
         paths = sorted(Path(self.module).parent.glob(LIBRARIES))
         reason = "it is not built"
         for path in paths:

@@ -98,8 +98,7 @@ def each(
 def reverse_rows(cells: Sequence[Any], columns: float) -> Sequence[Any]:
     """Returns the cells of a grid, row by row, with the rows in the opposite order.
 
-    Raises:
-        ConversionError: The cells do not fill rows of `columns` cells.
+    It raises ConversionError where they do not fill rows of `columns` cells.
     """
     if isinstance(cells, OctetRecords) and cells.octets is not None:
         return OctetRecords(cells.record, _reversed(cells.octets, len(cells), columns, 1))

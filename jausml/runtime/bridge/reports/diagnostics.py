@@ -258,11 +258,7 @@ class Limiting:
     def by_name(
         self, names: Collection[str], keys: Sequence[str], values: Sequence[T], needed: str
     ) -> list[T | None]:
-        """Returns values in the order of names, all of which one message has to have.
-
-        Raises:
-            AbsentFieldError: One is missing.
-        """
+        """Returns values in the order of names; one that is missing is an AbsentFieldError."""
         return limits.by_name(names, keys, values, needed)
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:

@@ -58,11 +58,7 @@ class ManagedNode(LazyParameters, LifecycleNode):
         self._managed = managed
 
     def bring_up(self) -> None:
-        """Goes from unconfigured to active at once.
-
-        Raises:
-            BaseException: What configuring or activating raised.
-        """
+        """Goes from unconfigured to active at once; raises what keeps it from that."""
         self._is_asked = False
         for trigger in (self.trigger_configure, self.trigger_activate):
             self._error = None
@@ -138,11 +134,7 @@ class EndableExecutor(SingleThreadedExecutor):
         self._is_ended = False
 
     def spin(self) -> None:
-        """Runs callbacks until `end`, or until ROS is shut down.
-
-        Raises:
-            ExternalShutdownException: ROS was shut down while it waited.
-        """
+        """Runs callbacks until `end`, or an ExternalShutdownException of ROS."""
         while self.context.ok() and not self._is_ended:
             # By another condition it would forget what is ready, and serve the first ones alone.
             self._spin_once_impl(None, self._has_ended)
@@ -240,11 +232,7 @@ def _refused(request: Any, response: Any, reason: str) -> Any:
 
 
 def without_ros_arguments(line: Sequence[str]) -> list[str]:
-    """Returns a command line, without the program's name, without what is meant for ROS.
-
-    Raises:
-        ParameterError: What stands behind `--ros-args` is nothing that ROS knows.
-    """
+    """Returns a command line without what is meant for ROS, where wrong a ParameterError."""
     with as_parameter_error():
         own: list[str] = remove_ros_args(["", *line])[1:]
     return own

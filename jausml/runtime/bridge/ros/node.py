@@ -159,11 +159,7 @@ class RosNode:
         self.subscribe(Clock, Topic("/clock", Qos(reliability="best_effort", depth=1)), hear)
 
     def codec(self, ros_type: type[Any]) -> Codec:
-        """Returns what makes objects of serialized messages, and the reverse.
-
-        Raises:
-            ImportError: ROS has no such type here.
-        """
+        """Returns what makes objects of messages, and the reverse; ImportError without the type."""
         return Codec(ros_type)
 
     # ------------------------------------------------------------------ endpoints

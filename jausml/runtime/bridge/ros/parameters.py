@@ -154,11 +154,7 @@ class NodeParameters:
         return declare()
 
     def check(self) -> None:
-        """Tells which values do not do.
-
-        Raises:
-            ParameterError: There are some; its text has a line for each.
-        """
+        """Raises ParameterError with a line for each value that does not do, if there are any."""
         if self._problems:
             raise ParameterError("\n".join(self._problems))
 
@@ -299,11 +295,7 @@ def never_waiting(qos: Qos) -> Qos:
 
 
 def profile_of(qos: Qos) -> QoSProfile:
-    """Returns the rclpy profile; its policies have the names that the model uses.
-
-    Raises:
-        RuntimeError: There is no such policy, or the profile is none for rclpy.
-    """
+    """Returns the rclpy profile of policies with the words of the model, or a RuntimeError."""
     profile = QoSProfile(
         reliability=_policy(ReliabilityPolicy, "reliability", qos.reliability),
         durability=_policy(DurabilityPolicy, "durability", qos.durability),

@@ -93,14 +93,7 @@ class NodeClient:
         return bool(self._client.service_is_ready())
 
     def call(self, request: bytes, answered: Answered) -> Callable[[], None]:
-        """Calls the service.
-
-        Args:
-            answered: Is given the serialized response on the loop.
-
-        Returns:
-            What forgets the call.
-        """
+        """Calls the service, whose response is given on the loop; returns what forgets the call."""
         future = self._client.call_async(deserialize_message(request, self._kind.Request))
         future.add_done_callback(partial(self._done, answered))
         return partial(self._client.remove_pending_request, future)

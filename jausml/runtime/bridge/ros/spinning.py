@@ -28,14 +28,7 @@ WAKE_UP_PERIOD = 1.0  # longest time in seconds until a node that spins notices 
 
 
 def spin(factory: Callable[[], Any], arguments: Sequence[str] | None) -> None:
-    """Spins a node until SIGINT or SIGTERM.
-
-    Args:
-        arguments: Command line without the program's name; that of the process when None.
-
-    Raises:
-        ParameterError: A parameter has a value with which the node cannot be made.
-    """
+    """Spins a node until SIGINT or SIGTERM; a wrong parameter is a ParameterError."""
     atexit.register(ignore_signals)
     # ROS itself ends on a signal; Python's KeyboardInterrupt would strike anywhere, even in
     # clean-up. What comes before ROS has begun is not forgotten.

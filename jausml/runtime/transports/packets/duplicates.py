@@ -214,7 +214,6 @@ class DuplicateWindow:
         sources: int = 256,
         changed: Callable[[], None] = lambda: None,
     ) -> None:
-        """Remember nothing yet; tells when a pair is forgotten."""
         self.seconds = seconds
         self.history = history
         self.capacity = history + max(1, history // 2)
@@ -224,7 +223,6 @@ class DuplicateWindow:
         self._changed = changed
 
     def __len__(self) -> int:
-        """Return how many packets are remembered."""
         return sum(map(len, self.seen.values()))
 
     def is_duplicate(self, packet: Packet, now: float) -> bool:

@@ -84,7 +84,6 @@ class Outbox:
         self._size = 0
 
     def __len__(self) -> int:
-        """Return how many messages wait or are under way."""
         return len(self._messages)
 
     def has_large(self, destination: JausAddress) -> bool:

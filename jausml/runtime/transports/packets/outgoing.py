@@ -200,7 +200,6 @@ class Message:
     is_large: bool = field(init=False)
 
     def __post_init__(self) -> None:
-        """Finds out what its packets say."""
         self.size = sum([len(packet.payload) for packet in self.packets])
         self.is_large = len(self.packets) > 1
         self.is_urgent = self.is_urgent or self.packets[0].priority > Priority.STANDARD

@@ -86,11 +86,7 @@ class Packet(NamedTuple):
         return self.priority | self.broadcast << 2 | self.acknowledge << 4 | self.data_flags << 6
 
     def encode(self) -> bytes:
-        """Return the datagram with this message alone, as every peer can read it.
-
-        Raises:
-            ValueError: A field does not fit the wire.
-        """
+        """Return the datagram of this message alone; ValueError where a field does not fit."""
         if len(self.payload) > MAX_PAYLOAD:
             raise ValueError(f"{len(self.payload)} bytes of payload do not fit one datagram")
         if not (0 <= self.sequence <= 0xFFFF and 0 <= self.message_type <= 0x3F):

@@ -146,7 +146,6 @@ class Reassembly:
         self._finished.count += 1
 
     def __len__(self) -> int:
-        """Return how many fragments are held."""
         return sum(map(len, self._held.values()))
 
     def add(self, packet: Packet, now: float) -> Packet | None:
