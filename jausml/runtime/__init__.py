@@ -26,13 +26,14 @@ from .bridge.calls.services import JausToRosService, RosServiceToJaus
 from .bridge.connections.command_answer import CommandAnswer
 from .bridge.connections.connection import AnyConnection
 from .bridge.connections.events_to_ros import EventToTopics
+from .bridge.connections.joins import Join
 from .bridge.connections.queries_to_ros import QueryToTopics
 from .bridge.connections.report_join import ReportJoin
 from .bridge.connections.shaping import Shape
 from .bridge.connections.to_jaus import TopicsToMessage
 from .bridge.connections.to_reports import TopicsToReport
 from .bridge.connections.to_ros import MessageToTopics
-from .bridge.connections.translations import Join, NamedPlaces, Transcode, ros_classes
+from .bridge.connections.translations import NamedPlaces, Transcode, ros_classes
 from .bridge.diagnosing import Carried
 from .bridge.ends.actions import ListAction, Progress
 from .bridge.ends.ends import BridgeSettings

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ..ends.topics import Topic, TopicFault
     from .ages import Age
     from .connection import Take
-    from .translations import Join, NamedPlaces
+    from .translations import NamedPlaces
 
 SourceT = TypeVar("SourceT")
 TargetT = TypeVar("TargetT", bound="Message")
@@ -56,7 +56,7 @@ class FromTopics(Connection[SourceT, TargetT]):
         type: type[SourceT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         message: type[TargetT],
-        joins: Sequence[Join] = (),
+        joins: Sequence[Any] = (),
         named: NamedPlaces | None = None,
         **when_lost: Any,
     ) -> None:

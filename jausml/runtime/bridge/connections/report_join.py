@@ -9,8 +9,8 @@ from ...services.definitions import Guard
 from ..ends import parameters
 from ..ends.ends import Taker
 from .events_to_ros import EventRequests
+from .joins import Latest
 from .queries_to_ros import QueryRequests
-from .to_ros import JoinedReports
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..ends.ends import Ends
 
 
-class ReportJoin(JoinedReports):
+class ReportJoin(Latest):
     """The latest of the reports of whoever sends it."""
 
     def __init__(

@@ -17,7 +17,7 @@ from ..reports.states import StopReason
 from .ages import jaus_age
 from .connection import Connection
 from .shaping import RateCap
-from .translations import Form, Joined, ros_encoder, uses_ros_classes
+from .translations import Form, ros_encoder, uses_ros_classes
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -45,16 +45,6 @@ _GREETING = 10.0
 """Seconds after the start in which subscribers may still be found that were there before."""
 
 
-class JoinedReports(Joined):
-    """The latest of some reports; `ReportJoin` has them, where there are any."""
-
-    def open(
-        self, ends: Ends, connection: str, peers: PeerBinding, refuse: Callable[[bytes, Any], None]
-    ) -> None:
-        """Asks for the reports, or listens."""
-        raise NotImplementedError
-
-
 class ToTopics(Connection[SourceT, TargetT]):
     """What the connections to ROS topics have in common: the topics, and the peers."""
 
@@ -67,7 +57,7 @@ class ToTopics(Connection[SourceT, TargetT]):
         type: type[TargetT],  # noqa: A002 - the word of the model
         topics: Sequence[Topic],
         peers: Sequence[JausAddress] | Search = (),
-        joins: Sequence[JoinedReports] = (),
+        joins: Sequence[Any] = (),
         **when_lost: Any,
     ) -> None:
         """Prepares the connection.
