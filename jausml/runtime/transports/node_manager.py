@@ -192,9 +192,8 @@ class NodeManagerClient(Carrier[str]):
 
     # ---- sending ----------------------------------------------------------------------------
 
-    def answer(self, packet: Packet, origin: str) -> None:
+    def answer(self, packet: Packet, origin: str) -> None:  # noqa: ARG002
         """Send a packet back through the manager, which all of them come from."""
-        del origin
         self._put(packet.encode())
 
     def transmit(self, packet: Packet) -> bool:

@@ -78,12 +78,11 @@ class Transport(ABC):
             known = [] if messenger is None else messenger.traffic()
             return [peer for peer in known if peer.own == address]
 
-    def is_unheard(self, address: JausAddress) -> bool:
+    def is_unheard(self, address: JausAddress) -> bool:  # noqa: ARG002
         """Return whether a component would have been heard by now if messages reached it.
 
         Only a transport that asks silent components for acknowledgement knows.
         """
-        del address
         return False
 
     def answered(self, address: JausAddress, peer: JausAddress, start: bytes) -> None:
@@ -104,7 +103,11 @@ class Transport(ABC):
                 messenger.outbox.withdraw(address, peer, start)
 
     def datagram(
-        self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
+        self,
+        source: JausAddress,
+        destination: JausAddress,
+        payload: bytes,
+        priority: Priority,
     ) -> tuple[bytes, Endpoint] | None:
         """Return what another process may send for a component, and where, if one does.
 
@@ -113,42 +116,35 @@ class Transport(ABC):
         del source, destination, payload, priority
         return None
 
-    def next_number(self, source: JausAddress, destination: JausAddress) -> int:
+    def next_number(self, source: JausAddress, destination: JausAddress) -> int:  # noqa: ARG002
         """Return the sequence number of the next packet from one component to another."""
-        del source, destination
         return 0
 
     # ---- strangers --------------------------------------------------------------------------
 
-    def is_proved(self, address: JausAddress) -> bool:
+    def is_proved(self, address: JausAddress) -> bool:  # noqa: ARG002
         """Return whether a component has proved where it is, or need not.
 
         Only UDP has addresses that can be forged.
         """
-        del address
         return True
 
-    def place_of(self, address: JausAddress) -> tuple[str, str]:
+    def place_of(self, address: JausAddress) -> tuple[str, str]:  # noqa: ARG002
         """Return the host and the endpoint of a component, as budgets share what there is."""
-        del address
         return "", ""
 
-    def is_kept(self, address: JausAddress) -> bool:
+    def is_kept(self, address: JausAddress) -> bool:  # noqa: ARG002
         """Return whether a component gives way to nobody: it is configured or in control."""
-        del address
         return False
 
-    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:
+    def keep_place(self, owner: JausAddress, address: JausAddress | None) -> None:  # noqa: B027
         """Let the controller of an owner give way to nobody, instead of the one before."""
-        del owner, address
 
-    def when_proved(self, listener: Callable[[JausAddress], None]) -> None:
+    def when_proved(self, listener: Callable[[JausAddress], None]) -> None:  # noqa: B027
         """Call a listener on the loop's thread when a component has proved where it is."""
-        del listener
 
-    def silence_of(self, address: JausAddress) -> float:
+    def silence_of(self, address: JausAddress) -> float:  # noqa: ARG002
         """Return for how many seconds nothing came from a component; infinite if nothing did."""
-        del address
         return math.inf
 
     # ---- messages ---------------------------------------------------------------------------

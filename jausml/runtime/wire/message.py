@@ -111,9 +111,8 @@ class Message:
         """Appends the body; there is none unless a subclass says otherwise."""
 
     @classmethod
-    def read_from(cls: type[MessageT], buffer: bytes, offset: int) -> tuple[MessageT, int]:
+    def read_from(cls: type[MessageT], buffer: bytes, offset: int) -> tuple[MessageT, int]:  # noqa: ARG003
         """Reads the body, none by default; returns the message and the offset after it."""
-        del buffer
         return cls(), offset
 
 

@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from ..ends.topics import Topic, TopicFault
     from ..reports.states import Standing
     from .ages import Age
-    from .command_answer import CommandAnswer
     from .connection import Take
     from .translations import Transcode
 
@@ -243,9 +242,8 @@ class ToTopics(Connection[SourceT, TargetT]):
         named = [(f"peer {peer}", self._state_of(peer)) for peer in self.peers]
         return [*self._peers.describe(), *named]
 
-    def _state_of(self, peer: JausAddress) -> str:
+    def _state_of(self, peer: JausAddress) -> str:  # noqa: ARG002
         """How it stands with a peer, for diagnostics."""
-        del peer
         return "source"
 
 
@@ -262,7 +260,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
         *,
         when: Guard | Callable[[SourceT], Guard] = Guard.ANY,
         rate_cap: float = 0.0,
-        answer: CommandAnswer | None = None,
+        answer: Any = None,
         **options: Any,
     ) -> None:
         """Prepares the connection.
@@ -271,7 +269,7 @@ class MessageToTopics(ToTopics[SourceT, TargetT]):
             when: Whom to obey: commands pass only from the controller of the bridge. A function
                 tells it from the message.
             rate_cap: Messages each second that are taken of one source; 0 means all.
-            answer: How the last command that was passed on is told when somebody asks for it.
+            answer: The `CommandAnswer` of who asks for the last command that was passed on.
         """
         super().__init__(name, translate, **options)
         self._when = when

@@ -140,9 +140,8 @@ class MissionDriver(ListDriver):
 
     # ------------------------------------------------------------------ as a list driver
 
-    def supports(self, element: ListElement) -> bool:
+    def supports(self, element: ListElement) -> bool:  # noqa: ARG002
         """A mission is no list of ListManager."""
-        del element
         return False
 
     def list_changed(self) -> None:

@@ -42,9 +42,8 @@ class WaypointDriver(ListDriver):
         super().__init__(component, messages)
         self._waypoint: ListElement | None = None
 
-    def supports(self, element: ListElement) -> bool:
+    def supports(self, element: ListElement) -> bool:  # noqa: ARG002
         """A waypoint is no list of ListManager."""
-        del element
         return False
 
     def list_changed(self) -> None:

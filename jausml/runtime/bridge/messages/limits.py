@@ -221,8 +221,7 @@ class DropField(Limit[None]):
         """Counts a value that is no number: ROS marks so what is unknown, in every message."""
         self._count(DROP_FIELD, field, "not a number")
 
-    def _outside(self, field: str, reason: str, nearest: T | None) -> None:
-        del nearest
+    def _outside(self, field: str, reason: str, nearest: T | None) -> None:  # noqa: ARG002
         self._count(DROP_FIELD, field, reason)
 
 
@@ -231,8 +230,7 @@ class DropMessage(Limit[NoReturn]):
 
     policy: ClassVar[str] = DROP_MESSAGE
 
-    def _outside(self, field: str, reason: str, nearest: T | None) -> NoReturn:
-        del nearest
+    def _outside(self, field: str, reason: str, nearest: T | None) -> NoReturn:  # noqa: ARG002
         raise OutOfRangeError(field, reason, self.policy)
 
 

@@ -199,9 +199,8 @@ class Listener:
         self._events.append(read)
         self._listen(self._on_event, event, self._events_number)
 
-    def start(self, fail: Callable[[BaseException], None]) -> None:
+    def start(self, fail: Callable[[BaseException], None]) -> None:  # noqa: ARG002
         """Begins to serve what was registered so far; the loop counts what fails there."""
-        del fail
         self._is_started = True
         with self._loop.lock:
             for number, read in self._ready.items():
