@@ -34,17 +34,13 @@ BAD_VALUES = (struct.error, TypeError, ValueError, OverflowError, AttributeError
 
 
 class LightMessage:
-    """A ROS message as a plain object: it has the attributes of the class of ROS, and their names.
-
-    Attributes:
-        TYPE: The type, e.g. `nav_msgs/msg/Odometry`.
-        LAYOUT: The types of the fields by name, in order, as `get_fields_and_field_types` of the
-            class of ROS gives them.
-    """
+    """A ROS message as a plain object, with the attributes of the class of ROS by their names."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
-    TYPE: ClassVar[str]
+    TYPE: ClassVar[str]  # the type, e.g. `nav_msgs/msg/Odometry`
+    # The types of the fields by name, in order, as `get_fields_and_field_types` of the class of ROS
+    # gives them.
     LAYOUT: ClassVar[Layout]
     NESTED: ClassVar[tuple[type[LightMessage], ...]]
     LEAST: ClassVar[int]

@@ -48,29 +48,21 @@ class _State(Enum):
 
 
 class EventStream:
-    """Creates an event, renews it, and creates it again when the provider lost it.
-
-    Attributes:
-        payload: The encoded query.
-        request_id: Marks our requests in the provider's answers.
-        event_id: The provider's id of the event, once confirmed.
-        former_id: The id that it had before, if the provider gave it another one.
-        missing: Reports that did not arrive, by the gaps between their numbers.
-        late: Reports that arrived after newer ones.
-        refusal: Why the provider gives no such event, in its words; empty when it has not refused.
-    """
+    """Creates an event, renews it, and creates it again when the provider lost it."""
 
     def __init__(
         self, client: EventClient, component: Host, provider: JausAddress, payload: bytes
     ) -> None:
         self.component = component
         self.provider = provider
-        self.payload = payload
-        self.request_id = 0
-        self.event_id: int | None = None
+        self.payload = payload  # the encoded query
+        self.request_id = 0  # marks our requests in the provider's answers
+        self.event_id: int | None = None  # the provider's id of the event, once confirmed
+        # The id that it had before, if the provider gave it another one.
         self.former_id: int | None = None
-        self.missing = 0
-        self.late = 0
+        self.missing = 0  # reports that did not arrive, by the gaps between their numbers
+        self.late = 0  # reports that arrived after newer ones
+        # Why the provider gives no such event, in its words; empty when it has not refused.
         self.refusal = ""
         self._client = client
         self._loop = component.loop

@@ -52,24 +52,20 @@ _ALIKE = 0.999
 
 
 class EventSubscription:
-    """One subscriber's share in an event; made by ``JausComponent.subscribe``.
+    """One subscriber's share in an event; made by ``JausComponent.subscribe``."""
 
-    Attributes:
-        rate: Reports each second that the subscriber asked for; None means every change.
-        takes_payloads: Whether the subscriber takes encoded reports.
-        ask: Asks the provider for one report, which `answer` takes.
-    """
-
-    ask: Callable[[float], object]
+    ask: Callable[[float], object]  # asks the provider for one report, which `answer` takes
 
     def __init__(
         self,
         stream: EventStream,
         on_report: Callable[[Any, JausAddress], None],
+        # Reports each second that the subscriber asked for; None means every change.
         rate: float | None,
         silence_timeout: float,
         on_silence: Callable[[], None] | None,
         *,
+        # Whether the subscriber takes encoded reports.
         takes_payloads: bool = False,
     ) -> None:
         """Use ``JausComponent.subscribe`` instead."""

@@ -80,13 +80,7 @@ class Deadlines(Generic[T]):
 
 @dataclass(slots=True, eq=False)
 class PendingQuery:
-    """A query that waits for its report; made by ``Querier.query``.
-
-    Attributes:
-        on_failure: Called when every attempt stayed unanswered.
-        timeout: Seconds to wait before the query is repeated.
-        attempts: How often it may still be sent.
-    """
+    """A query that waits for its report; made by ``Querier.query``."""
 
     _client: QueryClient
     target: JausAddress
@@ -94,9 +88,9 @@ class PendingQuery:
     payload: bytes
     on_report: Callable[[Any, JausAddress], None]
     takes_payloads: bool
-    on_failure: Callable[[], None] | None
-    timeout: float
-    attempts: int
+    on_failure: Callable[[], None] | None  # called when every attempt stayed unanswered
+    timeout: float  # seconds to wait before the query is repeated
+    attempts: int  # how often it may still be sent
 
     def cancel(self) -> None:
         """Wait no longer; neither callback is called."""

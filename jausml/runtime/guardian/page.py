@@ -26,16 +26,7 @@ def steady_ns() -> int:
 
 
 class Page(ctypes.Structure):
-    """The shared memory: each word of it is written by one side alone.
-
-    Attributes:
-        beat: When the bridge was there last, by `steady_ns`; 0 before anything moved.
-        taken: How often the guardian has spoken, or was about to.
-        simulated: Simulated ns when the bridge was there last; 0 where ROS has that of the system.
-        refused: Topics and goals that the guardian cannot stop, as ROS refuses them.
-        armed: By number of stops, whether something stands that they must end.
-        numbers: By slot, the sequence number that its datagram should have.
-    """
+    """The shared memory: each word of it is written by one side alone."""
 
     _fields_ = (
         ("beat", ctypes.c_uint64),
@@ -45,11 +36,14 @@ class Page(ctypes.Structure):
         ("armed", ctypes.c_bool * MOST_STOPS),
         ("numbers", ctypes.c_uint16 * MOST_STOPS),
     )
-    beat: int
-    taken: int
+    beat: int  # when the bridge was there last, by `steady_ns`; 0 before anything moved
+    taken: int  # how often the guardian has spoken, or was about to
+    # Simulated ns when the bridge was there last; 0 where ROS has that of the system.
     simulated: int
-    refused: int
+    refused: int  # topics and goals that the guardian cannot stop, as ROS refuses them
+    # By number of stops, whether something stands that they must end.
     armed: ctypes.Array[ctypes.c_bool]
+    # By slot, the sequence number that its datagram should have.
     numbers: ctypes.Array[ctypes.c_uint16]
 
     @staticmethod

@@ -97,13 +97,6 @@ class AccessControlService:
     """Keeps who controls the component (AS5710, AccessControl, protocol behaviour).
 
     A component that provides AccessControl v1.0 answers ReleaseControl as v1.0 says.
-
-    Attributes:
-        authority: Its authority code; the default authority without a controller.
-        has_lapsed: Whether the last controller let control lapse.
-        kept: Whether the controller keeps control while nobody else may have it.
-        on_lost: Called when control ends, before the controller is told.
-        on_changed: Called when somebody else, or nobody, has become the controller.
     """
 
     urns = frozenset([CORE + "AccessControl"])
@@ -114,13 +107,16 @@ class AccessControlService:
         self._timeout = component.settings.control_timeout
         self._default = component.settings.default_authority
         self.controller: JausAddress | None = None
+        # Its authority code; the default authority without a controller.
         self.authority = self._default
         self.offered = True
         self.managed = True
-        self.has_lapsed = False
-        self.kept = False
+        self.has_lapsed = False  # whether the last controller let control lapse
+        self.kept = False  # whether the controller keeps control while nobody else may have it
         self.emergency_clients: Set[JausAddress] = frozenset()
+        # Called when control ends, before the controller is told.
         self.on_lost: Callable[[], None] = _nothing
+        # Called when somebody else, or nobody, has become the controller.
         self.on_changed: Callable[[], None] = _nothing
         self._refusals = Refusals(component.loop)
         self._is_1_0 = component.core_version("AccessControl") < VERSION_1_1

@@ -60,21 +60,13 @@ class Scope(IntEnum):
 
 @dataclass(frozen=True)
 class HandoffRequest:
-    """Somebody asks for control of a component that this one controls.
+    """Somebody asks for control of a component that this one controls."""
 
-    Attributes:
-        target: The controlled component.
-        number: By which the target knows the request.
-        client: Who asks.
-        authority: The authority code with which it would have control.
-        explanation: Why it asks, for people.
-    """
-
-    target: JausAddress
-    number: int
-    client: JausAddress
-    authority: int
-    explanation: str
+    target: JausAddress  # the controlled component
+    number: int  # by which the target knows the request
+    client: JausAddress  # who asks
+    authority: int  # the authority code with which it would have control
+    explanation: str  # why it asks, for people
 
 
 @dataclass(frozen=True)

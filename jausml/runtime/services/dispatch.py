@@ -44,20 +44,16 @@ class Provision(Generic[Q, R]):
 
 @dataclass(slots=True)
 class Handler:
-    """What acts on an input message.
-
-    Attributes:
-        takes_payload: Whether the action takes the encoded message instead of the decoded one.
-        is_robust: Whether one that does raises nothing and tells itself when it takes too long.
-        counts_each: Whether one that is late is of use still, after newer ones.
-    """
+    """What acts on an input message."""
 
     message_class: type[Message]
     action: Action
     condition: Condition
+    # Whether the action takes the encoded message instead of the decoded one.
     takes_payload: bool = False
+    # Whether one that does raises nothing and tells itself when it takes too long.
     is_robust: bool = False
-    counts_each: bool = True
+    counts_each: bool = True  # whether one that is late is of use still, after newer ones
 
     def guard_for(self, message: Message) -> Guard:
         """Return whom to obey when the message is this one."""

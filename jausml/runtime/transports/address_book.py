@@ -56,21 +56,15 @@ class Doubt(Enum):
 
 @dataclass(slots=True, eq=False)
 class Entry:
-    """Where a component is, when it was heard there last, and when it was asked whether it is.
+    """Where a component is, when it was heard there last, and when it was asked whether it is."""
 
-    Attributes:
-        endpoint: Where it is; nowhere once it is forgotten.
-        heard: When it was heard last; never while it is suspected to be elsewhere.
-        asked: When it was asked last, in doubt.
-        spoke: When it was heard last before it was suspected, or proved where it is.
-        claim: What is owed while it has not proved where it is. It counts as never heard as
-            long, so that nothing goes to it beyond its credit.
-    """
-
-    endpoint: Endpoint
-    heard: float
-    asked: float = -math.inf
+    endpoint: Endpoint  # where it is; nowhere once it is forgotten
+    heard: float  # when it was heard last; never while it is suspected to be elsewhere
+    asked: float = -math.inf  # when it was asked last, in doubt
+    # When it was heard last before it was suspected, or proved where it is.
     spoke: float = -math.inf
+    # What is owed while it has not proved where it is. It counts as never heard as long, so that
+    # nothing goes to it beyond its credit.
     claim: Claim | None = None
 
     @property

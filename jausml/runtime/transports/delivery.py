@@ -32,17 +32,13 @@ class ReceivedMessage(NamedTuple):
 
 @dataclass(slots=True)
 class Arrival:
-    """The message that is being handed over.
+    """The message that is being handed over."""
 
-    Attributes:
-        number: Its sequence number, by which later ones of its source can be told from earlier
-            ones; None where the transport keeps the order, and for what goes to a wildcard.
-        is_sure: Whether it asks for acknowledgement; its repetition rightly comes late.
-        origin: Where it came from, such as an endpoint; another process is heard from elsewhere.
-    """
-
+    # Its sequence number, by which later ones of its source can be told from earlier ones; None
+    # where the transport keeps the order, and for what goes to a wildcard.
     number: int | None = None
-    is_sure: bool = False
+    is_sure: bool = False  # whether it asks for acknowledgement; its repetition rightly comes late
+    # Where it came from, such as an endpoint; another process is heard from elsewhere.
     origin: object = None
 
 
@@ -52,29 +48,22 @@ class PeerTraffic(NamedTuple):
     A message is one packet or, if it is large, several; acknowledgements are not counted. What the
     numbers of the peer tell (``Account``) is exact if it numbers what it sends by destination, as
     components of jausml do, or talks to this component alone. Else ``lost`` is an upper bound.
-
-    Attributes:
-        acknowledged_late: Messages that were acknowledged when they had been given up.
-        answered: Messages whose answer came, and no acknowledgement.
-        unacknowledged: Messages that never were, though they may have arrived.
-        lost: Packets of the peer that were lost on the way.
-        is_exact: Whether the peer is known not to number for all whom it talks to.
     """
 
     own: JausAddress
     peer: JausAddress
     sent: int = 0
     acknowledged: int = 0
-    acknowledged_late: int = 0
-    answered: int = 0
-    unacknowledged: int = 0
+    acknowledged_late: int = 0  # messages that were acknowledged when they had been given up
+    answered: int = 0  # messages whose answer came, and no acknowledgement
+    unacknowledged: int = 0  # messages that never were, though they may have arrived
     came: int = 0
-    lost: int = 0
+    lost: int = 0  # packets of the peer that were lost on the way
     late: int = 0
     doubled: int = 0
     repeated: int = 0
     restarts: int = 0
-    is_exact: bool = False
+    is_exact: bool = False  # whether the peer is known not to number for all whom it talks to
 
 
 class Double(NamedTuple):

@@ -103,11 +103,7 @@ class Transport(ABC):
                 messenger.outbox.withdraw(address, peer, start)
 
     def datagram(
-        self,
-        source: JausAddress,
-        destination: JausAddress,
-        payload: bytes,
-        priority: Priority,
+        self, source: JausAddress, destination: JausAddress, payload: bytes, priority: Priority
     ) -> tuple[bytes, Endpoint] | None:
         """Return what another process may send for a component, and where, if one does.
 

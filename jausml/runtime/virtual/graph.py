@@ -42,13 +42,7 @@ def type_name(ros_type: RosType) -> str:
 
 
 class GraphPublisher:
-    """A publisher.
-
-    Attributes:
-        subscriptions: Connected subscriptions.
-        unmatched: Messages published while there was none; whoever publishes counts.
-        kept: Data and publication time, in nanoseconds since 1970, for late subscriptions.
-    """
+    """A publisher."""
 
     def __init__(
         self,
@@ -65,9 +59,10 @@ class GraphPublisher:
         self.on_matched = on_matched
         self.health = health
         self.publish: Callable[[bytes], None] = self._publish
-        self.unmatched = 0
-        self.subscriptions: list[GraphSubscription] = []
+        self.unmatched = 0  # messages published while there was none; whoever publishes counts
+        self.subscriptions: list[GraphSubscription] = []  # connected subscriptions
         size = MOST_KEPT if qos.history == "keep_all" else qos.depth
+        # Data and publication time, in nanoseconds since 1970, for late subscriptions.
         self.kept: deque[tuple[bytes, int]] = deque(maxlen=size)
 
     @property

@@ -184,20 +184,16 @@ def greatest(letter: str) -> int:
 
 @dataclass(frozen=True)
 class Scalar:
-    """A field of a fixed size.
+    """A field of a fixed size."""
 
-    Attributes:
-        format: Its format for `struct`.
-        put: Returns what is packed of a value; it is also given the attribute that an error names.
-        get: Returns the value of what was unpacked; None for that itself.
-        limits: Least and greatest value of an integer that is packed as it is; None for others.
-        is_narrow: Whether its bytes can hold more than these, which packing does not find.
-    """
-
-    format: str
+    format: str  # its format for `struct`
+    # Returns what is packed of a value; it is also given the attribute that an error names.
     put: Callable[[Any, str], Any]
+    # Returns the value of what was unpacked; None for that itself.
     get: Callable[[Any], Any] | None = None
+    # Least and greatest value of an integer that is packed as it is; None for others.
     limits: tuple[int, int] | None = None
+    # Whether its bytes can hold more than these, which packing does not find.
     is_narrow: bool = False
 
 
@@ -236,15 +232,10 @@ def bits(size: int, bit_field: Any) -> Scalar:
 
 @dataclass(frozen=True)
 class Counted:
-    """Bytes, or a string of Latin-1, behind their number.
+    """Bytes, or a string of Latin-1, behind their number."""
 
-    Attributes:
-        format: Format of the number for `struct`.
-        least: Fewest bytes that may be sent.
-    """
-
-    format: str
-    least: int = 0
+    format: str  # format of the number for `struct`
+    least: int = 0  # fewest bytes that may be sent
     is_text: bool = False
 
     @property

@@ -30,18 +30,14 @@ TargetT = TypeVar("TargetT", bound="Message")
 
 
 class Sink:
-    """How messages are handed over now, and the latest one that was.
-
-    Attributes:
-        deliver: Hands a message over; False when it was dropped and counted.
-        latest: When the last message was published, in nanoseconds by the clock of its publisher,
-            and when it was taken, by the clock of the bridge.
-    """
+    """How messages are handed over now, and the latest one that was."""
 
     __slots__ = ("deliver", "latest")
 
     def __init__(self, deliver: Callable[[bytes], bool | None]) -> None:
-        self.deliver = deliver
+        self.deliver = deliver  # hands a message over; False when it was dropped and counted
+        # When the last message was published, in nanoseconds by the clock of its publisher, and
+        # when it was taken, by the clock of the bridge.
         self.latest = 0, 0.0
 
 

@@ -81,17 +81,11 @@ class RateCap:
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """What shall pass.
+    """What shall pass."""
 
-    Attributes:
-        max_rate: Most messages each second; 0 means all.
-        decimation: Every how many messages one passes.
-        age_limit: Seconds after which a message is too old; 0 means never.
-    """
-
-    max_rate: float = 0.0
-    decimation: int = 1
-    age_limit: float = 0.0
+    max_rate: float = 0.0  # most messages each second; 0 means all
+    decimation: int = 1  # every how many messages one passes
+    age_limit: float = 0.0  # seconds after which a message is too old; 0 means never
 
     @property
     def is_plain(self) -> bool:

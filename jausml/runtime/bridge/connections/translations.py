@@ -139,17 +139,11 @@ def ros_encoder(ros: RosSide, message_type: type[Any]) -> Callable[[Any], bytes]
 
 @dataclass(frozen=True)
 class NamedPlaces:
-    """Elements that a translation takes by place, and that messages have in any order.
+    """Elements that a translation takes by place, and that messages have in any order."""
 
-    Attributes:
-        keys: The field with the name of each element, such as `name` of sensor_msgs/JointState.
-        names: The names, in the order of the places.
-        arrays: The fields whose elements the translation takes.
-    """
-
-    keys: str
-    names: tuple[str, ...]
-    arrays: tuple[str, ...]
+    keys: str  # the field with the name of each element, such as `name` of sensor_msgs/JointState
+    names: tuple[str, ...]  # the names, in the order of the places
+    arrays: tuple[str, ...]  # the fields whose elements the translation takes
 
     def ordered(self, source: Any, by_name: Callable[..., list[Any]]) -> Any:
         """Returns a message with its elements in order; one that names none is as it should be.

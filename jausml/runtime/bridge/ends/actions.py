@@ -47,24 +47,16 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class ListAction:
-    """A ROS action whose goal is a list.
+    """A ROS action whose goal is a list."""
 
-    Attributes:
-        type_name: Its type, e.g. `nav2_msgs/action/FollowWaypoints`.
-        goal: Path of the array of the goal that has the elements.
-        progress: Path of the number of the feedback that says how far the list is done; empty for
-            none.
-        counting: What that number says.
-        reason: Path of the string of the result that says why the list was not done; empty for
-            none.
-    """
-
-    type_name: str
+    type_name: str  # its type, e.g. `nav2_msgs/action/FollowWaypoints`
     name: str
     element: type[Any]
-    goal: str
+    goal: str  # path of the array of the goal that has the elements
+    # Path of the number of the feedback that says how far the list is done; empty for none.
     progress: str = ""
-    counting: Progress = Progress.INDEX
+    counting: Progress = Progress.INDEX  # what that number says
+    # Path of the string of the result that says why the list was not done; empty for none.
     reason: str = ""
 
 

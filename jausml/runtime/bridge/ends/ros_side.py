@@ -107,33 +107,20 @@ class RosSide(Protocol):
 
 @dataclass
 class Feed:
-    """A subscription, as a core is told of it.
+    """A subscription, as a core is told of it."""
 
-    Attributes:
-        address: Where the client library has it.
-        descriptor: The eventfd that says how many messages wait.
-        age_limit: Nanoseconds after which a message that waits is too old; 0 means never.
-        expected: The number of the next message.
-    """
-
-    address: int
-    descriptor: int
-    age_limit: int
+    address: int  # where the client library has it
+    descriptor: int  # the eventfd that says how many messages wait
+    age_limit: int  # nanoseconds after which a message that waits is too old; 0 means never
     counts: TopicCounts
-    expected: int = 0
+    expected: int = 0  # the number of the next message
 
 
 class Other(NamedTuple):
-    """A message that is not usual, which a core has taken.
-
-    Attributes:
-        number: That of its publisher; None where the middleware does not tell it.
-        received: When, in nanoseconds since 1970, as when it was published.
-        left: How many more wait.
-    """
+    """A message that is not usual, which a core has taken."""
 
     data: bytes
-    number: int | None
-    received: int
+    number: int | None  # that of its publisher; None where the middleware does not tell it
+    received: int  # when, in nanoseconds since 1970, as when it was published
     published: int
-    left: int
+    left: int  # how many more wait

@@ -57,21 +57,16 @@ class Published:
 
 @dataclass(slots=True)
 class TopicCounts:
-    """What happened to the messages of a subscription.
+    """What happened to the messages of a subscription."""
 
-    Attributes:
-        taken: Messages taken from its queue.
-        lost: Messages that were overwritten in the queue, or whose lifespan ended there, before
-            they were taken: the bridge was too slow. Only a listener tells them, no wait set.
-        missed: Messages that were published and never taken, those of `lost` included. Publishers
-            number their messages, but do not sign them: it is told only while there is one.
-        too_old: Messages taken and dropped because they had waited too long.
-    """
-
-    taken: int = 0
+    taken: int = 0  # messages taken from its queue
+    # Messages that were overwritten in the queue, or whose lifespan ended there, before they were
+    # taken: the bridge was too slow. Only a listener tells them, no wait set.
     lost: int = 0
+    # Messages that were published and never taken, those of `lost` included. Publishers number
+    # their messages, but do not sign them: it is told only while there is one.
     missed: int = 0
-    too_old: int = 0
+    too_old: int = 0  # messages taken and dropped because they had waited too long
 
 
 @dataclass(frozen=True)
@@ -84,20 +79,15 @@ class Topic:
 
 @dataclass(frozen=True)
 class RosService:
-    """A service of ROS.
-
-    Attributes:
-        type_name: Its type, e.g. `std_srvs/srv/SetBool`.
-        success: Path of the bool of the response that tells whether all went well; may be empty.
-        reason: Path of the text of the response that tells why not; may be empty.
-    """
+    """A service of ROS."""
 
     name: str
-    type_name: str
+    type_name: str  # its type, e.g. `std_srvs/srv/SetBool`
     request: type[LightMessage]
     response: type[LightMessage]
+    # Path of the bool of the response that tells whether all went well; may be empty.
     success: str = ""
-    reason: str = ""
+    reason: str = ""  # path of the text of the response that tells why not; may be empty
 
 
 class ParameterError(JausError):

@@ -70,17 +70,13 @@ class AbsentFieldError(JausError):
 
 
 class OutOfRangeError(JausError):
-    """A value that the target field cannot carry, and that drops the message.
-
-    Attributes:
-        field: The field, as the model names it.
-        policy: What was to be done: `drop_message`, `error`, or `not_clampable` for a value that
-            should be clamped and has no nearest legal value.
-    """
+    """A value that the target field cannot carry, and that drops the message."""
 
     def __init__(self, field: str, reason: str, policy: str = "drop_message") -> None:
         super().__init__(f"{field}: {reason}")
-        self.field = field
+        self.field = field  # the field, as the model names it
+        # What was to be done: `drop_message`, `error`, or `not_clampable` for a value that should
+        # be clamped and has no nearest legal value.
         self.policy = policy
 
 

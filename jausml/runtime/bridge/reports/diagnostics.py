@@ -53,33 +53,25 @@ _LEVELS = {Status.EMERGENCY: "warning", Status.FAILURE: "error"}
 
 @dataclass(slots=True)
 class Statistics:
-    """Counts of one connection. Times are those of a steady clock.
-
-    Attributes:
-        alone: Messages of those that passed that a compiled core has passed on alone.
-        thinned: Messages that gave way to others, as the model or parameters want it.
-        safe_values: Safe values sent because the source was lost.
-        out_of_range: Values that their target field could not carry, by policy and field.
-        failures: What was wrong with the first message of each reason that no message passes for.
-        withheld: Messages that were passed on to other peers, but not to one that did not obey.
-        last_arrival: Seconds, None before the first message.
-        heard: When the source last said something usable, or silence was last looked for.
-    """
+    """Counts of one connection. Times are those of a steady clock."""
 
     arrivals: int = 0
     passed: int = 0
-    alone: int = 0
-    thinned: int = 0
-    safe_values: int = 0
+    alone: int = 0  # messages of those that passed that a compiled core has passed on alone
+    thinned: int = 0  # messages that gave way to others, as the model or parameters want it
+    safe_values: int = 0  # safe values sent because the source was lost
     stops: dict[StopReason, int] = field(default_factory=dict)
     limited: int = 0
+    # Values that their target field could not carry, by policy and field.
     out_of_range: dict[tuple[str, str], int] = field(default_factory=dict)
     errors: int = 0
     drops: dict[str, int] = field(default_factory=dict)
+    # What was wrong with the first message of each reason that no message passes for.
     failures: dict[str, str] = field(default_factory=dict)
+    # Messages that were passed on to other peers, but not to one that did not obey.
     withheld: dict[JausAddress, int] = field(default_factory=dict)
-    last_arrival: float | None = None
-    heard: float = 0.0
+    last_arrival: float | None = None  # seconds, None before the first message
+    heard: float = 0.0  # when the source last said something usable, or silence was last looked for
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,26 +225,22 @@ FAILURES = frozenset([FAILED, *(reason for _, reason in _REASONS)])
 
 
 class Limiting:
-    """What translations call for values that may not fit, and what counts those that do not.
-
-    Attributes:
-        drop_field: Leaves fields out whose value is out of range.
-        drop_message: Drops messages with a value out of range.
-        error: Does the same, as an error.
-        filters: Whether `drop_message` is how messages are chosen, so that it is nothing to tell.
-    """
+    """What translations call for values that may not fit, and what counts those that do not."""
 
     name: str
     statistics: Statistics
     counters: Counters
+    # Whether `drop_message` is how messages are chosen, so that it is nothing to tell.
     filters: bool = False
 
     def __init__(self) -> None:
         """Counts in the statistics alone until the bridge is open."""
         self.clamp = limits.Clamp(self._note_out_of_range)
+        # Leaves fields out whose value is out of range.
         self.drop_field = limits.DropField(self._note_out_of_range)
+        # Drops messages with a value out of range.
         self.drop_message = limits.DropMessage(self._note_out_of_range)
-        self.error = limits.Error(self._note_out_of_range)
+        self.error = limits.Error(self._note_out_of_range)  # does the same, as an error
         self._is_open = False
 
     def by_name(

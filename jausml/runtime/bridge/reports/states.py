@@ -108,29 +108,17 @@ _SILENCES = (StopReason.SILENCE, StopReason.CLOCK)
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What is known of a connection. Texts are empty for what is well.
+    """What is known of a connection. Texts are empty for what is well."""
 
-    Attributes:
-        error: What is wrong with the values that it is given.
-        fault: What is wrong with its topics.
-        lacking: Which other end is not there.
-        failing: Why none of the latest messages could be passed on.
-        stopped: Why no messages of the source stand.
-        forbidden: Why nothing may be passed on now.
-        is_heard: Whether a message ever came.
-        refusal: Why nobody at the other end obeys.
-        complaint: What is not as it should be, though messages pass.
-    """
-
-    error: str = ""
-    fault: str = ""
-    lacking: str = ""
-    failing: str = ""
-    stopped: StopReason | None = None
-    forbidden: str = ""
-    is_heard: bool = True
-    refusal: str = ""
-    complaint: str = ""
+    error: str = ""  # what is wrong with the values that it is given
+    fault: str = ""  # what is wrong with its topics
+    lacking: str = ""  # which other end is not there
+    failing: str = ""  # why none of the latest messages could be passed on
+    stopped: StopReason | None = None  # why no messages of the source stand
+    forbidden: str = ""  # why nothing may be passed on now
+    is_heard: bool = True  # whether a message ever came
+    refusal: str = ""  # why nobody at the other end obeys
+    complaint: str = ""  # what is not as it should be, though messages pass
 
 
 class Judgement(NamedTuple):

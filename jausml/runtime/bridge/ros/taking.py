@@ -27,21 +27,16 @@ _KEPT_BY_ALL = 5000
 
 @dataclass(frozen=True)
 class Subscription:
-    """A subscription and what takes its messages.
-
-    Attributes:
-        depth: Messages that it keeps; 0 means all.
-        take: Is given each serialized message, and the time in nanoseconds at which it was
-            published, by the clock of its publisher.
-        age_limit: Nanoseconds after which a message that waits is too old; 0 means never.
-    """
+    """A subscription and what takes its messages."""
 
     handle: Any
     matched: Any
     message_class: type[Any]
-    depth: int
+    depth: int  # messages that it keeps; 0 means all
+    # Is given each serialized message, and the time in nanoseconds at which it was published, by
+    # the clock of its publisher.
     take: Callable[[bytes, int], None]
-    age_limit: int
+    age_limit: int  # nanoseconds after which a message that waits is too old; 0 means never
     counts: TopicCounts
 
 

@@ -44,21 +44,16 @@ class Account:
     numbers beyond its last looks as if so many were lost. Where the sender counts for all it talks
     to, and not for each component, what it sent to others looks lost: ``lost`` is an upper bound
     then.
-
-    Attributes:
-        late: Those of them that came after newer ones.
-        doubled: Packets that came again soon, and were dropped as duplicates.
-        repeated: Packets that came again, too late to be known as duplicates.
-        is_exact: Whether the sender surely does not number for all that it talks to: its numbers
-            of packets to wildcards, which a single count would have taken among these, are others.
-            Where this is not known, what was lost is an upper bound.
     """
 
     came: int = 0
-    late: int = 0
-    doubled: int = 0
-    repeated: int = 0
+    late: int = 0  # those of them that came after newer ones
+    doubled: int = 0  # packets that came again soon, and were dropped as duplicates
+    repeated: int = 0  # packets that came again, too late to be known as duplicates
     restarts: int = 0
+    # Whether the sender surely does not number for all that it talks to: its numbers of packets to
+    # wildcards, which a single count would have taken among these, are others. Where this is not
+    # known, what was lost is an upper bound.
     is_exact: bool = False
     _counted: int = 0  # of the numbers that are remembered, the oldest of which are counted
     _compared: float = -math.inf  # time of the packet to a wildcard that was looked at last

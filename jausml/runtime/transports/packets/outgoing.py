@@ -176,26 +176,18 @@ _SINGLES_UNDER_WAY = 32
 
 @dataclass(slots=True, eq=False)
 class Message:
-    """A message whose packets are sent, each until it is acknowledged.
-
-    Attributes:
-        on_result: Told once whether all packets were acknowledged.
-        latest: Time until which it is worth to begin with it.
-        is_best_effort: Whether its packets go as many at once as the receiver takes; others one
-            after the other, as Junior sends them.
-        is_urgent: Whether it is sent at once, however much is under way.
-        is_repeated: Whether a packet of it had to be repeated.
-        under_way: How many of these are not acknowledged yet.
-    """
+    """A message whose packets are sent, each until it is acknowledged."""
 
     packets: list[Packet]
-    on_result: OnResult | None
+    on_result: OnResult | None  # told once whether all packets were acknowledged
+    # Whether its packets go as many at once as the receiver takes; others one after the other, as
+    # Junior sends them.
     is_best_effort: bool = False
-    is_urgent: bool = False
-    is_repeated: bool = False
-    latest: float = math.inf
+    is_urgent: bool = False  # whether it is sent at once, however much is under way
+    is_repeated: bool = False  # whether a packet of it had to be repeated
+    latest: float = math.inf  # time until which it is worth to begin with it
     sent: int = 0
-    under_way: int = 0
+    under_way: int = 0  # how many of these are not acknowledged yet
     size: int = field(init=False)
     is_large: bool = field(init=False)
 

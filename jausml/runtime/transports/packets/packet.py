@@ -62,23 +62,17 @@ class DataFlags(IntEnum):
 
 
 class Packet(NamedTuple):
-    """One message of the transport: a whole JAUS message, a fragment, or an acknowledgement.
-
-    Attributes:
-        payload: Message code and body, a part of them, or nothing in an acknowledgement.
-        sequence: Number of the packet among those of its source, modulo 65536.
-        message_type: 0 for a JAUS message; others are reserved.
-    """
+    """One message of the transport: a whole JAUS message, a fragment, or an acknowledgement."""
 
     destination: JausAddress
     source: JausAddress
-    payload: bytes = b""
-    sequence: int = 0
+    payload: bytes = b""  # message code and body, a part of them, or nothing in an acknowledgement
+    sequence: int = 0  # number of the packet among those of its source, modulo 65536
     priority: Priority = Priority.STANDARD
     broadcast: Broadcast = Broadcast.NONE
     acknowledge: AckNak = AckNak.NONE
     data_flags: DataFlags = DataFlags.SINGLE
-    message_type: int = 0
+    message_type: int = 0  # 0 for a JAUS message; others are reserved
 
     @property
     def flags(self) -> int:
