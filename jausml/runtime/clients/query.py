@@ -112,8 +112,8 @@ class QueryClient:
                 component.call(pending.on_failure)
             return
         pending.attempts -= 1
-        pending.timer.set(pending.timeout, partial(self._send, pending))
         component.transport.send(component.address, pending.target, pending.payload)
+        pending.timer.set(pending.timeout, partial(self._send, pending))
 
     def _reported(self, queries: list[PendingQuery], payload: bytes, sender: JausAddress) -> None:
         """Give a report to the first query that waits for one of its sender."""
@@ -126,12 +126,14 @@ class QueryClient:
         except DecodeError as error:  # it goes on waiting
             self._count_bad(report_class, sender, error)
             return
-        self.forget(pending)
+        queries.remove(pending)
         if pending.takes_payloads:
             on_bad = partial(self._count_bad, report_class)
             self.component.payload_caller(pending.on_report, on_bad)(payload, sender)
         else:
             self.component.call(pending.on_report, report, sender)
+        # At last, as it is no part of the latency.
+        pending.timer.cancel()
 
     def _count_bad(
         self, report_class: type[Message], sender: JausAddress, error: DecodeError
