@@ -41,27 +41,12 @@ class Core:
     module: str
     digest: str
 
-    def function(
-        self,
-        name: str,
-        *,
-        quantities: Sequence[str] = (),
-        texts: Sequence[str] = (),
-        joins: Sequence[str] = (),
-        needs_clock: bool = False,
-        unknown: Sequence[str] = (),
-    ) -> Callable[[MethodT], MethodT]:
+    def function(self, name: str, **fields: Any) -> Callable[[MethodT], MethodT]:
         """Returns a decorator: a method with a compiled form, which an override does not have.
 
-        Args:
-            quantities: Attributes of the bridge that are numbers, as the function is given them.
-            texts: Attributes of the bridge that are texts.
-            joins: Parameters that are joined messages.
-            needs_clock: Whether it is told the present time.
-            unknown: Paths of fields that it leaves out where their value is no number.
+        What it is given besides the message are fields of `Compiled`.
         """
-        live = tuple(quantities), tuple(texts), tuple(joins)
-        form = Compiled(self, name, *live, needs_clock, tuple(unknown))
+        form = Compiled(self, name, **fields)
 
         def mark(method: MethodT) -> MethodT:
             vars(method)["compiled"] = form
@@ -89,15 +74,17 @@ class Core:
 
 @dataclass(frozen=True)
 class Compiled:
-    """What a method has besides itself; `Core.function` says what its attributes are."""
+    """What a method has besides itself."""
 
     core: Core
     name: str
-    quantities: tuple[str, ...]
-    texts: tuple[str, ...]
-    joins: tuple[str, ...]
-    needs_clock: bool
-    unknown: tuple[str, ...]
+    quantities: tuple[
+        str, ...
+    ] = ()  # attributes of the bridge that are numbers, as it is given them
+    texts: tuple[str, ...] = ()  # attributes of the bridge that are texts
+    joins: tuple[str, ...] = ()  # parameters that are joined messages
+    needs_clock: bool = False  # whether it is told the present time
+    unknown: tuple[str, ...] = ()  # fields that it leaves out where their value is no number
 
     def of(self, bridge: Any, library: ctypes.CDLL, note: Callable[[str], None]) -> Function:
         """Returns the function of a bridge; fields left out, as they are no number, are noted."""
