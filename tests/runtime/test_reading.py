@@ -15,8 +15,7 @@ from jausml.runtime.base.counters import Counters
 from jausml.runtime.base.loop import Loop
 from jausml.runtime.base.settings import TransportSettings
 from jausml.runtime.transports.packets.packet import AckNak, Packet
-from jausml.runtime.transports.udp.judp import JudpTransport
-from jausml.runtime.transports.udp.reading import KernelDrops
+from jausml.runtime.transports.udp.judp import JudpTransport, KernelDrops
 
 pytestmark = pytest.mark.ports
 

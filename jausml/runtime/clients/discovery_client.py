@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..base.address import BROADCAST, JausAddress
 from ..base.quirks import Quirk
 from ..messages import QueryServiceList, QueryServices, ReportServiceList, ReportServices
-from ..services.discovery_messages import services_of
+from ..services.discovery import services_of
 from .registration import Registration
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from ..base.address import BROADCAST
 from ..base.clocks import Alarm
 from ..messages import QueryIdentification, ReportIdentification
 from ..services.definitions import CORE, Scope
-from ..services.discovery_messages import register_services
+from ..services.discovery import register_services
 
 if TYPE_CHECKING:
     from collections.abc import Callable

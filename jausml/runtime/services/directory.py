@@ -14,7 +14,7 @@ from ..messages import (
     ReportSubsystemList,
 )
 from .definitions import Scope, ServiceIdentity
-from .discovery_messages import MAX_LIST, component_record, grouped, services_of
+from .discovery import MAX_LIST, component_record, grouped, services_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -26,8 +26,7 @@ if TYPE_CHECKING:
     from ...component.base import Component
     from ...transports.address_book import Entry
     from ...transports.packets.duplicates import Numbers
-    from ...transports.udp.judp import JudpTransport
-    from ...transports.udp.reading import Receiver
+    from ...transports.udp.judp import JudpTransport, Receiver
     from .library import Library, Order, Waited
 
 # Offsets in a datagram of one message (AS5669A): version, type, size, flags, ends, payload.
