@@ -13,8 +13,7 @@ from ..base.clocks import Alarm
 from ..base.counters import LOGGER
 from ..conversions import Time
 from . import process
-from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, frame, steady_ns
-from .slots import Slots
+from .page import MOST_OF_A_FRAME, MOST_STOPS, Page, Slots, frame, steady_ns
 
 if TYPE_CHECKING:
     from collections.abc import Callable

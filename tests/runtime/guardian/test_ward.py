@@ -14,8 +14,7 @@ from guardians import guardian_of
 
 from jausml.runtime.base.address import JausAddress
 from jausml.runtime.base.loop import Loop
-from jausml.runtime.guardian.page import MOST_OF_A_FRAME, MOST_STOPS, Page
-from jausml.runtime.guardian.slots import Slots
+from jausml.runtime.guardian.page import MOST_OF_A_FRAME, MOST_STOPS, Page, Slots
 from jausml.runtime.guardian.ward import Ward
 
 PATIENCE = 20.0
