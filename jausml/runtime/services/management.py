@@ -67,7 +67,7 @@ class ManagementService:
         self.status = Status.INITIALIZE
         access.managed = False
         access.emergency_clients = self._emergencies
-        access.on_lost = self._control_lost
+        access.on_lost = self.stand_by
 
     def attach(self) -> None:
         """Take the messages of Management."""
@@ -261,10 +261,6 @@ class ManagementService:
                 self._access.drop(Reject.CONTROL_RELEASED)
             self._enter(status if status in FINAL else Status.STANDBY)
             self._tell(self._component.address, active=False)
-
-    def _control_lost(self) -> None:
-        if self.status is Status.READY:
-            self._enter(Status.STANDBY)
 
     def _enter(self, status: Status) -> None:
         former, self.status = self.status, status

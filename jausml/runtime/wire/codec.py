@@ -18,13 +18,14 @@ if TYPE_CHECKING:
     from datetime import datetime
 
 T = TypeVar("T")
+NumberT = TypeVar("NumberT", int, float)
 
 # Part of a step by which floating point may miss an integer that was decoded before.
 _SLACK = 1e-3
 
 
-def integer(value: int, lower: int, upper: int, field: str) -> int:
-    """Returns an integer that lies in its range."""
+def integer(value: NumberT, lower: NumberT, upper: NumberT, field: str) -> NumberT:
+    """Returns an integer, or a real number, that lies in its range."""
     try:
         if lower <= value <= upper:
             return value
@@ -59,14 +60,7 @@ def whole_of(value: float, ranges: Sequence[tuple[int, int]], field: str) -> int
     return one_of(whole(value, ranges[0][0], ranges[-1][1], field), ranges, field)
 
 
-def real(value: float, lower: float, upper: float, field: str) -> float:
-    """Returns a real number that lies in its range."""
-    try:
-        if lower <= value <= upper:
-            return value
-    except TypeError:
-        raise EncodeError(field, f"{value!r} is not a number") from None
-    raise EncodeError(field, f"{value!r} is outside {lower} .. {upper}")
+real = integer
 
 
 def scaled(value: float, lower: float, step: float, maximum: int, field: str) -> int:

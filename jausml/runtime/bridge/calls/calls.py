@@ -242,8 +242,7 @@ class Calls(Generic[CallT, AskingT]):
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
         """Counts a call that came to nothing."""
-        drops = self.statistics.drops
-        drops[reason] = drops.get(reason, 0) + 1
+        self.statistics.drops[reason] += 1
         self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
     def _set_timeout(self, seconds: float) -> None:

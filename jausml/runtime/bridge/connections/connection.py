@@ -15,13 +15,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from ..ends import parameters
+from ..light_message import is_light
 from ..messages.compiled import compiled_of
 from ..reports.diagnostics import Latency
 from ..reports.states import StopReason
 from .ages import Backlog
 from .reporting import Reporting
 from .shaping import Shape, Shaping
-from .translations import Form, compiled_first, override_of, transcoder, with_joins
+from .translations import (
+    Form,
+    compiled_first,
+    override_of,
+    transcoder,
+    uses_ros_classes,
+    with_joins,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -45,6 +53,8 @@ _PLAIN = Shape()  # everything passes when it comes
 
 class Connection(Reporting, Generic[SourceT, TargetT]):
     """What the connections of both directions have in common."""
+
+    _type: type[Any]  # light or of rclpy: the class of the ROS messages
 
     def __init__(
         self,
@@ -83,10 +93,6 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
 
     def decoder(self) -> Callable[[bytes], SourceT]:
         """Returns what makes the objects that the readable translation is given."""
-        raise NotImplementedError
-
-    def classes(self) -> Form:
-        """Returns which classes the translation works on."""
         raise NotImplementedError
 
     def pass_on(self, data: bytes, origin: Any) -> None:
@@ -190,7 +196,8 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         return super().stop(reason)
 
     def _made_transcode(self) -> Transcode:
-        self.form = self.classes()
+        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
+        self.form = Form.ROS_CLASSES if is_real else Form.LIGHT
         self.override = override_of(self._translate)
         transcode = transcoder(
             self._translate,
@@ -242,8 +249,7 @@ class Connection(Reporting, Generic[SourceT, TargetT]):
         The log does not tell what an inactive bridge drops, as somebody wants it so.
         """
         if reason is StopReason.INACTIVE:
-            drops = self.statistics.drops
-            drops[INACTIVE] = drops.get(INACTIVE, 0) + 1
+            self.statistics.drops[INACTIVE] += 1
         elif reason is not StopReason.END:
             self.drop(NOT_READY, reason.value)
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from ...base.fast_path import FastSending, through
 from ..ends import parameters
-from ..light_message import is_light
 from ..reports.diagnostics import FILTERED, LOST_IN_QUEUE, MISSED, TOO_OLD, age_of_time
 from .ages import ros_age
 from .connection import Connection
@@ -155,11 +154,6 @@ class FromTopics(Connection[SourceT, TargetT]):
     def encode(self, target: TargetT) -> bytes:
         """Encodes a JAUS message."""
         return target.encode()
-
-    def classes(self) -> Form:
-        """Returns which classes the translation is given objects of."""
-        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
-        return Form.ROS_CLASSES if is_real else Form.LIGHT
 
     def age(self, data: bytes, origin: Any) -> int | None:  # noqa: ARG002
         """Returns the age of a message by the stamp of its publisher."""

@@ -184,8 +184,7 @@ class Stopping(Limiting):
         # First the core is stopped, so that no older command follows the stop.
         self.note_case()
         if stood:
-            counts = self.statistics.stops
-            counts[reason] = counts.get(reason, 0) + 1
+            self.statistics.stops[reason] += 1
             self.send_safe_value(self.deliver_stop)
         # Only after the stop was sent: until then the guardian must say it if this process dies.
         if self._guarded is not None:

@@ -164,9 +164,7 @@ class TopicsToMessage(FromTopics[SourceT, TargetT]):
         if not self._senders:
             self.drop(NOT_READY, ", ".join(map(str, self._refusing)))
             return False
-        withheld = self.statistics.withheld
-        for peer in self._refusing:
-            withheld[peer] = withheld.get(peer, 0) + 1
+        self.statistics.withheld.update(self._refusing)
         return True
 
     def deliver_stop(self, payload: bytes) -> bool:

@@ -11,13 +11,12 @@ from ...clients.peer_binding import PeerBinding
 from ...services.definitions import Guard, Status
 from ..ends import parameters
 from ..ends.ends import Taker
-from ..light_message import is_light
 from ..reports.diagnostics import FILTERED, UNHEARD, age_of_stamp
 from ..reports.states import StopReason
 from .ages import jaus_age
 from .connection import Connection
 from .shaping import RateCap
-from .translations import Form, ros_encoder, uses_ros_classes
+from .translations import Form, ros_encoder
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -114,11 +113,6 @@ class ToTopics(Connection[SourceT, TargetT]):
     def encode(self, target: TargetT) -> bytes:
         """Serializes a ROS message."""
         return self._encode(target)
-
-    def classes(self) -> Form:
-        """Returns which classes the translation makes objects of."""
-        is_real = uses_ros_classes(self._translate) or not is_light(self._type)
-        return Form.ROS_CLASSES if is_real else Form.LIGHT
 
     def pass_on(self, data: bytes, origin: Any) -> None:  # noqa: ARG002
         """Translates a message and publishes it."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections import deque
+from collections import Counter, deque
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -60,16 +60,16 @@ class Statistics:
     alone: int = 0  # messages of those that passed that a compiled core has passed on alone
     thinned: int = 0  # messages that gave way to others, as the model or parameters want it
     safe_values: int = 0  # safe values sent because the source was lost
-    stops: dict[StopReason, int] = field(default_factory=dict)
+    stops: Counter[StopReason] = field(default_factory=Counter)
     limited: int = 0
     # Values that their target field could not carry, by policy and field.
-    out_of_range: dict[tuple[str, str], int] = field(default_factory=dict)
+    out_of_range: Counter[tuple[str, str]] = field(default_factory=Counter)
     errors: int = 0
-    drops: dict[str, int] = field(default_factory=dict)
+    drops: Counter[str] = field(default_factory=Counter)
     # What was wrong with the first message of each reason that no message passes for.
     failures: dict[str, str] = field(default_factory=dict)
     # Messages that were passed on to other peers, but not to one that did not obey.
-    withheld: dict[JausAddress, int] = field(default_factory=dict)
+    withheld: Counter[JausAddress] = field(default_factory=Counter)
     last_arrival: float | None = None  # seconds, None before the first message
     heard: float = 0.0  # when the source last said something usable, or silence was last looked for
 
@@ -251,8 +251,7 @@ class Limiting:
 
     def drop(self, reason: str, detail: str = "", error: Exception | None = None) -> None:
         """Counts a message that is not passed on."""
-        drops = self.statistics.drops
-        drops[reason] = drops.get(reason, 0) + 1
+        self.statistics.drops[reason] += 1
         self.counters.count(f"bridge.{self.name}.{reason}", detail, error=error)
 
     def refuse(self, reason: str, detail: str = "") -> None:
@@ -267,8 +266,7 @@ class Limiting:
         JAUS field carries. One that is clamped stands for another one, of which the log tells once
         and the end of the process again. What is dropped goes into the log.
         """
-        counts = self.statistics.out_of_range
-        counts[policy, field] = counts.get((policy, field), 0) + 1
+        self.statistics.out_of_range[policy, field] += 1
         self.statistics.limited += policy == limits.CLAMP
         if not self._is_open:  # a translation that is tried
             return
@@ -288,9 +286,9 @@ class Limiting:
         """Counts a message that is not passed on because of one of its values."""
         drops = self.statistics.drops
         if self.filters and error.policy == limits.DROP_MESSAGE:
-            drops[FILTERED] = drops.get(FILTERED, 0) + 1
+            drops[FILTERED] += 1
             return
-        drops[OUT_OF_RANGE] = drops.get(OUT_OF_RANGE, 0) + 1
+        drops[OUT_OF_RANGE] += 1
         self.statistics.errors += error.policy == limits.ERROR
         self._note_out_of_range(error.policy, error.field, str(error))
 
