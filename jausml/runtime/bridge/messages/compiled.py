@@ -78,9 +78,7 @@ class Compiled:
 
     core: Core
     name: str
-    quantities: tuple[
-        str, ...
-    ] = ()  # attributes of the bridge that are numbers, as it is given them
+    quantities: tuple[str, ...] = ()  # attributes of the bridge that are numbers
     texts: tuple[str, ...] = ()  # attributes of the bridge that are texts
     joins: tuple[str, ...] = ()  # parameters that are joined messages
     needs_clock: bool = False  # whether it is told the present time
