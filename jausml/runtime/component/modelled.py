@@ -91,7 +91,7 @@ class ModelledComponent(Component):
     def handle_by_machines(
         self, message_class: type[M], *, when: Guard | Callable[[M], Guard] = Guard.ANY
     ) -> None:
-        """Let the machines take an input message of whoever is obeyed by a guard before theirs."""
+        """Let the machines take an input message, of those alone whom its guard obeys."""
         self.handle(message_class, self._jaus_take, when=when)
 
     def provide_by_machines(

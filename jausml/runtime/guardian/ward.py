@@ -116,7 +116,7 @@ class Ward:
     # ------------------------------------------------------------------ for connections
 
     def guard(self, stops: Callable[[], Content]) -> Guarded | None:
-        """Guards a connection from now on, whose stops it returns with a patience in seconds.
+        """Guards a connection from now on, of which `stops` returns patience and stops.
 
         What is returned arms them; None where there are too many.
         """

@@ -85,7 +85,7 @@ class Stopping(Limiting):
         return self.deliver(payload)
 
     def guarded_stops(self, payload: bytes) -> dict[str, Any]:
-        """Returns what the guardian says to topics and components of a stop for its moment."""
+        """Returns the `topics` or `datagrams` that the guardian says, of a stop for its moment."""
         raise NotImplementedError
 
     def encode(self, target: Any) -> bytes:

@@ -255,8 +255,8 @@ class EndpointHealth:
         """Returns what is wrong at present.
 
         The next message ends a missed deadline, and a lost liveliness of the bridge's own
-        publisher. ROS does not tell of that one, but of each further period without. Who is to be
-        alone would jump between its values and those of a second node at the other end.
+        publisher. ROS does not tell of that one, but of each further period without. A second node
+        at the other end is wrong where the values of one alone are meant.
         """
         faults = self._incompatible() if self._suspected else []
         ends = self.others() if alone and self.count() > 1 else ()
