@@ -114,23 +114,13 @@ class Router:
 
     # ---- routes -----------------------------------------------------------------------------
 
-    def set_handler(
-        self,
-        message_class: type[Message],
-        action: Action,
-        condition: Condition,
-        *,
-        takes_payload: bool = False,
-        is_robust: bool = False,
-        counts_each: bool = True,
-    ) -> None:
+    def set_handler(self, handler: Handler) -> None:
         """Handle a message; raises ValueError when it is handled already."""
+        message_class = handler.message_class
         route = self._routes.setdefault(message_class.CODE, _Route())
         if route.handler is not None:
             raise ValueError(f"{message_class.NAME} is handled already")
-        route.handler = Handler(
-            message_class, action, condition, takes_payload, is_robust, counts_each
-        )
+        route.handler = handler
         self._prepare(message_class.CODE)
 
     def set_provision(
@@ -140,7 +130,7 @@ class Router:
     ) -> None:
         """Answer a query; raises ValueError when it is handled already."""
         query_class = provision.query_class
-        self.set_handler(query_class, partial(answer, provision), Guard.ANY)
+        self.set_handler(Handler(query_class, partial(answer, provision), Guard.ANY))
         self._provisions[query_class.CODE] = provision
 
     def provision(self, query_code: int) -> Provision[Any, Any] | None:

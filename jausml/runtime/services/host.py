@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
 from ..transports.packets.packet import Priority
 from ..wire.message import DecodeError, EncodeError, Message, asked_for, asked_for_in
 from .definitions import VERSION_1_1, Guard
-from .dispatch import Provision
+from .dispatch import Handler, Provision
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..transports.transport import Transport
     from .definitions import Completion, ComponentSettings, HandoffRequest, ServiceIdentity
-    from .dispatch import Handler, Router
+    from .dispatch import Router
 
 M = TypeVar("M", bound=Message)
 Q = TypeVar("Q", bound=Message)
@@ -187,7 +187,9 @@ class Host(Hooks):
         """
         with self.loop.lock:
             is_each = when is Guard.ANY if counts_each is None else counts_each
-            self._jaus_router.set_handler(message_class, handler, when, counts_each=is_each)
+            self._jaus_router.set_handler(
+                Handler(message_class, handler, when, counts_each=is_each)
+            )
 
     def handle_payload(
         self,
@@ -212,13 +214,9 @@ class Host(Hooks):
             ValueError: The message has a handler or a provider already.
         """
         with self.loop.lock:
+            is_each = when is Guard.ANY
             self._jaus_router.set_handler(
-                message_class,
-                handler,
-                when,
-                takes_payload=True,
-                is_robust=is_robust,
-                counts_each=when is Guard.ANY,
+                Handler(message_class, handler, when, True, is_robust, is_each)  # noqa: FBT003
             )
 
     def provide(
