@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ...base.address import address_of
 from ...base.quirks import Quirk
-from ..delivery import MESSAGE_CODE_SIZE
+from ..delivery import MESSAGE_CODE_SIZE, report
 from .outgoing import Flight, Lane, Message, key_of
 
 if TYPE_CHECKING:
@@ -120,7 +119,7 @@ class Outbox:
             ready = self._put(message, destination) if is_taken else []
         if not is_taken:
             self._loop.counters.count("transport.too_many_unacknowledged", str(destination))
-            self._report(message, acknowledged=False)
+            report(self._loop, message.on_result, success=False)
         self._transmit(ready)
 
     def acknowledged(self, component: int, sequence: int, by: int) -> bool:
@@ -144,11 +143,10 @@ class Outbox:
                 self._forget(message, lane)
                 lane.arrived(message)
                 self._outcome_of(message).acknowledged += 1
-            ready = self._take_off(lane, destination) if lane.waits else ()
-        if is_done and message.on_result is not None:
-            self._report(message, acknowledged=True)
-        for packet in ready:
-            self._carrier.transmit(packet)
+            ready = self._take_off(lane, destination) if lane.waits else []
+        if is_done:
+            report(self._loop, message.on_result, success=True)
+        self._transmit(ready)
         return True
 
     def answered(self, source: JausAddress, peer: JausAddress, start: bytes) -> None:
@@ -203,7 +201,7 @@ class Outbox:
         for message in overdue:
             self._count_unacknowledged(message)
         for message in abandoned:
-            self._report(message, acknowledged=False)
+            report(self._loop, message.on_result, success=False)
 
     def _has_room_for(self, message: Message) -> bool:
         """Whether a message may wait; one alone may be of any size."""
@@ -245,7 +243,7 @@ class Outbox:
         for message in lane.give_up_late(now):
             self._drop(message)
             self._loop.counters.count("transport.too_late", f"a message to {destination}")
-            self._report(message, acknowledged=False)
+            report(self._loop, message.on_result, success=False)
 
     def _land(self, flight: Flight) -> None:
         del self._flights[flight.key]
@@ -302,7 +300,7 @@ class Outbox:
                 given_up = self._give_up(flight)
                 ready = self._take_off(self._lanes[packet.destination], packet.destination)
         if flight.is_answered:
-            self._report(flight.message, acknowledged=True)
+            report(self._loop, flight.message.on_result, success=True)
         elif flight.repetitions == self._retries and not is_patient:
             self._carrier.suspect(packet.destination, flight.since)
         for message in given_up:
@@ -327,7 +325,7 @@ class Outbox:
         """Report a message that was given up; one that was under way is watched."""
         if flight is None or not self._watch(message, flight, now):
             self._count_unacknowledged(message)
-        self._report(message, acknowledged=False)
+        report(self._loop, message.on_result, success=False)
 
     def _watch(self, message: Message, flight: Flight, now: float) -> bool:
         """Wait on for the acknowledgement of a message that was given up, if it may come."""
@@ -405,7 +403,3 @@ class Outbox:
         """Put packets on the network; without the lock, since the loop may be waiting for it."""
         for packet in packets:
             self._carrier.transmit(packet)
-
-    def _report(self, message: Message, *, acknowledged: bool) -> None:
-        if message.on_result is not None:
-            self._loop.call_soon(partial(message.on_result, acknowledged))
