@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
 _MAX_FRAGMENTS = 32768
 _MOST_PAIRS = 4096
-_PLACES = tuple(DataFlags)
-# Shifted to where they stand in the flags (bits 6-7).
-_FIRST, _MIDDLE, _LAST = (place << 6 for place in _PLACES[1:])
 MOST_SMALL_FRAGMENTS = 40  # packets of a message from which on they are larger than wished for
 
 FIRST_WINDOW = 8
@@ -83,32 +80,25 @@ class Packetizer:
         acknowledge: AckNak,
     ) -> list[Packet]:
         """Return the packets of a message with their sequence numbers."""
-        none = Broadcast.NONE
-        if len(payload) <= self._step(destination, len(payload)):
-            number = self.reserve(source, destination, 1)
-            return [Packet(destination, source, payload, number, priority, none, acknowledge)]
+        step, count = self._step(destination, len(payload)), self.count(destination, len(payload))
+        first, none = self.reserve(source, destination, count), Broadcast.NONE
+        places = [DataFlags.SINGLE]
+        if count > 1:
+            places = [DataFlags.FIRST, *[DataFlags.MIDDLE] * (count - 2), DataFlags.LAST]
+        numbers, starts = range(first, first + count), range(0, len(payload), step)
         return [
             Packet(
-                destination, source, part, number, priority, none, acknowledge, _PLACES[place >> 6]
+                destination,
+                source,
+                payload[start : start + step],
+                number & 0xFFFF,
+                priority,
+                none,
+                acknowledge,
+                place,
             )
-            for part, place, number in self.cut(source, destination, payload)
+            for number, start, place in zip(numbers, starts, places, strict=True)
         ]
-
-    def cut(
-        self, source: JausAddress, destination: JausAddress, payload: bytes
-    ) -> list[tuple[bytes, int, int]]:
-        """Return the parts of a message, each with the bits of its place and its number."""
-        size = len(payload)
-        step = self._step(destination, size)
-        count = -(-size // step)
-        first = self.reserve(source, destination, count)
-        parts = [
-            (payload[start : start + step], _MIDDLE, first + index & 0xFFFF)
-            for index, start in enumerate(range(0, size, step))
-        ]
-        parts[0] = (parts[0][0], _FIRST, first)
-        parts[-1] = (parts[-1][0], _LAST, parts[-1][2])
-        return parts
 
     def _step(self, destination: JausAddress, size: int) -> int:
         if size <= self._fragment_size:
