@@ -33,7 +33,7 @@ class Host:
         self.transport.open()
         stack.callback(self.transport.close)
         self.delivered: list[bytes] = []
-        self.transport.attach(FIRST, lambda message: self.delivered.append(message.payload))
+        self.transport.attach(FIRST, lambda payload, _: self.delivered.append(payload))
         self.unicast = self.transport._port.unicast
 
     def send(self, datagram: bytes) -> None:
@@ -161,7 +161,7 @@ def test_what_waited_while_the_process_stood_still_is_thrown_away(
         transport = JudpTransport(settings, loop)
         transport.open()
         stack.callback(transport.close)
-        transport.attach(FIRST, lambda message: taken.append(message.payload))
+        transport.attach(FIRST, lambda payload, _: taken.append(payload))
         for number, payload in enumerate(old):
             peer.sendto(Packet(FIRST, PEER, payload, number).encode(), ("127.0.0.1", port))
         time.sleep(0.3)

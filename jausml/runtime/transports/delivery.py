@@ -15,19 +15,9 @@ if TYPE_CHECKING:
     from ..base.address import JausAddress
     from ..base.fast_path import FastPath
     from ..base.loop import Loop
-    from .packets.packet import Packet, Priority
+    from .packets.packet import Packet
 
 MESSAGE_CODE_SIZE = 2  # bytes of the message code with which every payload begins
-
-
-class ReceivedMessage(NamedTuple):
-    """One JAUS message as it arrived."""
-
-    source: JausAddress
-    destination: JausAddress
-    payload: bytes  # little-endian 16-bit message code and body
-    priority: Priority
-    sequence: int
 
 
 @dataclass(slots=True)
@@ -81,11 +71,12 @@ class Double(NamedTuple):
         )
 
 
-Receive = Callable[[ReceivedMessage], None]
-"""Takes a message for one component; runs on the loop's thread and holds the loop's lock."""
-
 Take = Callable[[bytes, "JausAddress"], None]
-"""Takes the payload of a message for one component and who sent it, as ``Receive`` does."""
+"""Takes the payload of a message for one component and who sent it.
+
+A payload is a little-endian 16-bit message code and a body. Runs on the loop's thread and holds the
+loop's lock.
+"""
 
 OnResult = Callable[[bool], None]
 """Told whether a message went out; runs on the loop's thread and holds the loop's lock."""

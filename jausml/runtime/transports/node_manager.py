@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.quirks import Quirks
     from ..base.settings import TransportSettings
-    from .delivery import Receive, Take
+    from .delivery import Take
 
 
 _LARGEST_DATAGRAM = 65535
@@ -343,13 +343,13 @@ class NodeManagerTransport(Transport):
         client = self._clients.get(address)
         return client is not None and client.is_attached
 
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
+    def _attach(self, address: JausAddress, take: Take) -> None:
         if address in self._clients:
             raise ValueError(f"{address} is attached already")
         client = NodeManagerClient(
             self._settings, self.loop, self._folder, MANAGER, address, self.quirks
         )
-        client.messenger.inbox.attach(address, receive, take)
+        client.messenger.inbox.attach(address, take)
         if self._is_open:
             client.open()
         # Copied, not changed: send() reads it on other threads without a lock.

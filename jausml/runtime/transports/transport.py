@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..base.loop import Loop
     from ..base.quirks import Learnt
     from ..base.settings import Endpoint, TransportSettings
-    from .delivery import Double, OnResult, PeerTraffic, Receive, Take
+    from .delivery import Double, OnResult, PeerTraffic, Take
     from .packets.messenger import Messenger
 
 
@@ -46,19 +46,15 @@ class Transport(ABC):
     def close(self) -> None:
         """End; messages that wait are reported as lost."""
 
-    def attach(self, address: JausAddress, receive: Receive, take: Take | None = None) -> None:
+    def attach(self, address: JausAddress, take: Take) -> None:
         """Receive messages for a component of this process from now on.
-
-        Args:
-            receive: Takes each message, on the loop's thread.
-            take: Does the same with payload and sender alone; a transport may call it instead.
 
         Raises:
             ValueError: The address is not one component, or is attached already.
             OSError: Another process has the address, as far as the network tells.
         """
         with self.loop.lock:
-            self._attach(address, receive, take)
+            self._attach(address, take)
 
     def detach(self, address: JausAddress) -> None:
         """Stop to receive messages for a component; no effect when it is unknown."""
@@ -195,7 +191,7 @@ class Transport(ABC):
         return partial(self.send, source, destination, priority=priority)
 
     @abstractmethod
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
+    def _attach(self, address: JausAddress, take: Take) -> None:
         """Attach a component; see ``attach``, which holds the lock."""
 
     @abstractmethod

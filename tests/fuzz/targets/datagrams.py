@@ -23,7 +23,6 @@ from jausml.runtime.transports.udp.judp import JudpTransport
 
 if TYPE_CHECKING:
     from jausml.runtime.base.settings import Endpoint
-    from jausml.runtime.transports.delivery import ReceivedMessage
 
 SETTINGS = TransportSettings(reassembly_limit=1 << 16, duplicate_history=64)
 OWN = (JausAddress(100, 1, 1), JausAddress(100, 1, 2))
@@ -64,7 +63,7 @@ class ReceivePath:
         self.inputs = 0
         self.messages = 0
         self.delivered = 0
-        self._latest: ReceivedMessage | None = None
+        self._latest: bytes | None = None
         self.loop = Loop(clock=lambda: self.now)
         self.transport = JudpTransport(SETTINGS, self.loop)
         for address in OWN:
@@ -72,10 +71,10 @@ class ReceivePath:
         # Numbers that a packet waits for, so that acknowledgements may match.
         self.transport.send(OWN[0], PEER, b"\x02\x40", acknowledge=True)
 
-    def _receive(self, message: ReceivedMessage) -> None:
-        if message is not self._latest:  # a broadcast reaches both components
+    def _receive(self, payload: bytes, _source: JausAddress) -> None:
+        if payload is not self._latest:  # a broadcast reaches both components
             self.delivered += 1
-        self._latest = message
+        self._latest = payload
 
     def feed(self, data: bytes) -> None:
         """Take a datagram and balance the books."""

@@ -227,7 +227,7 @@ class FastReceiver:
             or entry.endpoint in self._transport.own_endpoints
             # Forgotten, or never seen: there is nothing to compare numbers with.
             or not numbers
-            or destination not in self._inbox.takers
+            or destination not in self._inbox.receivers
             # Somebody else uses the address of a component of this process: an error to be told.
             or source in self._inbox.receivers
         ):

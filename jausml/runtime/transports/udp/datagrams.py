@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...base.settings import Endpoint, TransportSettings
     from ..address_book import Entry
-    from ..delivery import Receive, Take
+    from ..delivery import Take
     from .sender import Port
 
 LOOPBACK = "127."  # what the addresses of this host alone begin with
@@ -137,8 +137,8 @@ class DatagramTransport(Transport):
             or endpoint[0].startswith(LOOPBACK)
         )
 
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
-        self.inbox.attach(address, receive, take)
+    def _attach(self, address: JausAddress, take: Take) -> None:
+        self.inbox.attach(address, take)
 
     def _detach(self, address: JausAddress) -> None:
         self.inbox.detach(address)

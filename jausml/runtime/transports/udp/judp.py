@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from ...base.loop import Loop
     from ...base.settings import Endpoint, TransportSettings
     from ...base.standstill import Watch
-    from ..delivery import Receive, Take
+    from ..delivery import Take
     from ..packets.packet import Priority
 
     Receiver = Callable[[int], tuple[bytes, Endpoint]]
@@ -197,8 +197,8 @@ class JudpTransport(DatagramTransport):
         """Return the number of the next packet; see ``Transport.next_number``."""
         return self._messenger.packetizer.next_number(source, destination)
 
-    def _attach(self, address: JausAddress, receive: Receive, take: Take | None) -> None:
-        super()._attach(address, receive, take)
+    def _attach(self, address: JausAddress, take: Take) -> None:
+        super()._attach(address, take)
         self._announce()
 
     def _watch(self, sock: socket.socket | None) -> None:
